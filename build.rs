@@ -1,0 +1,2 @@
+//! Compiles the shaders.
+fn main() {}

@@ -1,0 +1,4 @@
+//! What stands on stage and what each tool does: pure logic, no GPU, no OpenXR, no threads.
+
+pub mod input;
+pub mod scene;

@@ -1,0 +1,114 @@
+//! What is to be seen, as plain data in the stage's frame: `render` draws it and knows nothing else.
+//!
+//! The vectors keep their capacity from frame to frame, so that a warm loop allocates nothing.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+
+use crate::tree::Tree;
+
+/// Linear (not sRGB) colour with straight alpha, each 0 to 1.
+pub type Color = [f32; 4];
+
+/// A round rod between two points: sketch lines, rays, the preview.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rod {
+    /// Start in metres.
+    pub from: Vec3,
+    /// End in metres.
+    pub to: Vec3,
+    /// Radius in metres.
+    pub radius: f32,
+    /// Colour; alpha below 1 marks a ghost (drawn see-through).
+    pub color: Color,
+}
+
+/// A ball: a node, a mark, a handle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Centre in metres.
+    pub center: Vec3,
+    /// Radius in metres.
+    pub radius: f32,
+    /// Colour; alpha below 1 marks a ghost.
+    pub color: Color,
+}
+
+/// An upright round plate (the platform, its rim, the pedestal) with its own pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plate {
+    /// Unit cylinder (radius 1, y from −1 to 0, top at 0) to stage.
+    pub world_from_plate: Affine3A,
+    /// Colour.
+    pub color: Color,
+}
+
+/// A controller in the hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Controller {
+    /// Grip pose: controller to stage.
+    pub world_from_grip: Affine3A,
+    /// 0 left, 1 right.
+    pub hand: usize,
+    /// 0 to 1: how far the trigger is pulled (shown on the model).
+    pub trigger: f32,
+}
+
+/// A full-size tree on the stage.
+#[derive(Clone, Debug)]
+pub struct PlacedTree {
+    /// The tree in its own frame, in its whole last state.
+    pub tree: Arc<Tree>,
+    /// Radius of each node one step earlier (0 for the newest nodes); empty: as in `tree`.
+    pub radius_before: Arc<Vec<f32>>,
+    /// Changes whenever `tree` does; an unchanged number means nothing to upload.
+    pub revision: u64,
+    /// Tree to stage: a similarity (turn, move, one scale).
+    pub world_from_tree: Affine3A,
+    /// How far the newest step has grown, 0 (not begun) to 1 (whole).
+    pub growth: f32,
+    /// The newest step: segments with this birth are the ones that grow.
+    pub newest: u32,
+}
+
+/// What a board says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BoardContent {
+    /// Heading.
+    pub title: String,
+    /// Lines of text, monospaced: the L-string, the rules, counts, button hints.
+    pub lines: Vec<String>,
+    /// A message to the person, in a colour that is seen.
+    pub message: Option<String>,
+}
+
+/// A flat panel with text in the stage; `ui` lays the text out, `render` paints it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Board {
+    /// Panel (x right, y up, unit: metres, origin at the centre) to stage.
+    pub world_from_board: Affine3A,
+    /// Width and height in metres.
+    pub size: [f32; 2],
+    /// Changes whenever `content` does.
+    pub revision: u64,
+    /// The text.
+    pub content: Arc<BoardContent>,
+}
+
+/// One frame's picture.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Rods.
+    pub rods: Vec<Rod>,
+    /// Balls.
+    pub balls: Vec<Ball>,
+    /// Plates.
+    pub plates: Vec<Plate>,
+    /// Controllers that are tracked.
+    pub controllers: Vec<Controller>,
+    /// The tree, where there is one.
+    pub tree: Option<PlacedTree>,
+    /// The board with the step, the string and messages.
+    pub board: Option<Board>,
+}
