@@ -1,1 +1,3 @@
-//! The room `app`.
+//! Ties everything together: the frame loop, the worker, autosave and messages to the person.
+
+pub mod worker;
