@@ -3,4 +3,6 @@
 pub mod document;
 pub mod history;
 pub mod input;
+pub mod journal;
+pub mod project;
 pub mod scene;
