@@ -17,13 +17,10 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 pub mod change;
-pub mod grammar;
-pub mod grow;
 pub mod letter;
 pub mod predict;
 pub mod quantize;
 
-pub use grow::{GROW, GrowParams, Grown, grow, grow_within, sketch_nodes};
 pub use letter::{Letter, UnknownLetter};
 pub use predict::predict_segments;
 pub use quantize::{angle_deg, coordinate, point};
@@ -51,6 +48,8 @@ pub struct Bounds {
     pub coordinate: f32,
     /// Shortest segment that can be drawn, metres.
     pub segment: f32,
+    /// Largest angle that can be entered, degrees either way: a thousand turns.
+    pub angle_deg: f64,
     /// Deepest nesting of a branch in itself.
     pub depth: u32,
     /// Largest growth step.
@@ -69,6 +68,7 @@ pub const BOUNDS: Bounds = Bounds {
     points: 100_000,
     coordinate: 1000.0,
     segment: 0.001,
+    angle_deg: 360_000.0,
     depth: 64,
     step: 10_000,
     scale: [0.01, 1000.0],
@@ -337,7 +337,9 @@ pub enum SketchError {
         most: u32,
     },
     /// Too large a tree.
-    #[error("step {step} would have {segments} segments, and at most {most} are grown: step back, or thin the branches out")]
+    #[error(
+        "step {step} would have {segments} segments, and at most {most} are grown: step back, or thin the branches out"
+    )]
     TooLarge {
         /// The step asked for.
         step: u32,
