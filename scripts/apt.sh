@@ -80,3 +80,17 @@ apt_key_for() {
         kind == "sources" && tolower($1) == "signed-by:" && $2 ~ /^\// { print $2; exit }
         kind == "list" && match($0, /signed-by=[^] ,]*/) { print substr($0, RSTART + 10, RLENGTH - 10); exit }'
 }
+
+# quietly LOG WHAT COMMAND…: one line for a long command, with its time; where it fails, the end of its log.
+quietly() {
+    local log=$1 what=$2 began=$SECONDS
+    shift 2
+    printf '%s … ' "$what"
+    if "$@" >>"$log" 2>&1 </dev/null; then
+        printf '%s s\n' $((SECONDS - began))
+    else
+        printf 'failed; the end of %s:\n' "$log"
+        tail -n 25 "$log"
+        return 1
+    fi
+}
