@@ -6,17 +6,29 @@
     reason = "a test that stops says enough by stopping"
 )]
 
+use std::process::Stdio;
+
 use ash::vk;
 use glam::{Quat, Vec2, Vec3};
 use ramus_monado::{
     remote::{Packet, Remote},
     service::{Service, ServiceParams},
-    stage,
+    stage, verdict,
 };
 use ramus_xr::{
     Frame, Hand, Headset, HeadsetError, Pose, Pulse, Tick, View,
     openxr::{OpenXrHeadset, StartParams, VulkanHandles, connect},
 };
+
+/// Runs a test where the runtime is, and fails it for whatever the runtime or a layer complained about.
+fn staged(test: &str, body: impl FnOnce()) {
+    let output = stage::run(test, body).unwrap();
+    assert_eq!(
+        verdict::complaints(&output),
+        [""; 0],
+        "the runtime complained"
+    );
+}
 
 /// Most rounds until something must have happened: half a minute on the null compositor.
 const PATIENCE: usize = 600;
@@ -196,7 +208,7 @@ fn arrived(seen: &Frame, sent: &Frame) -> bool {
 
 #[test]
 fn what_hands_and_head_do_arrives_exactly() {
-    stage::run("what_hands_and_head_do_arrives_exactly", || {
+    staged("what_hands_and_head_do_arrives_exactly", || {
         let service = Service::start(ServiceParams::default()).unwrap();
         let mut remote = Remote::connect(service.port()).unwrap();
         remote
@@ -257,8 +269,7 @@ fn what_hands_and_head_do_arrives_exactly() {
         device.exit();
         drop(device);
         service.stop().unwrap();
-    })
-    .unwrap();
+    });
 }
 
 #[test]
@@ -275,4 +286,115 @@ fn a_killed_runtime_is_a_loss() {
         assert!(device.round().is_err());
     })
     .unwrap();
+}
+
+/// Runs rounds until one is as wanted.
+fn until(device: &mut Device, what: &str, wanted: impl Fn(&Frame) -> bool) -> Frame {
+    (0..PATIENCE)
+        .filter_map(|_| device.round().unwrap())
+        .find(wanted)
+        .unwrap_or_else(|| panic!("no frame {what}"))
+}
+
+#[test]
+fn without_the_focus_hands_are_hidden_until_it_comes_back() {
+    staged(
+        "without_the_focus_hands_are_hidden_until_it_comes_back",
+        || {
+            let service = Service::start(ServiceParams::default()).unwrap();
+            let mut device = Device::new(&service);
+            let before = device.focus();
+            let control = |arguments: &[&str]| {
+                let output = service
+                    .command("monado-ctl")
+                    .env_remove("XR_ENABLE_API_LAYERS")
+                    .args(arguments)
+                    .output()
+                    .unwrap();
+                String::from_utf8_lossy(&output.stdout).into_owned()
+            };
+            // Another program comes to the front.
+            let mut other = service
+                .command("hello_xr")
+                .args(["-g", "Vulkan2"])
+                .env_remove("XR_ENABLE_API_LAYERS")
+                .stdin(Stdio::piped())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .unwrap();
+            until_client(&mut device, &control, "HelloXR");
+            control(&["-f", "2"]);
+            let away = until(&mut device, "without the focus", |frame| !frame.focused);
+            assert_eq!(away.hands, [Hand::ABSENT; 2]);
+            // It goes, and the focus is ours again.
+            other.kill().unwrap();
+            other.wait().unwrap();
+            let back = until(&mut device, "with the focus again", |frame| frame.focused);
+            assert!(back.time > away.time && away.time > before.time);
+            assert!(
+                until(&mut device, "with hands", |frame| frame
+                    .hands
+                    .iter()
+                    .all(|hand| hand.tracked))
+                .focused
+            );
+            device.exit();
+            drop(device);
+            service.stop().unwrap();
+        },
+    );
+}
+
+/// Runs rounds until the runtime knows the program `name`.
+fn until_client(device: &mut Device, control: &impl Fn(&[&str]) -> String, name: &str) {
+    for _ in 0..PATIENCE {
+        device.round().unwrap();
+        if control(&[]).contains(name) {
+            return;
+        }
+    }
+    panic!("{name} never came: {}", control(&[]));
+}
+
+#[test]
+fn a_recentring_moves_the_person_and_hides_the_hands_for_a_frame() {
+    staged(
+        "a_recentring_moves_the_person_and_hides_the_hands_for_a_frame",
+        || {
+            let service = Service::start(ServiceParams::default()).unwrap();
+            let mut remote = Remote::connect(service.port()).unwrap();
+            let sent = recorded(5);
+            remote.send(&Packet::from_frame(&sent).unwrap()).unwrap();
+            let mut device = Device::new(&service);
+            device.focus();
+            until(&mut device, "as sent", |frame| arrived(frame, &sent));
+            let output = service.command("monado-ctl").arg("-c").output().unwrap();
+            println!("{}", String::from_utf8_lossy(&output.stdout));
+            let hidden = until(&mut device, "without hands", |frame| {
+                frame.hands == [Hand::ABSENT; 2]
+            });
+            assert!(hidden.focused, "the focus stays");
+            let after = until(&mut device, "with hands", |frame| {
+                frame.hands.iter().all(|hand| hand.tracked)
+            });
+            println!("{:?}", after.head);
+            // The stage's origin is now below the person; hand and head are to each other as before.
+            assert!(
+                after.head.position.x.abs() < 1e-4 && after.head.position.z.abs() < 1e-4,
+                "{:?}",
+                after.head
+            );
+            let hand = |frame: &Frame| (frame.head.inverse() * frame.hands[1].aim).position;
+            assert!(
+                hand(&after).distance(hand(&sent)) < 1e-4,
+                "{} {}",
+                hand(&after),
+                hand(&sent)
+            );
+            device.exit();
+            drop(device);
+            service.stop().unwrap();
+        },
+    );
 }
