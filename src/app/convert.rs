@@ -16,7 +16,10 @@ pub fn input_from_frame(frame: &Frame) -> input::Input {
 }
 
 fn pose(from: Pose) -> input::Pose {
-    input::Pose { orientation: from.orientation, position: from.position }
+    input::Pose {
+        orientation: from.orientation,
+        position: from.position,
+    }
 }
 
 fn hand(from: Hand) -> input::HandInput {

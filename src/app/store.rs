@@ -110,15 +110,23 @@ fn free_name(project: &Path, suffix: &str) -> PathBuf {
 }
 
 fn read(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    let failed = |source| StoreError::Read { source, path: path.to_owned() };
+    let failed = |source| StoreError::Read {
+        source,
+        path: path.to_owned(),
+    };
     let file = match File::open(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         opened => opened.map_err(failed)?,
     };
     let mut bytes = Vec::new();
-    let read = file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    let read = file
+        .take(MAX_FILE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
     if read as u64 > MAX_FILE_BYTES {
-        return Err(failed(io::Error::other("it is larger than 512 MiB, which no project is")));
+        return Err(failed(io::Error::other(
+            "it is larger than 512 MiB, which no project is",
+        )));
     }
     Ok(Some(bytes))
 }
@@ -132,8 +140,10 @@ pub fn read_project(path: &Path) -> Result<Document, StoreError> {
         source: io::ErrorKind::NotFound.into(),
         path: path.to_owned(),
     })?;
-    project::from_bytes(&bytes)
-        .map_err(|source| StoreError::Project { source, path: path.to_owned() })
+    project::from_bytes(&bytes).map_err(|source| StoreError::Project {
+        source,
+        path: path.to_owned(),
+    })
 }
 
 /// What a journal left behind by a killed session gave.
@@ -151,8 +161,10 @@ impl Store {
     pub fn open(project: &Path) -> Result<Opened, StoreError> {
         let document = match read(project)? {
             None => Document::default(),
-            Some(bytes) => project::from_bytes(&bytes)
-                .map_err(|source| StoreError::Project { source, path: project.to_owned() })?,
+            Some(bytes) => project::from_bytes(&bytes).map_err(|source| StoreError::Project {
+                source,
+                path: project.to_owned(),
+            })?,
         };
         let journal_path = beside(project, ".journal");
         let file = Self::lock(project, &journal_path)?;
@@ -182,12 +194,19 @@ impl Store {
                 ));
             }
         }
-        let left = Left { history: History::default(), journal: None, message };
+        let left = Left {
+            history: History::default(),
+            journal: None,
+            message,
+        };
         Self::keep(project, journal_path, file, left)
     }
 
     fn lock(project: &Path, journal_path: &Path) -> Result<File, StoreError> {
-        let failed = |source| StoreError::Journal { source, path: journal_path.to_owned() };
+        let failed = |source| StoreError::Journal {
+            source,
+            path: journal_path.to_owned(),
+        };
         let file = OpenOptions::new()
             .read(true)
             .write(true)
@@ -197,7 +216,9 @@ impl Store {
             .map_err(failed)?;
         match file.try_lock() {
             Ok(()) => Ok(file),
-            Err(TryLockError::WouldBlock) => Err(StoreError::Busy { path: project.to_owned() }),
+            Err(TryLockError::WouldBlock) => Err(StoreError::Busy {
+                path: project.to_owned(),
+            }),
             Err(TryLockError::Error(source)) => Err(failed(source)),
         }
     }
@@ -205,23 +226,37 @@ impl Store {
     /// Reads what is in the journal; whatever cannot be used is put aside, never thrown away.
     fn recover(project: &Path, journal_path: &Path, base: Document) -> Result<Left, StoreError> {
         let bytes = read(journal_path)?.unwrap_or_default();
-        let fresh = |message| Left { history: History::new(base.clone()), journal: None, message };
+        let fresh = |message| Left {
+            history: History::new(base.clone()),
+            journal: None,
+            message,
+        };
         let put_aside = |why: &str| {
             let aside = free_name(project, ".journal.damaged");
             write_atomically(&aside, &bytes)?;
-            Ok::<_, StoreError>(format!("{why}; the journal was kept as {}", aside.display()))
+            Ok::<_, StoreError>(format!(
+                "{why}; the journal was kept as {}",
+                aside.display()
+            ))
         };
         let decoded = match journal::decode(&bytes) {
             Ok(decoded) => decoded,
             Err(JournalError::Empty) => return Ok(fresh(None)),
             Err(source @ JournalError::Version(_)) => {
-                return Err(StoreError::Recover { source, path: journal_path.to_owned() });
+                return Err(StoreError::Recover {
+                    source,
+                    path: journal_path.to_owned(),
+                });
             }
             Err(error) => return Ok(fresh(Some(put_aside(&error.to_string())?))),
         };
         // A session that began anew has its journal start from nothing, whatever the project file holds.
         let empty = Document::default();
-        let base = if decoded.base == journal::base_hash(&empty) { empty } else { base.clone() };
+        let base = if decoded.base == journal::base_hash(&empty) {
+            empty
+        } else {
+            base.clone()
+        };
         let recovered = match journal::replay(&base, &decoded) {
             Ok(recovered) => recovered,
             // The session was killed between saving and starting the journal anew: all is in the project.
@@ -231,15 +266,20 @@ impl Store {
         let message = match recovered.message {
             Some(why) if matches!(decoded.damage, Some(journal::Damage::Torn { .. })) => Some(why),
             Some(why) => Some(put_aside(&why)?),
-            None if recovered.actions > 0 => {
-                Some(format!("recovered {} actions of a session that ended abruptly", recovered.actions))
-            }
+            None if recovered.actions > 0 => Some(format!(
+                "recovered {} actions of a session that ended abruptly",
+                recovered.actions
+            )),
             None => None,
         };
         // Going on in the same journal needs all its actions to have been repeated.
         let whole = recovered.actions == decoded.actions.len();
         let journal = whole.then_some((decoded.journal, decoded.whole_bytes as u64));
-        Ok(Left { history: recovered.history, journal, message })
+        Ok(Left {
+            history: recovered.history,
+            journal,
+            message,
+        })
     }
 
     fn keep(
@@ -248,9 +288,14 @@ impl Store {
         file: File,
         left: Left,
     ) -> Result<Opened, StoreError> {
-        let failed = |source| StoreError::Journal { source, path: journal_path.clone() };
-        let sync = Worker::start("ramus-sync", |file: &Arc<File>, _: &AtomicBool| file.sync_data())
-            .map_err(failed)?;
+        let failed = |source| StoreError::Journal {
+            source,
+            path: journal_path.clone(),
+        };
+        let sync = Worker::start("ramus-sync", |file: &Arc<File>, _: &AtomicBool| {
+            file.sync_data()
+        })
+        .map_err(failed)?;
         let (journal, whole_bytes) = left.journal.unwrap_or_else(|| {
             let (journal, _) = Journal::begin(left.history.committed());
             (journal, 0)
@@ -270,11 +315,17 @@ impl Store {
             if recovered {
                 write_atomically(project, &project::to_bytes(left.history.committed()))?;
             }
-            store.start_journal(left.history.committed()).map_err(failed)?;
+            store
+                .start_journal(left.history.committed())
+                .map_err(failed)?;
         } else {
             store.file.set_len(whole_bytes).map_err(failed)?;
         }
-        Ok(Opened { store, history: left.history, message: left.message })
+        Ok(Opened {
+            store,
+            history: left.history,
+            message: left.message,
+        })
     }
 
     /// The project's path.
@@ -289,13 +340,16 @@ impl Store {
     /// Where the system refuses; the actions are kept and tried again with the next call.
     pub fn append(&mut self, actions: &[Action]) -> Result<(), StoreError> {
         for action in actions {
-            self.unwritten.extend_from_slice(self.journal.line(action).as_bytes());
+            self.unwritten
+                .extend_from_slice(self.journal.line(action).as_bytes());
         }
         if self.unwritten.is_empty() {
             return Ok(());
         }
-        self.write_out()
-            .map_err(|source| StoreError::Journal { source, path: self.journal_path.clone() })
+        self.write_out().map_err(|source| StoreError::Journal {
+            source,
+            path: self.journal_path.clone(),
+        })
     }
 
     /// What the worker that forces the journal to the disk complained of, if anything.
@@ -304,9 +358,10 @@ impl Store {
     /// Where forcing failed: the disk is full or gone.
     pub fn check(&mut self) -> Result<(), StoreError> {
         match self.sync.poll() {
-            Some(Err(source)) => {
-                Err(StoreError::Journal { source, path: self.journal_path.clone() })
-            }
+            Some(Err(source)) => Err(StoreError::Journal {
+                source,
+                path: self.journal_path.clone(),
+            }),
             _ => Ok(()),
         }
     }
@@ -318,7 +373,10 @@ impl Store {
     pub fn save(&mut self, document: &Document) -> Result<(), StoreError> {
         write_atomically(&self.project, &project::to_bytes(document))?;
         self.start_journal(document)
-            .map_err(|source| StoreError::Journal { source, path: self.journal_path.clone() })
+            .map_err(|source| StoreError::Journal {
+                source,
+                path: self.journal_path.clone(),
+            })
     }
 
     /// Saves and takes the journal away: the session ended in good order.
@@ -366,7 +424,12 @@ mod tests {
 
     fn draw(opened: &mut Opened, heights: &[f32]) {
         for &height in heights {
-            opened.history.apply(Edit::AddSegment { to: Vec3::new(0.0, height, 0.0) }).unwrap();
+            opened
+                .history
+                .apply(Edit::AddSegment {
+                    to: Vec3::new(0.0, height, 0.0),
+                })
+                .unwrap();
             let log = opened.history.take_log();
             opened.store.append(&log).unwrap();
         }
@@ -401,12 +464,21 @@ mod tests {
         let path = folder.path().join("tree.ramus");
         let mut opened = Store::open(&path).unwrap();
         draw(&mut opened, &[0.1, 0.2]);
-        opened.store.save(&opened.history.committed().clone()).unwrap();
+        opened
+            .store
+            .save(&opened.history.committed().clone())
+            .unwrap();
         draw(&mut opened, &[0.3, 0.4]);
         let document = kill(opened);
         let mut again = Store::open(&path).unwrap();
         assert_eq!(*again.history.committed(), document);
-        assert!(again.message.as_ref().unwrap().contains("recovered 2 actions"));
+        assert!(
+            again
+                .message
+                .as_ref()
+                .unwrap()
+                .contains("recovered 2 actions")
+        );
         assert_eq!(again.history.undo_count(), 2);
         // The recovered session goes on in the same journal.
         draw(&mut again, &[0.5]);
@@ -436,14 +508,22 @@ mod tests {
 
     #[test]
     fn damage_and_strangers_are_put_aside_and_nothing_is_thrown_away() {
-        let strange = b"{\"format\":\"ramus-journal\",\"version\":1,\"base\":\"0123456789abcdef\"}\n";
-        for (name, bytes) in [("noise", &b"\x00\xff noise\nmore\n"[..]), ("other base", &[&strange[..], b"{}\n"].concat())] {
+        let strange =
+            b"{\"format\":\"ramus-journal\",\"version\":1,\"base\":\"0123456789abcdef\"}\n";
+        for (name, bytes) in [
+            ("noise", &b"\x00\xff noise\nmore\n"[..]),
+            ("other base", &[&strange[..], b"{}\n"].concat()),
+        ] {
             let folder = folder();
             let path = folder.path().join("tree.ramus");
             fs::write(beside(&path, ".journal"), bytes).unwrap();
             let opened = Store::open(&path).unwrap();
             if opened.message.is_some() {
-                assert_eq!(fs::read(beside(&path, ".journal.damaged")).unwrap(), bytes, "{name}");
+                assert_eq!(
+                    fs::read(beside(&path, ".journal.damaged")).unwrap(),
+                    bytes,
+                    "{name}"
+                );
             }
         }
     }
@@ -492,11 +572,18 @@ mod tests {
         let path = folder.path().join("tree.ramus");
         for broken in [&b"not a project"[..], b"{", b"", b"\xff\xfe\x00"] {
             fs::write(&path, broken).unwrap();
-            let Err(error) = Store::open(&path) else { panic!("opened {broken:?}") };
+            let Err(error) = Store::open(&path) else {
+                panic!("opened {broken:?}")
+            };
             assert!(error.to_string().contains("tree.ramus"), "{error}");
             assert_eq!(fs::read(&path).unwrap(), broken);
         }
-        let Err(error) = Store::open(&folder.path().join("none/tree.ramus")) else { panic!("opened") };
-        assert!(error.to_string().contains("folder that you may write to"), "{error}");
+        let Err(error) = Store::open(&folder.path().join("none/tree.ramus")) else {
+            panic!("opened")
+        };
+        assert!(
+            error.to_string().contains("folder that you may write to"),
+            "{error}"
+        );
     }
 }

@@ -27,20 +27,27 @@ impl<Input: Send + 'static, Output: Send + 'static> Worker<Input, Output> {
     pub fn start(name: &str, job: Job<Input, Output>) -> std::io::Result<Self> {
         let (jobs, inbox) = channel::<(Input, Arc<AtomicBool>)>();
         let (outbox, results) = channel();
-        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-            while let Ok((input, cancel)) = inbox.recv() {
-                if cancel.load(Ordering::Relaxed) {
-                    continue;
+        let thread = std::thread::Builder::new()
+            .name(name.to_owned())
+            .spawn(move || {
+                while let Ok((input, cancel)) = inbox.recv() {
+                    if cancel.load(Ordering::Relaxed) {
+                        continue;
+                    }
+                    let output = job(&input, &cancel);
+                    // A job that was cancelled on the way has nothing to say.
+                    if !cancel.load(Ordering::Relaxed) && outbox.send(output).is_err() {
+                        return;
+                    }
                 }
-                let output = job(&input, &cancel);
-                // A job that was cancelled on the way has nothing to say.
-                if !cancel.load(Ordering::Relaxed) && outbox.send(output).is_err() {
-                    return;
-                }
-            }
-        })?;
+            })?;
         let cancel = Arc::new(AtomicBool::new(false));
-        Ok(Self { jobs: Some(jobs), results, cancel, thread: Some(thread) })
+        Ok(Self {
+            jobs: Some(jobs),
+            results,
+            cancel,
+            thread: Some(thread),
+        })
     }
 
     /// Cancels what runs and asks for this instead.
