@@ -19,6 +19,7 @@ use ramus::{
         Wrap, grow, grow_within, predict_segments, sketch_nodes,
     },
     tree::NO_PARENT,
+    world::{document::Edit, history::History, journal::Journal, project},
 };
 
 fn grown(sketch: &Sketch, step: u32) -> Grown {
@@ -413,7 +414,8 @@ fn a_depth_limit_ends_the_copies() {
     assert_eq!(orders(&limited(Some(1))), 2);
     assert_eq!(orders(&limited(Some(2))), 3);
     assert_eq!(
-        orders(&limited(None)), 4,
+        orders(&limited(None)),
+        4,
         "a copy in a copy every second step"
     );
     let string = without_rolls(&grown(&limited(Some(1)), 5).string);
@@ -667,9 +669,49 @@ fn the_guide_shows_what_is_written() {
         guide.contains(&text),
         "docs/src/sketch.md must show this grammar:\n{text}"
     );
-    let string = without_rolls(&grown(&sketch, 6).string);
+    let string = without_rolls(&grown(&sketch, 7).string);
     assert!(
         guide.contains(&string),
         "docs/src/sketch.md must show this string:\n{string}"
     );
+
+    // The same sketch as a project, and how it was drawn as a journal.
+    let (history, journal) = guide_session();
+    let page = include_str!("../docs/src/project-file.md");
+    let project = String::from_utf8(project::to_bytes(history.document())).unwrap();
+    assert!(
+        page.contains(&project),
+        "docs/src/project-file.md must show this project:\n{project}"
+    );
+    assert!(
+        page.contains(&journal),
+        "docs/src/project-file.md must show this journal:\n{journal}"
+    );
+}
+
+/// A trunk and a branch, drawn as a person draws them.
+fn guide_session() -> (History, String) {
+    let mut history = History::default();
+    let (mut journal, mut text) = Journal::begin(history.document());
+    let edits = [
+        Edit::AddStroke {
+            to: vec![Vec3::Y * 0.15, Vec3::Y * 0.3],
+        },
+        Edit::Select {
+            at: NodeRef::new(Letter::TRUNK, 1),
+        },
+        Edit::AddSegment {
+            to: Vec3::new(0.1, 0.25, 0.0),
+        },
+        Edit::SetStep { step: 5 },
+        Edit::SetDivergence { degrees: 90.0 },
+    ];
+    for edit in edits {
+        history.apply(edit).unwrap();
+    }
+    history.undo();
+    for action in history.take_log() {
+        text.push_str(&journal.line(&action));
+    }
+    (history, text)
 }

@@ -16,9 +16,9 @@
 
 use std::fmt::Write as _;
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3};
 
-use super::{Letter, Sketch, Stroke, Wrap};
+use super::{Letter, Sketch, Stroke, Wrap, quantize};
 use crate::lsystem::shape_frames;
 
 /// Decimals of a displacement: 1 nm, so that a thousand segments end where they were drawn.
@@ -158,7 +158,7 @@ impl Sketch {
     /// The displacements of each letter at full size, in the frame of the segment it sits on, rounded
     /// to what the grammar says.
     fn dictionary(&self) -> Vec<(Letter, Vec<DVec3>)> {
-        let scale = f64::from(self.scale);
+        let scale = quantize::exact(Vec3::splat(self.scale)).x;
         let mut entries = Vec::with_capacity(self.strokes.len());
         // The frame along each segment of each stroke, in the sketch's axes.
         let mut frames: Vec<Vec<DQuat>> = Vec::with_capacity(self.strokes.len());
@@ -171,7 +171,7 @@ impl Sketch {
             let base_from_sketch = base.inverse();
             let mut below = DVec3::ZERO;
             let mut displacements = Vec::with_capacity(stroke.points.len());
-            for point in stroke.points.iter().map(|point| point.as_dvec3()) {
+            for point in stroke.points.iter().copied().map(quantize::exact) {
                 displacements.push(rounded(base_from_sketch * (point - below) * scale));
                 below = point;
             }
