@@ -187,12 +187,14 @@ fn what_hands_and_head_do_arrives_exactly() {
             .send(&Packet::from_frame(&recorded(0)).unwrap())
             .unwrap();
         let mut device = Device::new(&service);
-        let chain = device.headset().swapchain().unwrap().clone();
+        let chain = device.headset().swapchain().unwrap();
         println!(
             "{:?} {:?} {:?}",
-            chain.color_format, chain.depth_format, chain.extent
+            chain.color_format(),
+            chain.depth_format(),
+            chain.extent()
         );
-        assert!(!chain.color.is_empty() && !chain.depth.is_empty());
+        assert!(!chain.color().is_empty() && !chain.depth().is_empty());
         device.focus();
         let mut last = 0.0;
         for step in 1..=10 {

@@ -17,6 +17,7 @@ use super::view::locate_views;
 use crate::frame::{Frame, Hand, Pose, Pulse, View};
 use crate::headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};
 use crate::lifecycle::{Demand, FrameCall, FrameClock, Lifecycle, Stage as FrameStage, State};
+use crate::vulkan::VulkanDevice;
 
 /// How long `wait` rests while no session runs, so that a loop around it does not spin.
 const IDLE_PAUSE: Duration = Duration::from_millis(10);
@@ -51,9 +52,24 @@ pub struct OpenXrHeadset {
     /// When the stage's origin will move.
     recentred_at: Option<xr::Time>,
     exit: bool,
+    /// The device, where it is the headset's to keep alive; dropped last.
+    device: Option<Box<dyn VulkanDevice>>,
+}
+
+impl Drop for OpenXrHeadset {
+    fn drop(&mut self) {
+        if let Some(device) = &self.device {
+            device.wait_idle();
+        }
+    }
 }
 
 impl OpenXrHeadset {
+    /// Keeps the device alive for as long as the session.
+    pub(super) fn keep(&mut self, device: Box<dyn VulkanDevice>) {
+        self.device = Some(device);
+    }
+
     /// # Safety
     /// As [`System::start`].
     pub(super) unsafe fn new(
@@ -91,12 +107,14 @@ impl OpenXrHeadset {
             color_format,
             xr::SwapchainUsageFlags::COLOR_ATTACHMENT
                 | xr::SwapchainUsageFlags::TRANSFER_SRC
+                | xr::SwapchainUsageFlags::TRANSFER_DST
                 | xr::SwapchainUsageFlags::SAMPLED,
             extent,
         )?;
         let depth = depth_format.and_then(|format| {
             let usage = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT
-                | xr::SwapchainUsageFlags::TRANSFER_SRC;
+                | xr::SwapchainUsageFlags::TRANSFER_SRC
+                | xr::SwapchainUsageFlags::TRANSFER_DST;
             // A picture without depth is better than none.
             Chain::new(&session, format, usage, extent)
                 .inspect_err(|error| tracing::warn!("no depth layer: {error}"))
@@ -138,6 +156,7 @@ impl OpenXrHeadset {
             head_pose: start.head,
             recentred_at: None,
             exit: false,
+            device: None,
         })
     }
 
