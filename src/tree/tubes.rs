@@ -36,4 +36,7 @@ pub const GROWING: u32 = 1;
 /// Flag of a segment that ends its tube.
 pub const CAPPED: u32 = 2;
 
-const _: () = assert!(size_of::<TubeSegment>() == 80, "shaders/tree.wgsl reads 80 bytes");
+const _: () = assert!(
+    size_of::<TubeSegment>() == 80,
+    "shaders/tree.wgsl reads 80 bytes"
+);

@@ -2,3 +2,6 @@
 
 pub mod input;
 pub mod scene;
+
+pub mod hands;
+pub mod hover;

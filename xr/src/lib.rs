@@ -18,7 +18,10 @@ pub struct Pose {
 
 impl Pose {
     /// At the origin, unturned.
-    pub const IDENTITY: Self = Self { orientation: Quat::IDENTITY, position: Vec3::ZERO };
+    pub const IDENTITY: Self = Self {
+        orientation: Quat::IDENTITY,
+        position: Vec3::ZERO,
+    };
 }
 
 /// Half angles of a view in radians; left and down are usually negative.
@@ -132,7 +135,9 @@ pub struct Pulse {
 #[derive(Debug, thiserror::Error)]
 pub enum HeadsetError {
     /// The runtime died or the session was lost; work must be saved and the headset made anew.
-    #[error("the OpenXR runtime ended the session ({0}); your work is saved: start the runtime again, then Ramus")]
+    #[error(
+        "the OpenXR runtime ended the session ({0}); your work is saved: start the runtime again, then Ramus"
+    )]
     Lost(String),
     /// A call failed for another reason.
     #[error("the headset failed: {0}")]
