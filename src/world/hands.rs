@@ -160,11 +160,6 @@ impl Buttons {
             },
         }
     }
-
-    /// Forgets everything: each button must be seen released before it can be pressed.
-    pub(super) fn block(&mut self) {
-        *self = Self::default();
-    }
 }
 
 /// The hand's state, or `None` where it is not tracked or says nonsense.
@@ -298,7 +293,7 @@ mod tests {
             (all.trigger, all.squeeze, all.lower, all.upper, all.flick),
             (Edge::Down, Edge::Down, Edge::Down, Edge::Down, 1)
         );
-        buttons.block();
+        buttons = Buttons::default();
         assert_eq!(
             buttons.step(&hand, &params),
             Edges::default(),
