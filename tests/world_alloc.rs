@@ -66,7 +66,7 @@ fn a_warm_frame_allocates_nothing() {
     person.world.show_message("Hello.".into());
     let mut scene = Scene::default();
     // Hands that hover, point at the rim, leave, and come back untracked; the tree still growing.
-    let mut play = |person: &mut Person, scene: &mut Scene| {
+    let play = |person: &mut Person, scene: &mut Scene| {
         for n in 0..40_u8 {
             let aside = Vec3::X * 0.01 * f32::from(n % 20);
             person.aim(LEFT, node + aside, Vec3::NEG_Z);

@@ -2,6 +2,7 @@
 
 #![allow(
     dead_code,
+    unreachable_pub,
     clippy::unwrap_used,
     clippy::missing_assert_message,
     reason = "shared by test binaries that use parts of it; a test that fails shows the line"
