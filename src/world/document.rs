@@ -43,12 +43,13 @@ pub const PLACEMENT_BOUNDS: PlacementBounds = PlacementBounds {
 };
 
 impl Default for Placement {
-    /// Half an arm's length ahead, at the height of a table.
+    /// Half an arm's length ahead, at the height of a table, one to four: an arm's length of drawing is
+    /// a sapling of two metres, and the tree at full size (twice the sketch by default) some metres high.
     fn default() -> Self {
         Self {
-            position: Vec3::new(0.0, 0.9, -0.5),
+            position: Vec3::new(0.0, 0.9, -0.55),
             yaw_deg: 0.0,
-            scale: 1.0,
+            scale: 0.25,
         }
     }
 }
@@ -61,12 +62,18 @@ impl Placement {
         self.yaw_deg.to_radians() as f32
     }
 
-    /// The placement on the grid, its turn brought to 0…360°.
+    /// The placement on the grid, its turn brought to 0…360° (one beyond all bounds stays, for the
+    /// checks to find).
     #[must_use]
     pub fn quantized(&self) -> Self {
+        let yaw_deg = quantize::angle_deg(self.yaw_deg);
+        let yaw_deg = match yaw_deg.abs() <= BOUNDS.angle_deg {
+            true => quantize::angle_deg(yaw_deg.rem_euclid(360.0)),
+            false => yaw_deg,
+        };
         Self {
             position: quantize::point(self.position),
-            yaw_deg: quantize::angle_deg(quantize::angle_deg(self.yaw_deg).rem_euclid(360.0)),
+            yaw_deg,
             scale: quantize::coordinate(self.scale),
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! In: an [`Input`] a frame. Out: edits of the document, vibrations, wishes for
 //! a tree, and a [`Scene`]. [`tools`] turns button edges into edits, [`history`]
-//! keeps them, [`miniature`](self) and [`stage`] make the picture, `growth` lets
+//! keeps them, `miniature` and [`stage`] make the picture, `growth` lets
 //! the full-size tree grow on the eye, [`board`] says it all in text.
 //!
 //! A frame in which nothing happens allocates nothing; `tests/world_alloc.rs` holds that.
@@ -13,13 +13,17 @@ use crate::sketch::{Grown, predict_segments};
 
 pub mod board;
 pub mod document;
+#[cfg(test)]
+mod document_tests;
 mod grip;
 mod growth;
 pub mod hands;
 pub mod history;
 pub mod hover;
 pub mod input;
+pub mod journal;
 mod miniature;
+pub mod project;
 pub mod scene;
 pub mod stage;
 pub mod tools;
