@@ -27,6 +27,6 @@ mod swapchain;
 mod system;
 mod view;
 
-pub use connect::{ConnectError, connect};
+pub use connect::{ConnectError, connect, quiet_loader};
 pub use headset::OpenXrHeadset;
 pub use system::{StartParams, System, VulkanHandles};
