@@ -509,7 +509,8 @@ fn a_lost_controller_drops_the_node_where_it_was_last_seen() {
 
 #[test]
 fn nonsense_poses_and_triggers_count_as_untracked() {
-    let spoils: [(&str, fn(&mut Input, usize)); 5] = [
+    type Spoil = fn(&mut Input, usize);
+    let spoils: [(&str, Spoil); 5] = [
         ("NaN position", |input, hand| input.hands[hand].aim.position.x = f32::NAN),
         ("short quaternion", |input, hand| input.hands[hand].grip.orientation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.3)),
         ("far away", |input, hand| input.hands[hand].aim.position.z = -500.0),

@@ -318,8 +318,8 @@ mod tests {
 
     #[test]
     fn nonsense_counts_as_untracked() {
-        let params = HandParams::default();
-        let cases: [(&str, fn(&mut HandInput)); 9] = [
+        type Spoil = fn(&mut HandInput);
+        let cases: [(&str, Spoil); 9] = [
             ("untracked", |hand| hand.tracked = false),
             ("NaN position", |hand| hand.aim.position.y = f32::NAN),
             ("infinite position", |hand| {
@@ -336,6 +336,7 @@ mod tests {
             ("NaN trigger", |hand| hand.trigger = f32::NAN),
             ("NaN stick", |hand| hand.stick.y = f32::NAN),
         ];
+        let params = HandParams::default();
         assert!(sample(&resting(), &params).is_some());
         for (what, spoil) in cases {
             let mut hand = resting();

@@ -150,9 +150,10 @@ mod tests {
 
     #[test]
     fn touch_beats_pointing_and_the_nearest_wins() {
+        type Found = Option<(usize, bool)>;
         let params = HoverParams::default();
         let at = pointer(Vec3::ZERO, Vec3::NEG_Z);
-        let cases: [(&str, Vec<Vec3>, Option<(usize, bool)>); 7] = [
+        let cases: [(&str, Vec<Vec3>, Found); 7] = [
             ("nothing there", vec![], None),
             ("aside", vec![Vec3::new(0.2, 0.0, -1.0)], None),
             ("behind", vec![Vec3::new(0.0, 0.0, 0.5)], None),
