@@ -27,7 +27,8 @@ use ramus::{
         hands::HandParams,
         history::{Action, History},
         input::{self, HandInput, Input},
-        stage::stage_from_sketch,
+        scene::Scene,
+        stage::{Palette, stage_from_sketch},
     },
 };
 use ramus_xr::{Frame, Hand, Pose, session};
@@ -131,7 +132,7 @@ fn pose_of_head(look: Look) -> Pose {
 
 impl Puppet {
     fn new() -> Self {
-        let rest = |x: f32| Held { tip: Vec3::new(x, 0.95, -0.25), direction: Vec3::new(0.0, -0.45, -1.0) };
+        let rest = |x: f32| Held { tip: Vec3::new(x, 0.95, -0.1), direction: Vec3::new(0.0, -0.45, -1.0) };
         let start = Look { eye: Vec3::new(0.0, 1.6, 0.12), at: Vec3::new(0.0, 1.2, -1.0) };
         Self {
             frames: Vec::new(),
@@ -238,7 +239,7 @@ fn perform() -> Vec<Frame> {
     let stage = stage_from_sketch(&Placement::default());
     let on_stage = |place: Vec3| stage.transform_point3(place);
     let ahead = Vec3::new(-0.18, -0.1, -1.0);
-    let rest = |x: f32| (Vec3::new(x, 1.0, -0.2), Vec3::new(0.0, -0.4, -1.0));
+    let rest = |x: f32| (Vec3::new(x, 0.95, 0.0), Vec3::new(0.0, -0.4, -1.0));
     let mut puppet = Puppet::new();
 
     // The right hand draws the trunk, node by node, upwards.
@@ -332,6 +333,10 @@ fn it_draws_a_trunk_and_a_branch_and_lets_them_grow() {
         serve(&mut world);
         largest = largest.max(world.document().step);
     }
+    let mut scene = Scene::default();
+    world.scene(&mut scene);
+    let ghosts = scene.balls.iter().filter(|ball| ball.color == Palette::default().ghost);
+    assert_eq!((ghosts.count(), scene.controllers.len()), (0, 2), "hands at rest are about to draw nothing");
     let Document { sketch, step, platform, .. } = world.document();
     let trunk = [TRUNK[0], TRUNK[1], TRUNK[2], MOVED];
     assert_eq!(sketch.stroke(Letter::TRUNK).unwrap().points, trunk, "to the bit");

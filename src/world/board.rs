@@ -27,7 +27,7 @@ pub struct BoardParams {
 
 impl Default for BoardParams {
     fn default() -> Self {
-        // With the hints these are 22 lines: 3 cm each on a board of 70 cm.
+        // With the hints these are at most 24 lines: 3 cm each on a board of 72 cm.
         Self { columns: 54, string_lines: 5, rule_lines: 8 }
     }
 }
@@ -131,12 +131,8 @@ fn compose(document: &Document, facts: &Facts<'_>, params: &BoardParams) -> Boar
     }
     line("");
     let grammar = sketch.grammar_text();
-    let (shown, left) = rules(&grammar, params.rule_lines);
-    for rule in shown {
-        line(rule);
-    }
-    if left > 0 {
-        line(&format!("{ELLIPSIS} and {left} more"));
+    for row in rules(&grammar, params.columns, params.rule_lines) {
+        line(&row);
     }
     line("");
     for hint in HINTS {
@@ -170,15 +166,44 @@ fn selection(document: &Document) -> String {
     }
 }
 
-/// The lines of a grammar that rewrite or begin, and how many more there are.
-fn rules(grammar: &str, most: usize) -> (impl Iterator<Item = &str>, usize) {
-    let all = || {
-        grammar.lines().map(str::trim).filter(|line| {
-            let comment = line.starts_with(['#', '/']);
-            !comment && (line.contains("->") || line.starts_with("axiom"))
-        })
-    };
-    (all().take(most), all().count().saturating_sub(most))
+/// The lines of a grammar that begin or rewrite, in rows; a last row says how many found no room.
+fn rules(grammar: &str, columns: usize, most: usize) -> Vec<String> {
+    let rules = grammar.lines().map(str::trim).filter(|line| {
+        let comment = line.starts_with('#');
+        !comment && (line.contains("->") || line.starts_with("axiom"))
+    });
+    let mut rows = Vec::new();
+    let mut left = 0_usize;
+    for rule in rules {
+        let mut more = by_words(rule, columns);
+        // One row stays free to say that there is more.
+        if left > 0 || rows.len() + more.len() >= most {
+            left += 1;
+        } else {
+            rows.append(&mut more);
+        }
+    }
+    if left > 0 {
+        rows.push(format!("{ELLIPSIS} and {left} more"));
+    }
+    rows
+}
+
+/// The text in rows, broken at blanks, the further ones indented.
+fn by_words(text: &str, columns: usize) -> Vec<String> {
+    const INDENT: &str = "    ";
+    let mut rows = vec![String::new()];
+    for word in text.split_whitespace() {
+        let Some(row) = rows.last_mut() else { break };
+        let blank = usize::from(!row.trim_start().is_empty());
+        if blank == 1 && row.chars().count() + blank + word.chars().count() > columns {
+            rows.push(format!("{INDENT}{word}"));
+        } else {
+            row.push_str(&" "[..blank]);
+            row.push_str(word);
+        }
+    }
+    rows
 }
 
 /// The text cut to a number of characters.
@@ -232,10 +257,12 @@ mod tests {
 
     #[test]
     fn rules_are_picked_out_of_the_grammar() {
-        let grammar = "# a -> comment\naxiom A(0) B\n  A(x) > B -> A(x) A(x+1)\nshape A 0 1 0\nC(x) -> C(x)\n";
-        let (shown, left) = rules(grammar, 2);
-        assert_eq!(shown.collect::<Vec<_>>(), ["axiom A(0) B", "A(x) > B -> A(x) A(x+1)"]);
-        assert_eq!(left, 1);
+        let grammar = "# a -> comment\naxiom A(0) B\n  A(x) > B -> A(x) A(x+1)\nshape A = [(0 1 0)]\nC(x) -> C(x)\n";
+        let all = ["axiom A(0) B", "A(x) > B -> A(x) A(x+1)", "C(x) -> C(x)"];
+        assert_eq!(rules(grammar, 40, 4), all);
+        assert_eq!(rules(grammar, 40, 3), [all[0], all[1], "… and 1 more"]);
+        assert_eq!(rules(grammar, 12, 9), ["axiom A(0) B", "A(x) > B ->", "    A(x)", "    A(x+1)", "C(x) -> C(x)"]);
+        assert_eq!(by_words("one-long-word next", 5), ["one-long-word", "    next"], "cut later, where it is fitted");
     }
 
     #[test]
@@ -270,7 +297,7 @@ mod tests {
         let facts = Facts { string: &long, segments: 1_999_999, undo: [123_456, 654_321], ..FACTS };
         let content = compose(&Document { step: 9999, ..Document::default() }, &facts, &params);
         assert!(content.lines.iter().all(|line| line.chars().count() <= params.columns));
-        let most = 2 + 3 + params.string_lines + params.rule_lines + 1 + HINTS.len();
+        let most = 2 + 3 + params.string_lines + params.rule_lines + HINTS.len();
         assert!(content.lines.len() <= most, "{}", content.lines.len());
         for hint in HINTS {
             assert!(content.lines.iter().any(|line| line == hint), "uncut: {hint}");

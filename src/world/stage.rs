@@ -66,7 +66,7 @@ impl Default for StageParams {
             tree: Vec3::new(0.0, 0.0, -7.0),
             board: Vec3::new(0.98, 1.35, -1.45),
             board_faces: Vec3::new(0.0, 1.55, 0.0),
-            board_size: [0.92, 0.70],
+            board_size: [0.92, 0.80],
             node_radius: 0.008,
             line_radius: 0.004,
             selected_radius: 0.014,
