@@ -20,6 +20,7 @@
 
 mod call;
 mod connect;
+mod frames;
 mod headset;
 mod input;
 mod space;
