@@ -2,8 +2,23 @@
 //!
 //! Flat arrays in topological order (parent before child), no pointers, no
 //! recursion over depth, so trees of millions of nodes are streamed.
+//!
+//! ```text
+//! turtle, import ─▶ Tree ─▶ radii::da_vinci ─▶ tubes::segments ─▶ GPU
+//!                    │                              └─▶ mesh::mesh ─▶ export::{glb, obj}
+//!                    └─▶ growth::grown ─▶ export::swc
+//! ```
 
 use glam::Vec3;
+
+pub mod axes;
+mod error;
+pub mod growth;
+pub mod mesh;
+pub mod radii;
+pub mod tubes;
+
+pub use error::TreeError;
 
 /// `Tree::parent` of a node that has none.
 pub const NO_PARENT: u32 = u32::MAX;
@@ -32,4 +47,151 @@ pub struct Tree {
     pub letters: Vec<String>,
 }
 
-pub mod tubes;
+/// One node, as [`Tree::push`] takes it; the fields are those of [`Tree`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// Index of the parent node or [`NO_PARENT`].
+    pub parent: u32,
+    /// Metres, Y up.
+    pub position: Vec3,
+    /// Metres.
+    pub radius: f32,
+    /// Index into [`Tree::letters`].
+    pub letter: u16,
+    /// Branching order.
+    pub order: u16,
+    /// Step in which the segment appeared.
+    pub birth: u32,
+}
+
+impl Tree {
+    /// An empty tree with room for `nodes` nodes.
+    pub fn with_capacity(nodes: usize) -> Self {
+        Self {
+            parent: Vec::with_capacity(nodes),
+            position: Vec::with_capacity(nodes),
+            radius: Vec::with_capacity(nodes),
+            letter: Vec::with_capacity(nodes),
+            order: Vec::with_capacity(nodes),
+            birth: Vec::with_capacity(nodes),
+            letters: Vec::new(),
+        }
+    }
+
+    /// Adds a node and returns its index. The caller keeps the invariants; [`Tree::validate`] checks them.
+    pub fn push(&mut self, node: Node) -> u32 {
+        let index = u32::try_from(self.parent.len()).unwrap_or(NO_PARENT);
+        assert!(
+            index != NO_PARENT,
+            "a tree holds at most 4294967294 nodes; producers must stop before"
+        );
+        self.parent.push(node.parent);
+        self.position.push(node.position);
+        self.radius.push(node.radius);
+        self.letter.push(node.letter);
+        self.order.push(node.order);
+        self.birth.push(node.birth);
+        index
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.parent.len()
+    }
+
+    /// Whether there is no node at all.
+    pub fn is_empty(&self) -> bool {
+        self.parent.is_empty()
+    }
+
+    /// Number of nodes without a parent: one for each separate tree.
+    pub fn root_count(&self) -> usize {
+        self.parent
+            .iter()
+            .filter(|&&parent| parent == NO_PARENT)
+            .count()
+    }
+
+    /// Number of segments: nodes that have a parent.
+    pub fn segment_count(&self) -> usize {
+        self.len() - self.root_count()
+    }
+
+    /// Nodes without children, in order of index.
+    pub fn tips(&self) -> Vec<u32> {
+        let mut is_tip = vec![true; self.len()];
+        for &parent in self.parent.iter().filter(|&&parent| parent != NO_PARENT) {
+            is_tip[parent as usize] = false;
+        }
+        (0..)
+            .zip(is_tip)
+            .filter_map(|(node, tip)| tip.then_some(node))
+            .collect()
+    }
+
+    /// Smallest and largest corner of the nodes' positions (without radii), or `None` for an empty tree.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let first = *self.position.first()?;
+        Some(
+            self.position
+                .iter()
+                .fold((first, first), |(low, high), &p| (low.min(p), high.max(p))),
+        )
+    }
+
+    /// Sum of the segments' lengths in metres.
+    pub fn total_length(&self) -> f64 {
+        let length = |(&parent, &position): (&u32, &Vec3)| match parent {
+            NO_PARENT => 0.0,
+            parent => (position.as_dvec3() - self.position[parent as usize].as_dvec3()).length(),
+        };
+        self.parent.iter().zip(&self.position).map(length).sum()
+    }
+
+    /// Checks the invariants that every function of this room relies on; everything that comes from outside
+    /// (an imported file, a deserialised project) passes through here first.
+    ///
+    /// # Errors
+    /// The first invariant broken.
+    pub fn validate(&self) -> Result<(), TreeError> {
+        let expected = self.parent.len();
+        let lengths = [
+            ("position", self.position.len()),
+            ("radius", self.radius.len()),
+            ("letter", self.letter.len()),
+            ("order", self.order.len()),
+            ("birth", self.birth.len()),
+        ];
+        if let Some(&(array, found)) = lengths.iter().find(|(_, found)| *found != expected) {
+            return Err(TreeError::Lengths {
+                array,
+                found,
+                expected,
+            });
+        }
+        if expected >= NO_PARENT as usize {
+            return Err(TreeError::TooManyNodes(expected));
+        }
+        let letters = self.letters.len();
+        for (node, &parent) in self.parent.iter().enumerate() {
+            if parent != NO_PARENT && parent as usize >= node {
+                return Err(TreeError::Parent { node, parent });
+            }
+            if usize::from(self.letter[node]) >= letters {
+                return Err(TreeError::Letter {
+                    node,
+                    letter: self.letter[node],
+                    letters,
+                });
+            }
+            if !self.position[node].is_finite() {
+                return Err(TreeError::Position(node));
+            }
+            let radius = self.radius[node];
+            if !(radius.is_finite() && radius >= 0.0) {
+                return Err(TreeError::Radius { node, radius });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,28 +1,57 @@
 //! Tapered tubes whose rings join: the tree as the GPU draws it and as files hold it.
+//!
+//! ```text
+//!        ○  CAPPED: cone on the last ring
+//!       ╱ ╲
+//!  ────┤   ├──── ring shared by a segment and the axis child that continues it, in the plane that halves the bend
+//!      │ ╭─┼──── STARTS: a lateral begins with a ring of its own, round the node on its parent's axis
+//!      │ │ │
+//!  ────┤   ├────
+//! ```
+//!
+//! One record a segment, made once for each step by [`SegmentBuilder`]; the vertex shader (`shaders/tree.wgsl`) and
+//! [`super::mesh`](mod@super::mesh) (its CPU twin, used for export and as the oracle of image tests) expand it by one formula, written down
+//! in [`super::mesh`](mod@super::mesh). Growth is a parameter of that formula, so nothing is uploaded while a tree grows.
+//!
+//! **Frames** are rotation-minimizing along each tube: every bend applies the smallest rotation between the two directions, so
+//! texture and ring corners never twist or flip (a fixed up vector would on vertical strokes; Frenet frames would at
+//! inflections). The ring at a bend stands half-way. The ring is round in that plane, so a bend of angle θ thins the tube by
+//! cos(θ/2) in the plane of the bend, where a true mitre's ellipse would be as wide as the tube but shoot out a spike
+//! of 1/cos(θ/2) at sharp bends. Beyond [`SHARP_BEND_COSINE`] (120°) the tube ends with a cap and a new one starts at
+//! the same node, as a snapped and regrown twig does: no pinch, no spike, and nothing undefined at 180°.
+//!
+//! A lateral begins round the node itself, in the middle of its parent's tube, and no thicker than the
+//! parent is there: its open side is always buried.
 
 use bytemuck::{Pod, Zeroable};
+use glam::{Quat, Vec3};
+
+pub use super::mesh::{TubeMesh, mesh};
+use super::{NO_PARENT, Tree, axes};
 
 /// One segment of a tube, as the vertex shader (`shaders/tree.wgsl`) and its CPU twin read it: 80 bytes.
 ///
 /// A segment continues its parent's tube when both records hold the same ring (same point,
 /// frame and radius, bit for bit), so no crack can open. Growth is a shader parameter g in 0…1:
-/// a point p of a growing segment stands at `base + g·(p − base)`, and each radius is
-/// `mix(before, after, g)`; whole segments have `GROWING` unset and stay where they are.
+/// a point p of a growing segment stands at `base + g·(p − base)` (p itself where g ≥ 1), and each radius is
+/// `before + g·(after − before)` (after itself where g ≥ 1); whole segments have `GROWING` unset and stay where they are.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct TubeSegment {
     /// Centre of the first ring, metres.
     pub from: [f32; 3],
-    /// Length along the tube at the first ring in metres: the texture's v.
-    pub v: f32,
+    /// The texture's v at the first ring: length along the tube, in circumferences of the tube where it runs, so that a texture
+    /// is never stretched however thin the tube gets. Does not change while the tree grows.
+    pub v_from: f32,
     /// Centre of the second ring.
     pub to: [f32; 3],
-    /// Bit 0 ([`GROWING`]): part of the newest step. Bit 1 ([`CAPPED`]): the tube ends here. Bits 16…31: letter.
+    /// Bit 0 ([`GROWING`]): part of the newest step. Bit 1 ([`CAPPED`]): the tube ends here.
+    /// Bit 2 ([`STARTS`]): the tube begins here. Bits 16…31: letter.
     pub flags: u32,
-    /// The nearest whole ancestor's position, from which a growing segment unfolds.
+    /// The nearest whole ancestor's position, from which a growing segment unfolds (of a whole segment: its own second point).
     pub base: [f32; 3],
-    /// Spare, 0.
-    pub pad: u32,
+    /// The texture's v at the second ring.
+    pub v_to: f32,
     /// First ring's radius before and after the newest step, second ring's before and after.
     pub radii: [f32; 4],
     /// First ring's frame: quaternion x y z w as snorm16; turns +Y into the tube's direction, +X into the ring's first point.
@@ -33,7 +62,208 @@ pub struct TubeSegment {
 
 /// Flag of a segment that is part of the newest step.
 pub const GROWING: u32 = 1;
-/// Flag of a segment that ends its tube.
+/// Flag of a segment that ends its tube: a cone closes the second ring.
 pub const CAPPED: u32 = 2;
+/// Flag of a segment that starts its tube: a disc closes the first ring.
+pub const STARTS: u32 = 4;
+/// Bits to shift [`TubeSegment::flags`] right by to get the letter.
+pub const LETTER_SHIFT: u32 = 16;
 
-const _: () = assert!(size_of::<TubeSegment>() == 80, "shaders/tree.wgsl reads 80 bytes");
+/// A bend whose cosine is smaller (sharper than 120°) ends the tube and starts a new one.
+pub const SHARP_BEND_COSINE: f32 = -0.5;
+
+/// A segment shorter than this in metres has no direction of its own and takes its parent's.
+const SHORTEST: f32 = 1e-9;
+
+/// A segment never counts for more circumferences than this in v, however thin it is.
+const MOST_TURNS: f32 = 1000.0;
+
+const _: () = assert!(
+    size_of::<TubeSegment>() == 80,
+    "shaders/tree.wgsl reads 80 bytes"
+);
+
+/// What the builder keeps for a node until its children are done.
+#[derive(Clone, Copy, Debug)]
+struct Work {
+    /// Frame of the segment that ends here: turns +Y into `direction`.
+    frame: Quat,
+    /// Unit direction of the segment that ends here.
+    direction: Vec3,
+    /// v of the ring at this node.
+    v: f32,
+    /// The shared ring's frame.
+    ring: [i16; 4],
+    /// Nearest whole node at or below this one.
+    base: u32,
+    /// Whether this node's segment continues its parent's tube; `frame` and `direction` are then known before its turn.
+    continues: bool,
+}
+
+/// Makes segments, keeping its scratch memory, so that a warm call allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub struct SegmentBuilder {
+    axis: Vec<u32>,
+    work: Vec<Work>,
+}
+
+/// Writes the segments of a valid tree into `out` (cleared first), one for each node that has a parent, in the order of nodes.
+///
+/// `radius_before`: radius of each node one step earlier (see [`super::radii::da_vinci`]); where it is shorter than the tree
+/// the radius did not change. `newest`: the step whose segments grow (see [`super::growth`]).
+pub fn segments(tree: &Tree, radius_before: &[f32], newest: u32, out: &mut Vec<TubeSegment>) {
+    SegmentBuilder::default().build(tree, radius_before, newest, out);
+}
+
+impl SegmentBuilder {
+    /// [`segments`] with this builder's scratch memory.
+    pub fn build(
+        &mut self,
+        tree: &Tree,
+        radius_before: &[f32],
+        newest: u32,
+        out: &mut Vec<TubeSegment>,
+    ) {
+        let unborn = Work {
+            frame: Quat::IDENTITY,
+            direction: Vec3::Y,
+            v: 0.0,
+            ring: pack_frame(Quat::IDENTITY),
+            base: 0,
+            continues: false,
+        };
+        axes::axis_children_into(tree, &mut self.axis);
+        self.work.clear();
+        self.work.resize(tree.len(), unborn);
+        out.clear();
+        out.reserve(tree.len());
+        let before = |node: usize| {
+            radius_before
+                .get(node)
+                .copied()
+                .unwrap_or(tree.radius[node])
+        };
+        for (node, &parent) in tree.parent.iter().enumerate() {
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "a valid tree's indices fit u32"
+            )]
+            let index = node as u32;
+            if parent == NO_PARENT {
+                self.work[node].base = index;
+                continue;
+            }
+            let below = parent as usize;
+            let under = self.work[below];
+            let [from, to] = [tree.position[below], tree.position[node]];
+            let mut work = self.work[node];
+            let whole = tree.birth[node] < newest && under.base == parent;
+            work.base = if whole { index } else { under.base };
+            let mut flags = u32::from(tree.letter[node]) << LETTER_SHIFT;
+            if !whole {
+                flags |= GROWING;
+            }
+
+            let mut radii = [
+                before(below),
+                tree.radius[below],
+                before(node),
+                tree.radius[node],
+            ];
+            if self.axis[below] != index {
+                radii[0] = radii[0].min(radii[2]);
+                radii[1] = radii[1].min(radii[3]);
+            }
+            let (from_frame, v_from) = if work.continues {
+                (under.ring, under.v)
+            } else {
+                flags |= STARTS;
+                work.direction = direction(from, to).unwrap_or(under.direction);
+                work.frame = (Quat::from_rotation_arc(under.direction, work.direction)
+                    * under.frame)
+                    .normalize();
+                (pack_frame(work.frame), 0.0)
+            };
+            work.v = v_from + circumferences(from.distance(to), radii[1] + radii[3]);
+
+            work.ring = pack_frame(work.frame);
+            match self.axis[node] {
+                NO_PARENT => flags |= CAPPED,
+                next => {
+                    let next = next as usize;
+                    let onward = direction(to, tree.position[next]).unwrap_or(work.direction);
+                    if work.direction.dot(onward) > SHARP_BEND_COSINE {
+                        let half = half_bend(work.direction, onward);
+                        work.ring = pack_frame(half * work.frame);
+                        let after = &mut self.work[next];
+                        after.continues = true;
+                        after.direction = onward;
+                        after.frame = (half * (half * work.frame)).normalize();
+                    } else {
+                        flags |= CAPPED;
+                    }
+                }
+            }
+            self.work[node] = work;
+            out.push(TubeSegment {
+                from: from.to_array(),
+                v_from,
+                to: to.to_array(),
+                flags,
+                base: tree.position[work.base as usize].to_array(),
+                v_to: work.v,
+                radii,
+                from_frame,
+                to_frame: work.ring,
+            });
+        }
+    }
+}
+
+/// Unit vector from one point to another, or `None` where they coincide (or lie too far apart for f32).
+fn direction(from: Vec3, to: Vec3) -> Option<Vec3> {
+    let difference = to - from;
+    // Scaled first, so that squares neither vanish nor overflow whatever the tree's scale.
+    let size = difference.abs().max_element();
+    (size > SHORTEST && size.is_finite()).then(|| (difference / size).normalize())
+}
+
+/// Rotation by half the angle from one unit vector to another; they must not be opposite.
+fn half_bend(from: Vec3, to: Vec3) -> Quat {
+    // The quaternion (from × to, 1 + from·to) turns `from` into `to`; with the vector half-way in the place of `to`
+    // it turns half as far.
+    let between = (from + to).normalize();
+    let axis = from.cross(between);
+    Quat::from_xyzw(axis.x, axis.y, axis.z, 1.0 + from.dot(between)).normalize()
+}
+
+/// A length in circumferences of a tube whose two end radii have this sum.
+fn circumferences(length: f32, sum_of_radii: f32) -> f32 {
+    // Mean circumference 2π·(r₀ + r₁)/2.
+    let circumference = std::f32::consts::PI * sum_of_radii;
+    if length <= circumference * MOST_TURNS {
+        if length > 0.0 {
+            length / circumference
+        } else {
+            0.0
+        }
+    } else {
+        MOST_TURNS
+    }
+}
+
+/// A unit quaternion as four snorm16.
+fn pack_frame(frame: Quat) -> [i16; 4] {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the product lies within ±32767 and `as` saturates"
+    )]
+    frame
+        .to_array()
+        .map(|part| (part * f32::from(i16::MAX)).round() as i16)
+}
+
+/// The unit quaternion that [`TubeSegment::from_frame`] and [`TubeSegment::to_frame`] hold.
+pub fn unpack_frame(packed: [i16; 4]) -> Quat {
+    Quat::from_array(packed.map(|part| f32::from(part) / f32::from(i16::MAX))).normalize()
+}

@@ -1,0 +1,80 @@
+# Ramus: `make help` lists what can be made.
+#
+# Every goal first installs what it needs and is missing (scripts/setup.sh).
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+
+CARGO ?= cargo
+ARGS ?=
+STAGES ?=
+BENCH ?=
+FUZZ_SECONDS ?= 60
+FUZZ ?= grammar project session journal swc
+
+CARGO_TARGET_DIR ?= $(CURDIR)/target
+export CARGO_TARGET_DIR
+export PATH := $(CARGO_TARGET_DIR)/tools/bin:$(PATH)
+
+.PHONY: help
+help: ## this list
+	@echo 'make run               build Ramus and start it: in the headset that answers, else on the simulated one'
+	@echo 'make test              everything that CI checks'
+	@echo 'make bench             the benchmarks'
+	@echo 'make doc               API pages and the user guide, under target/doc and target/book'
+	@echo 'make fuzz              each parser under the fuzzer for FUZZ_SECONDS'
+	@echo 'make clean-out         removes out/, what the program made'
+	@echo
+	@echo 'Variables:'
+	@echo '  ARGS="…"             arguments for the program: make run ARGS="doctor"'
+	@echo '  STAGES="…"           only these stages of make test: $(shell scripts/test.sh --list)'
+	@echo '  BENCH="…"            only benchmarks whose name has this'
+	@echo '  FUZZ="…"             only these fuzz targets: $(FUZZ)'
+	@echo '  FUZZ_SECONDS=60      how long each fuzz target runs'
+	@echo '  RAMUS_SETUP=no       install nothing'
+	@echo '  RAMUS_SHARED=DIR     the reference data that some tests compare with'
+	@echo '  RAMUS_MONADO_ROOT=DIR  where the real runtime of the tests lives (target/monado-root)'
+	@echo '  RAMUS_TEST_GPU=yes   run the picture tests on the graphics card, not on Mesa'"'"'s software device'
+
+.PHONY: run
+run:
+	@scripts/setup.sh run
+	$(CARGO) build --release --bin ramus
+	@"$(CARGO_TARGET_DIR)/release/ramus" $(ARGS)
+
+.PHONY: test
+test:
+	@scripts/setup.sh test
+	@scripts/test.sh $(STAGES)
+
+.PHONY: bench
+bench:
+	@scripts/setup.sh run
+	$(CARGO) bench --workspace --benches -- $(BENCH)
+
+.PHONY: doc
+doc:
+	@scripts/setup.sh doc
+	RUSTDOCFLAGS='-D warnings' $(CARGO) doc --workspace --no-deps
+	mdbook build docs --dest-dir "$(CARGO_TARGET_DIR)/book"
+	@echo "API pages: $(CARGO_TARGET_DIR)/doc/ramus/index.html"
+	@echo "the guide: $(CARGO_TARGET_DIR)/book/index.html"
+
+# libFuzzer's instrumentation needs unstable compiler flags: a stable toolchain takes
+# them with RUSTC_BOOTSTRAP. Finds are left in fuzz/artifacts; what the fuzzer
+# learned stays in target/fuzz-corpus, the seeds in fuzz/corpus are ours.
+.PHONY: fuzz
+fuzz:
+	@scripts/setup.sh fuzz
+	@for target in $(FUZZ); do \
+		echo "fuzz: $$target, $(FUZZ_SECONDS) s"; \
+		mkdir -p "$(CARGO_TARGET_DIR)/fuzz-corpus/$$target"; \
+		RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="$(CARGO_TARGET_DIR)/fuzz" $(CARGO) fuzz run $$target \
+			"$(CARGO_TARGET_DIR)/fuzz-corpus/$$target" "fuzz/corpus/$$target" -- \
+			-max_total_time=$(FUZZ_SECONDS) -timeout=10 -rss_limit_mb=2048 -max_len=16384 -print_final_stats=0; \
+	done
+
+.PHONY: clean-out
+clean-out:
+	rm -rf out

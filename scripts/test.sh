@@ -1,0 +1,119 @@
+#!/usr/bin/env bash
+# Everything that CI checks, stage by stage: test.sh [STAGE…] (all when none is named)
+#
+# One target folder and one profile (dev, optimised lightly) serve all stages, so
+# nothing is built twice. Each stage's time is printed; the first failure ends it.
+set -euo pipefail
+
+repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$repository"
+target=${CARGO_TARGET_DIR:-$repository/target}
+stages=(scripts fmt clippy docs validator monado build-tests doctests tests run)
+
+if [ "${1:-}" = --list ]; then
+    echo "${stages[*]}"
+    exit 0
+fi
+[ $# -eq 0 ] || stages=("$@")
+
+# Pictures must not depend on the machine's graphics card: Mesa's software device draws
+# them, unless RAMUS_TEST_GPU asks for the card.
+if [ -z "${RAMUS_TEST_GPU:-}" ]; then
+    for driver in /usr/share/vulkan/icd.d/lvp_icd*.json; do
+        [ -r "$driver" ] && export VK_DRIVER_FILES=$driver VK_ICD_FILENAMES=$driver
+    done
+fi
+# Uninitialised memory must show: Mesa's software device fills it with rubbish.
+export LVP_POISON_MEMORY=true
+
+summary=''
+
+# Shell scripts parse; the linter looks at them where there is one.
+stage_scripts() {
+    local script
+    for script in .ci/run scripts/*.sh xr/monado/*.sh; do
+        bash -n "$script"
+    done
+    if command -v shellcheck >/dev/null 2>&1; then
+        shellcheck -x -P SCRIPTDIR .ci/run scripts/*.sh xr/monado/*.sh
+    fi
+}
+
+stage_fmt() { cargo fmt --all --check; }
+
+stage_clippy() { cargo clippy --workspace --all-targets --quiet -- -D warnings; }
+
+stage_docs() { RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --document-private-items --quiet; }
+
+# npm's glTF validator, the judge of exported files.
+stage_validator() {
+    [ -f tests/node/package.json ] || { echo "no tests/node here"; return 0; }
+    if [ tests/node/package-lock.json -nt tests/node/node_modules/.package-lock.json ]; then
+        (cd tests/node && npm ci --no-audit --no-fund --loglevel=error)
+    fi
+}
+
+# The real OpenXR runtime. Away from CI the tests that need it are skipped where it cannot be had.
+stage_monado() {
+    if ! xr/monado/make-root.sh && [ "${CI:-}" = true ]; then
+        return 1
+    fi
+}
+
+stage_build-tests() { cargo nextest run --workspace --no-run --cargo-quiet; }
+
+stage_doctests() { cargo test --workspace --doc --quiet; }
+
+stage_tests() {
+    local log=$target/nextest.log failed=''
+    cargo nextest run --workspace --cargo-quiet --no-fail-fast --color never 2>&1 | tee "$log" || failed=yes
+    summary=$(grep -E '^ *Summary \[' "$log" | tail -n 1)
+    [ -z "$failed" ]
+}
+
+# What `make run` starts, on the simulated headset, in a folder of its own.
+stage_run() {
+    local folder=$target/run-check
+    cargo build --quiet --bin ramus
+    rm -rf "$folder"
+    mkdir -p "$folder"
+    # No runtime may answer here: this is about the machine without a headset.
+    (cd "$folder" && XR_RUNTIME_JSON=/dev/null "$target/debug/ramus")
+    local kind
+    for kind in ramus glb png; do
+        if [ -z "$(find "$folder/out" -name "*.$kind" -size +0 2>/dev/null)" ]; then
+            echo "the program left no .$kind file in $folder/out"
+            return 1
+        fi
+    done
+}
+
+began=$SECONDS
+for stage in "${stages[@]}"; do
+    if ! declare -F "stage_$stage" >/dev/null; then
+        echo "there is no stage $stage; there are: $("${BASH_SOURCE[0]}" --list)" >&2
+        exit 2
+    fi
+    echo "== $stage"
+    stage_began=$SECONDS
+    code=0
+    # In a subshell of its own, so that `set -e` holds inside the stage.
+    if [ "$stage" = tests ]; then
+        stage_tests || code=$?
+    else
+        set +e
+        (set -e; "stage_$stage")
+        code=$?
+        set -e
+    fi
+    if [ "$code" -ne 0 ]; then
+        echo "== $stage failed after $((SECONDS - stage_began)) s"
+        [ -z "$summary" ] || echo "$summary"
+        exit 1
+    fi
+    echo "== $stage: $((SECONDS - stage_began)) s"
+done
+echo "== all stages passed in $((SECONDS - began)) s"
+if [ -n "$summary" ]; then
+    echo "$summary"
+fi

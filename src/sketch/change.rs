@@ -1,0 +1,366 @@
+//! Changing a sketch: pure functions from one sketch to the next.
+//!
+//! The old sketch stays as it is and shares every untouched stroke with the new one, which makes
+//! undo a matter of keeping the old value. A change that would break an invariant is refused with
+//! a reason; nothing is half done. Places are given in the sketch's axes from its root, the way a
+//! hand points at them.
+
+use std::{collections::HashSet, sync::Arc};
+
+use glam::{DVec3, Vec3};
+
+use super::{BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Stroke, Wrap, quantize};
+
+/// Lengths may be this much below the shortest segment: half a step of the grid, metres.
+const GRID_SLACK: f64 = 0.000_05;
+
+impl Sketch {
+    /// Adds a segment from `from` to the place `to`: at an apex the stroke grows, at any other node
+    /// a new branch starts, with the first free letter. Gives the new sketch and its new apex.
+    ///
+    /// # Errors
+    /// Where `from` does not exist or is the root of a trunk that has segments, and where `to` is
+    /// not finite, out of bounds or too close.
+    pub fn add_segment(&self, from: NodeRef, to: Vec3) -> Result<(Self, NodeRef), SketchError> {
+        self.add_segments(from, &[to])
+    }
+
+    /// Adds several segments at once, as a free-hand stroke does. No place: nothing changes.
+    ///
+    /// # Errors
+    /// As for [`Self::add_segment`].
+    pub fn add_segments(&self, from: NodeRef, to: &[Vec3]) -> Result<(Self, NodeRef), SketchError> {
+        self.check_node(from)?;
+        let from = self.own_name(from);
+        if to.is_empty() {
+            return Ok((self.clone(), from));
+        }
+        let mut next = self.clone();
+        let extends = self.is_apex(from);
+        let letter = if extends {
+            from.letter
+        } else {
+            if from == NodeRef::ROOT {
+                return Err(SketchError::BranchAtRoot);
+            }
+            let letter = self.free_letter()?;
+            let own_rate = SelfSimilar {
+                rate: from.node,
+                depth_limit: None,
+            };
+            next.strokes.push(Arc::new(Stroke {
+                letter,
+                points: Vec::new(),
+                attachment: Some(from),
+                self_similar: self.self_similar_branches.then_some(own_rate),
+            }));
+            letter
+        };
+        let start = next.start(letter).ok_or(SketchError::NoStroke(letter))?;
+        let added: Vec<Vec3> = to.iter().map(|&to| quantize::point(to - start)).collect();
+        next.edit_stroke(letter, |stroke| stroke.points.extend(added))?;
+        next.validate()?;
+        let apex = next.apex(letter).ok_or(SketchError::NoStroke(letter))?;
+        Ok((next, apex))
+    }
+
+    /// Moves a node to the place `to`. Its neighbours stay; branches that start at it travel along.
+    ///
+    /// # Errors
+    /// Where the node does not exist or is a stroke's start, and where `to` is not finite, out of
+    /// bounds or too close to a neighbour.
+    pub fn move_node(&self, at: NodeRef, to: Vec3) -> Result<Self, SketchError> {
+        let index = self.own_node(at)?;
+        let start = self
+            .start(at.letter)
+            .ok_or(SketchError::NoStroke(at.letter))?;
+        let mut next = self.clone();
+        next.edit_stroke(at.letter, |stroke| {
+            if let Some(point) = stroke.points.get_mut(index) {
+                *point = quantize::point(to - start);
+            }
+        })?;
+        next.validate()?;
+        Ok(next)
+    }
+
+    /// Deletes a node and all above it on its line, with the branches attached there and theirs.
+    /// A branch that loses its first node goes as a whole. Gives the new sketch and the node that
+    /// the line ended on.
+    ///
+    /// # Errors
+    /// Where the node does not exist or is a stroke's start.
+    pub fn delete_node(&self, at: NodeRef) -> Result<(Self, NodeRef), SketchError> {
+        let index = self.own_node(at)?;
+        let below = NodeRef::new(at.letter, at.node.saturating_sub(1));
+        let mut end = below;
+        let mut gone = HashSet::new();
+        let mut next = self.clone();
+        next.strokes.clear();
+        for stroke in &self.strokes {
+            // Attachments name earlier strokes, so one pass finds every branch of a branch.
+            let lost = stroke.attachment.is_some_and(|to| {
+                gone.contains(&to.letter) || (to.letter == at.letter && to.node >= at.node)
+            });
+            match stroke.attachment {
+                _ if lost => {
+                    gone.insert(stroke.letter);
+                }
+                Some(foot) if stroke.letter == at.letter && index == 0 => {
+                    end = foot;
+                    gone.insert(stroke.letter);
+                }
+                _ if stroke.letter == at.letter => {
+                    let mut shorter = Stroke::clone(stroke);
+                    shorter.points.truncate(index);
+                    next.strokes.push(Arc::new(shorter));
+                }
+                _ => next.strokes.push(Arc::clone(stroke)),
+            }
+        }
+        Ok((next, end))
+    }
+
+    /// Deletes everything drawn; angles and sizes stay.
+    #[must_use]
+    pub fn clear(&self) -> Self {
+        let mut next = self.clone();
+        next.strokes = Self::default().strokes;
+        next
+    }
+
+    /// Switches a letter's copies of itself on (with rate and depth limit) or off.
+    ///
+    /// # Errors
+    /// Where the letter does not exist or the rate is 0 or out of bounds.
+    pub fn with_self_similar(
+        &self,
+        letter: Letter,
+        self_similar: Option<SelfSimilar>,
+    ) -> Result<Self, SketchError> {
+        let mut next = self.clone();
+        next.edit_stroke(letter, |stroke| stroke.self_similar = self_similar)?;
+        next.validate()?;
+        Ok(next)
+    }
+
+    /// Sets the turn from one branch to the next, in degrees: any finite angle, brought to 0…360.
+    ///
+    /// # Errors
+    /// Where the angle is not finite.
+    pub fn with_divergence(&self, degrees: f64) -> Result<Self, SketchError> {
+        let mut next = self.clone();
+        finite("the divergence angle", degrees)?;
+        next.divergence_deg = quantize::angle_deg(quantize::angle_deg(degrees).rem_euclid(360.0));
+        next.validate()?;
+        Ok(next)
+    }
+
+    /// Sets full size over sketch, the radius of a tip at full size (metres), and the exponent of
+    /// da Vinci's rule.
+    ///
+    /// # Errors
+    /// Where one is not finite or out of bounds.
+    pub fn with_sizes(&self, scale: f32, tip: f32, exponent: f32) -> Result<Self, SketchError> {
+        let mut next = self.clone();
+        next.scale = quantize::coordinate(scale);
+        next.tip_radius = quantize::coordinate(tip);
+        next.radius_exponent = quantize::coordinate(exponent);
+        next.validate()?;
+        Ok(next)
+    }
+
+    /// Sets how a line goes on after its last drawn segment.
+    #[must_use]
+    pub fn with_wrap(&self, wrap: Wrap) -> Self {
+        Self {
+            wrap,
+            ..self.clone()
+        }
+    }
+
+    /// A branch's node 0 is its parent's node: gives the node under the parent's name.
+    #[must_use]
+    pub fn own_name(&self, at: NodeRef) -> NodeRef {
+        let foot = self.stroke(at.letter).and_then(|stroke| stroke.attachment);
+        foot.filter(|_| at.node == 0).unwrap_or(at)
+    }
+
+    /// # Errors
+    /// Where the node does not exist.
+    pub(crate) fn check_node(&self, at: NodeRef) -> Result<(), SketchError> {
+        let apex = self
+            .apex(at.letter)
+            .ok_or(SketchError::NoStroke(at.letter))?;
+        if at.node > apex.node {
+            return Err(SketchError::NoNode(at.letter, at.node, apex.node));
+        }
+        Ok(())
+    }
+
+    /// The place of a node in its stroke's points.
+    ///
+    /// # Errors
+    /// Where it does not exist or is the stroke's start, which is not its own.
+    fn own_node(&self, at: NodeRef) -> Result<usize, SketchError> {
+        self.check_node(at)?;
+        if at.node > 0 {
+            return Ok(at.node as usize - 1);
+        }
+        match self.stroke(at.letter).and_then(|stroke| stroke.attachment) {
+            Some(foot) => Err(SketchError::StartOfBranch(
+                at.letter,
+                foot.letter,
+                foot.node,
+            )),
+            None => Err(SketchError::Root),
+        }
+    }
+
+    fn free_letter(&self) -> Result<Letter, SketchError> {
+        let taken: HashSet<Letter> = self.strokes.iter().map(|stroke| stroke.letter).collect();
+        (1..=u16::MAX)
+            .map(Letter::from_index)
+            .find(|letter| !taken.contains(letter))
+            .ok_or(SketchError::TooMany {
+                what: "strokes",
+                most: BOUNDS.strokes,
+            })
+    }
+
+    /// Gives a stroke a changed copy, leaving the shared one to the sketches that hold it.
+    fn edit_stroke(
+        &mut self,
+        letter: Letter,
+        change: impl FnOnce(&mut Stroke),
+    ) -> Result<(), SketchError> {
+        let index = self.index_of(letter).ok_or(SketchError::NoStroke(letter))?;
+        let stroke = self
+            .strokes
+            .get_mut(index)
+            .ok_or(SketchError::NoStroke(letter))?;
+        change(Arc::make_mut(stroke));
+        Ok(())
+    }
+
+    /// Checks every invariant of [`Sketch`], in time proportional to its size.
+    ///
+    /// # Errors
+    /// The first one broken.
+    pub fn validate(&self) -> Result<(), SketchError> {
+        self.validate_settings()?;
+        if self.strokes.len() > BOUNDS.strokes {
+            return Err(SketchError::TooMany {
+                what: "strokes",
+                most: BOUNDS.strokes,
+            });
+        }
+        let points: usize = self.strokes.iter().map(|stroke| stroke.points.len()).sum();
+        if points > BOUNDS.points {
+            return Err(SketchError::TooMany {
+                what: "nodes",
+                most: BOUNDS.points,
+            });
+        }
+        if self.strokes.is_empty() {
+            return Err(SketchError::NoStroke(Letter::TRUNK));
+        }
+        // Start and stroke of each letter seen so far: an attachment must find its own here, so
+        // there can be no cycle.
+        let mut seen = std::collections::HashMap::with_capacity(self.strokes.len());
+        for (index, stroke) in self.strokes.iter().enumerate() {
+            let start = match stroke.attachment {
+                None if index == 0 && stroke.letter == Letter::TRUNK => DVec3::ZERO,
+                Some(at) if index > 0 && stroke.letter != Letter::TRUNK => {
+                    let bad = SketchError::BadAttachment(stroke.letter, at.letter, at.node);
+                    let (start, parent): &(DVec3, &Arc<Stroke>) =
+                        seen.get(&at.letter).ok_or_else(|| bad.clone())?;
+                    let offset = (at.node > 0).then(|| parent.offset(at.node)).flatten();
+                    *start + offset.ok_or(bad)?.as_dvec3()
+                }
+                _ => return Err(SketchError::Loose(stroke.letter)),
+            };
+            stroke.validate(start)?;
+            if seen.insert(stroke.letter, (start, stroke)).is_some() {
+                return Err(SketchError::Twice(stroke.letter));
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_settings(&self) -> Result<(), SketchError> {
+        within(
+            "the divergence angle in degrees",
+            self.divergence_deg,
+            [0.0, 360.0],
+        )?;
+        let [least, most] = BOUNDS.scale.map(f64::from);
+        within("the scale", self.scale.into(), [least, most])?;
+        let [least, most] = BOUNDS.tip_radius.map(f64::from);
+        within(
+            "the tip radius in metres",
+            self.tip_radius.into(),
+            [least, most],
+        )?;
+        let [least, most] = BOUNDS.radius_exponent.map(f64::from);
+        within(
+            "the exponent of the radii",
+            self.radius_exponent.into(),
+            [least, most],
+        )
+    }
+}
+
+impl Stroke {
+    /// Checks the stroke itself, given where it starts.
+    fn validate(&self, start: DVec3) -> Result<(), SketchError> {
+        if self.points.is_empty() && self.attachment.is_some() {
+            return Err(SketchError::EmptyBranch(self.letter));
+        }
+        if let Some(own) = self.self_similar {
+            let most = f64::from(u32::try_from(BOUNDS.points).unwrap_or(u32::MAX));
+            within(
+                "the rate of a branch's copies",
+                own.rate.into(),
+                [1.0, most],
+            )?;
+            let depth = own.depth_limit.unwrap_or(0);
+            within("the depth limit", depth.into(), [0.0, BOUNDS.depth.into()])?;
+        }
+        let most = f64::from(BOUNDS.coordinate);
+        let shortest = f64::from(BOUNDS.segment) - GRID_SLACK;
+        let mut below = DVec3::ZERO;
+        for (number, point) in (1_u32..).zip(&self.points) {
+            let point = point.as_dvec3();
+            for coordinate in (start + point).to_array() {
+                within("a coordinate in metres", coordinate, [-most, most])?;
+            }
+            if point.distance(below) < shortest {
+                return Err(SketchError::TooShort(self.letter, number));
+            }
+            below = point;
+        }
+        Ok(())
+    }
+}
+
+fn finite(what: &'static str, value: f64) -> Result<(), SketchError> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(SketchError::NotFinite(what))
+    }
+}
+
+fn within(what: &'static str, found: f64, [least, most]: [f64; 2]) -> Result<(), SketchError> {
+    finite(what, found)?;
+    if found < least || found > most {
+        return Err(SketchError::OutOfBounds {
+            what,
+            found,
+            least,
+            most,
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,114 @@
+//! Everything that can go wrong with trees and their files, each in one sentence that says how to mend it.
+
+use std::path::PathBuf;
+
+/// An error of the room `tree`.
+#[derive(Debug, thiserror::Error)]
+pub enum TreeError {
+    /// The arrays of a tree differ in length.
+    #[error(
+        "the tree's arrays differ in length (`{array}` has {found} entries, `parent` has {expected}): push whole nodes"
+    )]
+    Lengths {
+        /// Name of the field.
+        array: &'static str,
+        /// Its length.
+        found: usize,
+        /// Length of `parent`.
+        expected: usize,
+    },
+    /// More nodes than u32 indices can count.
+    #[error("the tree has {0} nodes, and 32-bit indices end at 4294967294: split it")]
+    TooManyNodes(usize),
+    /// A parent does not stand before its child.
+    #[error(
+        "node {node} names {parent} as its parent, but a parent must stand before its child: sort the nodes"
+    )]
+    Parent {
+        /// Index of the node.
+        node: usize,
+        /// Its `parent` entry.
+        parent: u32,
+    },
+    /// A letter index without a letter.
+    #[error(
+        "node {node} uses letter {letter} of {letters}: add the letter's name to the tree first"
+    )]
+    Letter {
+        /// Index of the node.
+        node: usize,
+        /// Its `letter` entry.
+        letter: u16,
+        /// Number of letters.
+        letters: usize,
+    },
+    /// A position that is not a finite number of metres.
+    #[error("node {0} has a position that is not finite: check the numbers it was made from")]
+    Position(usize),
+    /// A radius that is negative or not finite.
+    #[error("node {node} has the radius {radius}: it must be finite and not negative")]
+    Radius {
+        /// Index of the node.
+        node: usize,
+        /// Its radius in metres.
+        radius: f32,
+    },
+    /// A parameter outside its range.
+    #[error(
+        "{name} is {value}, but must lie between {least} and {most}: choose a value in that range"
+    )]
+    Parameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Smallest value allowed.
+        least: f64,
+        /// Largest value allowed.
+        most: f64,
+    },
+    /// Nothing to export.
+    #[error(
+        "the tree has no segment yet, so there is nothing to write as {0}: grow it by a step first"
+    )]
+    Empty(&'static str),
+    /// SWC holds one root.
+    #[error(
+        "the tree has {0} roots, but an SWC file holds one: export each tree to a file of its own"
+    )]
+    ManyRoots(usize),
+    /// The file would be larger than its format (or memory) allows.
+    #[error(
+        "{segments} segments with {sides} sides make a {format} file of more than 4 GiB: export fewer steps or fewer sides"
+    )]
+    TooLarge {
+        /// Format's name.
+        format: &'static str,
+        /// Number of segments.
+        segments: usize,
+        /// Corners of each ring.
+        sides: u32,
+    },
+    /// The bark texture could not be encoded (a fault of the program).
+    #[error("the bark texture could not be encoded as PNG ({0}): please report this")]
+    Texture(String),
+    /// A line of an SWC file that cannot be read.
+    #[error("line {line} of the SWC file {problem}")]
+    Swc {
+        /// Line number from 1.
+        line: usize,
+        /// What is wrong and how to mend it, as the rest of the sentence.
+        problem: String,
+    },
+    /// An SWC file without a single node.
+    #[error("the SWC file holds no node: each node is a line `id type x y z radius parent`")]
+    SwcEmpty,
+    /// A file could not be written; the old one, if there was one, is still whole.
+    #[error("{problem}; any older file there is unchanged: {path}", path = path.display())]
+    Write {
+        /// What is wrong and how to mend it.
+        problem: String,
+        /// The file that was to be written.
+        path: PathBuf,
+    },
+}

@@ -1,0 +1,333 @@
+//! The document: all that a person made and set, and the edits that change it.
+//!
+//! An [`Edit`] is plain data that can be written down, so one journal line repeats it. Applying an
+//! edit is a pure function: same document and edit, same result, bit for bit. What an edit carries is
+//! first brought to the grid of `sketch::quantize`; an edit that would break something is refused
+//! with a sentence for the person, and the document stays as it was.
+//!
+//! The selection is part of the document, because it decides where the trigger draws: choosing a
+//! node is an edit (undoable like any other), and drawing and deleting move it along.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use crate::sketch::{BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Wrap, quantize};
+
+/// Where the platform stands on the stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Placement {
+    /// Centre of the platform's top, metres in the stage's frame: the sketch's root.
+    pub position: Vec3,
+    /// Turn about +Y, degrees, 0…360 (in degrees because it lies on the grid of 0.001°).
+    pub yaw_deg: f64,
+    /// Stage metres in one sketch metre.
+    pub scale: f32,
+}
+
+/// Bounds of a [`Placement`]: beyond them the platform could not be found or gripped any more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacementBounds {
+    /// Largest distance from the stage's origin along one axis, metres.
+    pub position: f32,
+    /// Smallest and largest scale.
+    pub scale: [f32; 2],
+}
+
+/// The bounds of every placement.
+pub const PLACEMENT_BOUNDS: PlacementBounds = PlacementBounds {
+    position: 1000.0,
+    scale: [0.05, 20.0],
+};
+
+impl Default for Placement {
+    /// Half an arm's length ahead, at the height of a table.
+    fn default() -> Self {
+        Self {
+            position: Vec3::new(0.0, 0.9, -0.5),
+            yaw_deg: 0.0,
+            scale: 1.0,
+        }
+    }
+}
+
+impl Placement {
+    /// The turn about +Y in radians.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "poses are f32")]
+    pub fn yaw(&self) -> f32 {
+        self.yaw_deg.to_radians() as f32
+    }
+
+    /// The placement on the grid, its turn brought to 0…360°.
+    #[must_use]
+    pub fn quantized(&self) -> Self {
+        Self {
+            position: quantize::point(self.position),
+            yaw_deg: quantize::angle_deg(quantize::angle_deg(self.yaw_deg).rem_euclid(360.0)),
+            scale: quantize::coordinate(self.scale),
+        }
+    }
+
+    /// # Errors
+    /// Where a number is not finite or out of [`PLACEMENT_BOUNDS`].
+    pub fn validate(&self) -> Result<(), EditError> {
+        let most = PLACEMENT_BOUNDS.position;
+        let position_fits = self.position.is_finite() && self.position.abs().max_element() <= most;
+        let [least, largest] = PLACEMENT_BOUNDS.scale;
+        if !position_fits || !(0.0..=360.0).contains(&self.yaw_deg) {
+            return Err(EditError::PlatformPlace);
+        }
+        if !(least..=largest).contains(&self.scale) {
+            return Err(EditError::PlatformScale);
+        }
+        Ok(())
+    }
+}
+
+/// Everything that is kept: cheap to clone, compared by content.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Document {
+    /// What is drawn, with its angles and sizes.
+    pub sketch: Arc<Sketch>,
+    /// Growth step; 0 shows the root alone.
+    pub step: u32,
+    /// Where the platform stands.
+    pub platform: Placement,
+    /// The node from which the trigger draws: at an apex the line goes on, elsewhere a branch starts.
+    pub selected: NodeRef,
+}
+
+impl Default for Document {
+    fn default() -> Self {
+        Self {
+            sketch: Arc::new(Sketch::default()),
+            step: 0,
+            platform: Placement::default(),
+            selected: NodeRef::ROOT,
+        }
+    }
+}
+
+/// One action of a person. Places are metres in the sketch's axes from its root.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Edit {
+    /// Chooses the node from which the trigger draws.
+    Select {
+        /// The node; node 0 of a branch means the parent's node it hangs on.
+        at: NodeRef,
+    },
+    /// Draws from the selected node: the line goes on at an apex, a branch starts elsewhere. The new
+    /// apex is selected.
+    AddSegment {
+        /// Where the segment ends.
+        to: Vec3,
+    },
+    /// Draws several segments from the selected node, as one action.
+    AddStroke {
+        /// Where each segment ends.
+        to: Vec<Vec3>,
+    },
+    /// Moves a node; its neighbours stay, branches that start at it travel along.
+    MoveNode {
+        /// The node.
+        at: NodeRef,
+        /// Its new place.
+        to: Vec3,
+    },
+    /// Deletes a node and all above it on its line, with the branches attached there. The node
+    /// below is selected.
+    DeleteNode {
+        /// The node.
+        at: NodeRef,
+    },
+    /// Deletes everything drawn and returns to step 0.
+    Clear,
+    /// Goes to a growth step.
+    SetStep {
+        /// The step, 0 the root alone.
+        step: u32,
+    },
+    /// Sets the turn from one branch to the next.
+    SetDivergence {
+        /// Degrees.
+        degrees: f64,
+    },
+    /// Moves, turns or scales the platform.
+    SetPlatform {
+        /// Its new place.
+        to: Placement,
+    },
+    /// Switches a letter's copies of itself.
+    SetSelfSimilar {
+        /// The letter.
+        letter: Letter,
+        /// Rate and depth limit, or none: off.
+        to: Option<SelfSimilar>,
+    },
+    /// Decides whether branches drawn from now on carry copies of themselves.
+    SetSelfSimilarBranches {
+        /// On or off.
+        on: bool,
+    },
+    /// Sets the sizes of the full-size tree.
+    SetSizes {
+        /// Full size over sketch.
+        scale: f32,
+        /// Radius of a tip, metres.
+        tip_radius: f32,
+        /// Exponent of da Vinci's rule.
+        radius_exponent: f32,
+    },
+    /// Sets how a line goes on after its last drawn segment.
+    SetWrap {
+        /// Heading carried over, or restarted.
+        to: Wrap,
+    },
+}
+
+impl Edit {
+    /// The edit with every number on the grid: what is applied, and what the journal keeps.
+    #[must_use]
+    pub fn quantized(&self) -> Self {
+        let mut edit = self.clone();
+        match &mut edit {
+            Self::AddSegment { to } | Self::MoveNode { to, .. } => *to = quantize::point(*to),
+            Self::AddStroke { to } => to.iter_mut().for_each(|to| *to = quantize::point(*to)),
+            Self::SetDivergence { degrees } => *degrees = quantize::angle_deg(*degrees),
+            Self::SetPlatform { to } => *to = to.quantized(),
+            Self::SetSizes {
+                scale,
+                tip_radius,
+                radius_exponent,
+            } => {
+                for size in [scale, tip_radius, radius_exponent] {
+                    *size = quantize::coordinate(*size);
+                }
+            }
+            Self::Select { .. }
+            | Self::DeleteNode { .. }
+            | Self::Clear
+            | Self::SetStep { .. }
+            | Self::SetSelfSimilar { .. }
+            | Self::SetSelfSimilarBranches { .. }
+            | Self::SetWrap { .. } => {}
+        }
+        edit
+    }
+}
+
+/// Why an edit was refused; the document is unchanged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EditError {
+    /// The sketch refused it.
+    #[error(transparent)]
+    Sketch(#[from] SketchError),
+    /// The step is out of bounds.
+    #[error("growth ends at step {most}: step {found} is too far")]
+    Step {
+        /// The step asked for.
+        found: u32,
+        /// The largest one.
+        most: u32,
+    },
+    /// The platform's place is NaN, infinite or far out.
+    #[error(
+        "the platform cannot stand there: its place must be finite and within 1000 m of the room's middle"
+    )]
+    PlatformPlace,
+    /// The platform's scale is out of bounds.
+    #[error("the platform's scale must lie between 0.05 and 20")]
+    PlatformScale,
+    /// Nothing to draw.
+    #[error("a stroke needs at least one segment")]
+    EmptyStroke,
+}
+
+impl Document {
+    /// The document after an edit.
+    ///
+    /// # Errors
+    /// Where the edit would break the document; it is then as it was.
+    pub fn after(&self, edit: &Edit) -> Result<Self, EditError> {
+        let mut next = self.clone();
+        let sketch = &*self.sketch;
+        let changed = match edit.quantized() {
+            Edit::Select { at } => {
+                sketch.check_node(at)?;
+                next.selected = sketch.own_name(at);
+                None
+            }
+            Edit::AddSegment { to } => {
+                let (sketch, apex) = sketch.add_segment(self.selected, to)?;
+                next.selected = apex;
+                Some(sketch)
+            }
+            Edit::AddStroke { to } if to.is_empty() => return Err(EditError::EmptyStroke),
+            Edit::AddStroke { to } => {
+                let (sketch, apex) = sketch.add_segments(self.selected, &to)?;
+                next.selected = apex;
+                Some(sketch)
+            }
+            Edit::MoveNode { at, to } => Some(sketch.move_node(at, to)?),
+            Edit::DeleteNode { at } => {
+                let (sketch, below) = sketch.delete_node(at)?;
+                next.selected = below;
+                Some(sketch)
+            }
+            Edit::Clear => {
+                next.selected = NodeRef::ROOT;
+                next.step = 0;
+                Some(sketch.clear())
+            }
+            Edit::SetStep { step } => {
+                next.step = step;
+                None
+            }
+            Edit::SetDivergence { degrees } => Some(sketch.with_divergence(degrees)?),
+            Edit::SetPlatform { to } => {
+                next.platform = to;
+                None
+            }
+            Edit::SetSelfSimilar { letter, to } => Some(sketch.with_self_similar(letter, to)?),
+            Edit::SetSelfSimilarBranches { on } => Some(Sketch {
+                self_similar_branches: on,
+                ..sketch.clone()
+            }),
+            Edit::SetSizes {
+                scale,
+                tip_radius,
+                radius_exponent,
+            } => Some(sketch.with_sizes(scale, tip_radius, radius_exponent)?),
+            Edit::SetWrap { to } => Some(sketch.with_wrap(to)),
+        };
+        if let Some(sketch) = changed {
+            next.sketch = Arc::new(sketch);
+        }
+        next.validate_settings()?;
+        Ok(next)
+    }
+
+    /// Checks everything, as a file from elsewhere needs it.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn validate(&self) -> Result<(), EditError> {
+        self.sketch.validate()?;
+        self.sketch.check_node(self.selected)?;
+        self.validate_settings()
+    }
+
+    fn validate_settings(&self) -> Result<(), EditError> {
+        if self.step > BOUNDS.step {
+            return Err(EditError::Step {
+                found: self.step,
+                most: BOUNDS.step,
+            });
+        }
+        self.platform.validate()
+    }
+}

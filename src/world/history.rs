@@ -1,0 +1,159 @@
+//! Undo and redo of every edit, without limit.
+//!
+//! The history keeps whole documents, not inverse edits: nothing has to know how to undo itself,
+//! and undo gives back the very value that was there. Documents share the sketch, and sketches
+//! their strokes, so a step of history costs one small allocation and what the edit really changed.
+//! The price is memory that grows with the session: some hundred bytes an edit.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::document::{Document, Edit, EditError};
+
+/// One line of the journal: what was done, in order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Action {
+    /// An edit, its numbers on the grid.
+    Edit(Edit),
+    /// Undo of the last edit not undone.
+    Undo,
+    /// Redo of the last edit undone.
+    Redo,
+}
+
+/// The document with its past and its undone future.
+#[derive(Clone, Debug)]
+pub struct History {
+    past: Vec<Arc<Document>>,
+    present: Arc<Document>,
+    /// The next one to redo is the last.
+    future: Vec<Arc<Document>>,
+    preview: Option<Arc<Document>>,
+    log: Vec<Action>,
+}
+
+impl Default for History {
+    fn default() -> Self {
+        Self::new(Document::default())
+    }
+}
+
+impl History {
+    /// A history that begins with `document`.
+    #[must_use]
+    pub fn new(document: Document) -> Self {
+        Self {
+            past: Vec::new(),
+            present: Arc::new(document),
+            future: Vec::new(),
+            preview: None,
+            log: Vec::new(),
+        }
+    }
+
+    /// The document as it is to be seen: with the edit in [`Self::preview`], where there is one.
+    #[must_use]
+    pub fn document(&self) -> &Document {
+        self.preview.as_deref().unwrap_or(&self.present)
+    }
+
+    /// The document as it is to be saved, without any preview.
+    #[must_use]
+    pub fn committed(&self) -> &Document {
+        &self.present
+    }
+
+    /// Applies an edit, which ends any preview. One that changes nothing is not recorded.
+    ///
+    /// # Errors
+    /// Where the edit is refused: nothing changes then but the preview's end.
+    pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
+        self.preview = None;
+        let edit = edit.quantized();
+        let next = self.present.after(&edit)?;
+        if next == *self.present {
+            return Ok(());
+        }
+        self.past
+            .push(std::mem::replace(&mut self.present, Arc::new(next)));
+        self.future.clear();
+        self.log.push(Action::Edit(edit));
+        Ok(())
+    }
+
+    /// Shows the document as if `edit` had been applied, without recording it: for what follows the
+    /// hand (a node, the lever, the platform) until it is let go and applied. Each preview starts from
+    /// the committed document.
+    ///
+    /// # Errors
+    /// Where the edit is refused; the last preview stays.
+    pub fn preview(&mut self, edit: &Edit) -> Result<(), EditError> {
+        self.preview = Some(Arc::new(self.present.after(edit)?));
+        Ok(())
+    }
+
+    /// Ends the preview; the committed document is seen again.
+    pub fn end_preview(&mut self) {
+        self.preview = None;
+    }
+
+    /// Undoes the last edit. False: there is none.
+    pub fn undo(&mut self) -> bool {
+        self.preview = None;
+        let Some(document) = self.past.pop() else {
+            return false;
+        };
+        self.future
+            .push(std::mem::replace(&mut self.present, document));
+        self.log.push(Action::Undo);
+        true
+    }
+
+    /// Redoes the last edit undone. False: there is none.
+    pub fn redo(&mut self) -> bool {
+        self.preview = None;
+        let Some(document) = self.future.pop() else {
+            return false;
+        };
+        self.past
+            .push(std::mem::replace(&mut self.present, document));
+        self.log.push(Action::Redo);
+        true
+    }
+
+    /// How many edits can be undone.
+    #[must_use]
+    pub fn undo_count(&self) -> usize {
+        self.past.len()
+    }
+
+    /// How many edits can be redone.
+    #[must_use]
+    pub fn redo_count(&self) -> usize {
+        self.future.len()
+    }
+
+    /// Repeats an action of a journal.
+    ///
+    /// # Errors
+    /// Where an edit is refused.
+    pub fn repeat(&mut self, action: Action) -> Result<(), EditError> {
+        match action {
+            Action::Edit(edit) => self.apply(edit)?,
+            Action::Undo => {
+                self.undo();
+            }
+            Action::Redo => {
+                self.redo();
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes what was done since the last call, in order, for the journal.
+    pub fn take_log(&mut self) -> Vec<Action> {
+        std::mem::take(&mut self.log)
+    }
+}

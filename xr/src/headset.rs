@@ -1,0 +1,93 @@
+//! [`Headset`]: any device that shows both eyes and tracks both hands.
+
+use ash::vk;
+
+use crate::frame::{Frame, Pulse, View};
+use crate::session::SessionError;
+
+/// What [`Headset::wait`] found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "one value a frame, on the stack")]
+pub enum Tick {
+    /// A frame to show: call `begin`, draw, then `end`.
+    Frame(Frame),
+    /// No session is running now (not yet visible, or put aside): poll again soon.
+    Idle,
+    /// The person or the runtime ended the session in good order.
+    Exit,
+}
+
+/// The runtime's images for both eyes: arrays of two layers, left eye first.
+#[derive(Clone, Debug)]
+pub struct Swapchain {
+    /// Colour images (two layers each).
+    pub color: Vec<vk::Image>,
+    /// Colour format, an 8-bit sRGB one.
+    pub color_format: vk::Format,
+    /// Depth images (two layers each), empty where the runtime takes no depth layer.
+    pub depth: Vec<vk::Image>,
+    /// Depth format, `UNDEFINED` where there are no depth images.
+    pub depth_format: vk::Format,
+    /// Width and height of one eye in pixels.
+    pub extent: vk::Extent2D,
+}
+
+/// Which swapchain images to draw into this frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Acquired {
+    /// Index into [`Swapchain::color`].
+    pub color: usize,
+    /// Index into [`Swapchain::depth`], where there are depth images.
+    pub depth: Option<usize>,
+}
+
+/// Why a headset cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum HeadsetError {
+    /// The runtime died or the session was lost; work must be saved and the headset made anew.
+    #[error(
+        "the OpenXR runtime ended the session ({0}); your work is saved: start the runtime again, then Ramus"
+    )]
+    Lost(String),
+    /// The session file that is being played is broken.
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    /// A call failed for another reason.
+    #[error("the headset failed: {0}")]
+    Failed(String),
+}
+
+/// A headset, from the application's side. Order of calls in each round:
+/// `wait`, then, if it gave a frame, `begin`, drawing, `end`.
+pub trait Headset {
+    /// One line for people: runtime and device.
+    fn describe(&self) -> String;
+    /// Pixels of one eye.
+    fn extent(&self) -> vk::Extent2D;
+    /// The runtime's images; `None` where the application draws into its own.
+    fn swapchain(&self) -> Option<&Swapchain>;
+    /// Polls events, waits for the next frame and reads the input for it.
+    ///
+    /// # Errors
+    /// [`HeadsetError`] when the session cannot go on.
+    fn wait(&mut self) -> Result<Tick, HeadsetError>;
+    /// Begins the frame and acquires its images (`None`: nothing to draw into, or the images are the application's).
+    ///
+    /// # Errors
+    /// [`HeadsetError`] when the session cannot go on.
+    fn begin(&mut self) -> Result<Option<Acquired>, HeadsetError>;
+    /// Views for the frame begun, located as late as possible; they are the ones that `end` submits.
+    ///
+    /// # Errors
+    /// [`HeadsetError`] when the session cannot go on.
+    fn views(&mut self) -> Result<[View; 2], HeadsetError>;
+    /// Releases the images and ends the frame; `rendered` false submits no layer.
+    ///
+    /// # Errors
+    /// [`HeadsetError`] when the session cannot go on.
+    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError>;
+    /// Vibrates a controller; silent while unfocused.
+    fn vibrate(&mut self, pulse: Pulse);
+    /// Asks the session to end in good order; [`Tick::Exit`] follows.
+    fn request_exit(&mut self);
+}
