@@ -1,16 +1,16 @@
 // The tree: tapered tubes pulled from the segments' buffer, eight segments an instance.
-// Twin: tree::tubes::mesh. Both rings of a joint are computed from the same numbers by the
-// same instructions, so they meet bit for bit.
+// The formula is src/tree/mesh.rs's, its twin on the processor. Both rings of a joint are computed
+// from the same numbers by the same instructions, so they meet bit for bit.
 #include "shared/light.wgsl"
 #include "shared/noise.wgsl"
 
 struct Segment {
     start: vec3f,
-    v: f32,
+    v_start: f32,
     end: vec3f,
     flags: u32,
     base: vec3f,
-    pad: u32,
+    v_end: f32,
     radii: vec4f,
     start_frame: vec2u,
     end_frame: vec2u,
@@ -22,8 +22,8 @@ struct Segment {
 
 const SIDES = 8u;
 const GROWING = 1u;
-// The cap is a low dome: its tip stands this many radii beyond the last ring.
-const DOME = 0.6;
+// A tube's end is a cone of so many radii.
+const CAP_HEIGHT = 0.75;
 // A tube is drawn no thinner than this many pixels in radius; what is thinner grows faint instead of breaking up.
 const FINEST = 0.6;
 
@@ -33,14 +33,15 @@ struct Point {
     @location(1) normal: vec3f,
     // Unit circle about the axis.
     @location(2) around: vec2f,
-    // x: metres along the tube; y: radius in the tree's own metres; z: alpha; w: 1 for the newest step.
+    // x: circumferences along the tube; y: radius in the tree's own metres; z: alpha; w: 1 for the newest step.
     @location(3) bark: vec4f,
     @location(4) @interpolate(flat) eye: vec3f,
 }
 
-// A point of a ring, or of the dome over it.
+// A point of a ring, or the tip of the cone over it.
 struct Spot {
     world: vec3f,
+    outward: vec3f,
     normal: vec3f,
     around: vec2f,
     along: f32,
@@ -48,34 +49,49 @@ struct Spot {
     center: vec3f,
 }
 
+// b itself where g reaches 1: no rounding moves a whole tree.
+fn grow(a: f32, b: f32, g: f32) -> f32 {
+    return select(a + g * (b - a), b, g >= 1.0);
+}
+
+fn grow_point(a: vec3f, b: vec3f, g: f32) -> vec3f {
+    return select(a + g * (b - a), b, g >= 1.0);
+}
+
 fn turn(q: vec4f, p: vec3f) -> vec3f {
     let t = 2.0 * cross(q.xyz, p);
     return p + q.w * t + cross(q.xyz, t);
 }
 
-// `side` 0..7 is on the ring; 8 is the dome's tip.
+// `side` 0..7 is on the ring; 8 is the cone's tip.
 fn spot(segment: Segment, second: bool, side: u32) -> Spot {
-    let growth = frame.tree.x;
+    let g = frame.tree.x;
     let growing = (segment.flags & GROWING) != 0u;
-    let whole = select(segment.start, segment.end, second);
-    let packed = select(segment.start_frame, segment.end_frame, second);
-    let radii = select(segment.radii.xy, segment.radii.zw, second);
-    let center = select(whole, segment.base + growth * (whole - segment.base), growing);
-    let radius = mix(radii.x, radii.y, growth);
-    let q = normalize(vec4f(unpack2x16snorm(packed.x), unpack2x16snorm(packed.y)));
+    let start = select(segment.start, grow_point(segment.base, segment.start, g), growing);
+    let end = select(segment.end, grow_point(segment.base, segment.end, g), growing);
+    let radius_start = grow(segment.radii.x, segment.radii.y, g);
+    let radius_end = grow(segment.radii.z, segment.radii.w, g);
+    let slope = clamp((radius_start - radius_end) / max(distance(start, end), 1e-9), -1.0, 1.0);
 
+    let center = select(start, end, second);
+    let radius = select(radius_start, radius_end, second);
+    let packed = select(segment.start_frame, segment.end_frame, second);
+    let q = normalize(vec4f(unpack2x16snorm(packed.x), unpack2x16snorm(packed.y)));
     let angle = f32(side % SIDES) * (6.2831853 / f32(SIDES));
     let tip = side == SIDES;
     let around = vec2f(cos(angle), sin(angle));
-    let outward = turn(q, select(vec3f(around.x, 0.0, around.y), vec3f(0.0, 1.0, 0.0), tip));
-    let local = center + outward * (radius * select(1.0, DOME, tip));
+    let axis = turn(q, vec3f(0.0, 1.0, 0.0));
+    let corner = turn(q, vec3f(around.x, 0.0, around.y));
+    let outward = select(corner, axis, tip);
+    let local = center + outward * (radius * select(1.0, CAP_HEIGHT, tip));
 
     var out: Spot;
     out.world = (frame.world_from_tree * vec4f(local, 1.0)).xyz;
-    out.normal = normalize((frame.world_from_tree * vec4f(outward, 0.0)).xyz);
+    out.outward = normalize((frame.world_from_tree * vec4f(outward, 0.0)).xyz);
+    out.normal = normalize((frame.world_from_tree * vec4f(select(corner + slope * axis, axis, tip), 0.0)).xyz);
     out.center = (frame.world_from_tree * vec4f(center, 1.0)).xyz;
     out.around = select(around, vec2f(0.0), tip);
-    out.along = segment.v + select(0.0, distance(segment.start, segment.end), second);
+    out.along = select(segment.v_start, segment.v_end, second);
     out.radius = radius;
     return out;
 }
@@ -86,7 +102,7 @@ fn seen(s: Spot, newest: bool, view: u32) -> Point {
     let depth = (v.clip_from_world * vec4f(s.center, 1.0)).w;
     let finest = max(depth, 0.0) * v.eye.w * FINEST;
     // Widened from the axis outwards; a zero radius stays a line in the middle with alpha 0.
-    let world = s.world + s.normal * max(finest - radius, 0.0);
+    let world = s.world + s.outward * max(finest - radius, 0.0);
     var out: Point;
     out.position = v.clip_from_world * vec4f(world, 1.0);
     out.world = world;
@@ -125,13 +141,13 @@ fn shadow_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) in
     let s = spot(segment, (vertex & 8u) != 0u, vertex & 7u);
     let radius = s.radius * frame.tree.y;
     let finest = select(0.0, 0.5 * frame.tree.w, radius > 0.02 * frame.tree.w);
-    return frame.shadow_from_world * vec4f(s.world + s.normal * max(finest - radius, 0.0), 1.0);
+    return frame.shadow_from_world * vec4f(s.world + s.outward * max(finest - radius, 0.0), 1.0);
 }
 
-// Height of the bark, 0 in the furrows to 1 on the ridges.
-fn furrows(around: vec2f, along: f32, radius: f32) -> f32 {
-    let reach = sqrt(radius) * 8.0;
-    let p = vec3f(around.x * reach, along * 7.0, around.y * reach);
+// Height of the bark, 0 in the furrows to 1 on the ridges; `along` in circumferences, so that it looks the
+// same on a trunk and on a twig.
+fn furrows(around: vec2f, along: f32) -> f32 {
+    let p = vec3f(around.x * 1.8, along * 2.2, around.y * 1.8);
     let bend = noise(p * vec3f(0.9, 1.0, 0.9) + 11.0) * 1.1;
     let ridge = 1.0 - abs(2.0 * noise(vec3f(p.x * 1.7 + bend, p.y, p.z * 1.7 - bend)) - 1.0);
     let fine = noise(vec3f(p.x * 5.0, p.y * 3.0, p.z * 5.0));
@@ -148,7 +164,7 @@ fn tree_fragment(point: Point) -> Covered {
     let radius = max(point.bark.y, 1e-5);
     let around = point.around / max(length(point.around), 1e-3);
     let smooth_normal = normalize(point.normal);
-    let height = furrows(around, point.bark.x, radius);
+    let height = furrows(around, point.bark.x);
 
     // Relief from the height's slope on the screen; none where the furrows are finer than pixels.
     let dx = dpdx(point.world);

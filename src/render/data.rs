@@ -35,7 +35,7 @@ pub(crate) struct FrameData {
     pub(crate) spots: [Vec4; SPOTS],
 }
 
-const _: () = assert!(size_of::<FrameData>() == 608, "shaders/shared/frame.wgsl reads 608 bytes");
+const _: () = assert!(size_of::<FrameData>() == 560, "shaders/shared/frame.wgsl reads 560 bytes");
 
 /// `Rod` of shaders/rod.wgsl.
 #[repr(C)]
