@@ -4,6 +4,9 @@
 # Nothing here names a mirror: addresses, keys and options always come from the
 # sources that the machine has, so the scripts work behind any mirror.
 
+# Where apt's settings are; only tests look elsewhere.
+apt_folder=${RAMUS_APT_FOLDER:-/etc/apt}
+
 # Runs a command as root: directly, or by sudo where there is one.
 as_root() {
     if [ "$(id -u)" -eq 0 ]; then
@@ -29,7 +32,7 @@ installed() {
 # a one-line entry its options. Line 1 says which kind it is: "sources" or "list".
 apt_source_for() {
     local suite=$1 wanted=$2 file found
-    for file in /etc/apt/sources.list.d/*.sources; do
+    for file in "$apt_folder"/sources.list.d/*.sources; do
         [ -r "$file" ] || continue
         found=$(awk -v suite="$suite" -v wanted="$wanted" '
             function flush() {
@@ -48,7 +51,7 @@ apt_source_for() {
             return 0
         fi
     done
-    for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
+    for file in "$apt_folder"/sources.list "$apt_folder"/sources.list.d/*.list; do
         [ -r "$file" ] || continue
         # deb [options] address suite component…
         found=$(awk -v suite="$suite" -v wanted="$wanted" '
@@ -79,4 +82,18 @@ apt_key_for() {
         NR == 1 { kind = $1; next }
         kind == "sources" && tolower($1) == "signed-by:" && $2 ~ /^\// { print $2; exit }
         kind == "list" && match($0, /signed-by=[^] ,]*/) { print substr($0, RSTART + 10, RLENGTH - 10); exit }'
+}
+
+# quietly LOG WHAT COMMAND…: one line for a long command, with its time; where it fails, the end of its log.
+quietly() {
+    local log=$1 what=$2 began=$SECONDS
+    shift 2
+    printf '%s … ' "$what"
+    if "$@" >>"$log" 2>&1 </dev/null; then
+        printf '%s s\n' $((SECONDS - began))
+    else
+        printf 'failed; the end of %s:\n' "$log"
+        tail -n 25 "$log"
+        return 1
+    fi
 }

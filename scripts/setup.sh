@@ -24,9 +24,16 @@ say() { echo "setup: $*"; }
 
 has() { command -v "$1" >/dev/null 2>&1; }
 
-apt_install() {
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "$@"
+# apt_get WHAT ARGUMENT…: one line while apt works, its output only where it fails.
+apt_get() {
+    local log code=0
+    log=$(mktemp)
+    quietly "$log" "setup: $1" as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y "${@:2}" || code=$?
+    [ "$code" -ne 0 ] || rm -f "$log"
+    return "$code"
 }
+
+apt_update() { apt_get "reading the package lists" update; }
 
 mesa_version() { dpkg-query -W -f '${Version}' mesa-vulkan-drivers 2>/dev/null || true; }
 
@@ -59,21 +66,21 @@ debian_family() {
         installed "$package" || missing+=("$package")
     done
     if [ ${#missing[@]} -gt 0 ]; then
-        say "installing ${missing[*]}"
-        as_root apt-get update -q && updated=yes
-        apt_install "${missing[@]}"
+        apt_update || return 1
+        updated=yes
+        apt_get "installing ${missing[*]}" install --no-install-recommends "${missing[@]}" || return 1
     fi
 
     mesa=$(mesa_version)
     if [ -z "$mesa" ] || dpkg --compare-versions "$mesa" lt "$mesa_wanted"; then
-        say "installing Mesa's Vulkan drivers, version $mesa_wanted or newer (here: ${mesa:-none})"
+        local from=()
         if [ "$VERSION_CODENAME" = bookworm ] && add_backports bookworm; then
-            as_root apt-get update -q
-            apt_install -t bookworm-backports mesa-vulkan-drivers
-        else
-            [ -n "$updated" ] || as_root apt-get update -q
-            apt_install mesa-vulkan-drivers
+            from=(-t bookworm-backports)
+            updated=''
         fi
+        [ -n "$updated" ] || apt_update || return 1
+        apt_get "installing Mesa's Vulkan drivers, version $mesa_wanted or newer (here: ${mesa:-none})" \
+            install --no-install-recommends "${from[@]}" mesa-vulkan-drivers || return 1
         mesa=$(mesa_version)
         if dpkg --compare-versions "$mesa" lt "$mesa_wanted"; then
             say "this system's Mesa is $mesa: Ramus runs, but without a graphics card it draws each eye in a pass of its own"

@@ -25,6 +25,8 @@ if [ -z "${RAMUS_TEST_GPU:-}" ]; then
 fi
 # Uninitialised memory must show: Mesa's software device fills it with rubbish.
 export LVP_POISON_MEMORY=true
+# Everything that draws does so under the validation layers, and fails on any message.
+export RAMUS_VALIDATION=1
 
 summary=''
 

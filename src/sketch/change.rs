@@ -144,13 +144,15 @@ impl Sketch {
         Ok(next)
     }
 
-    /// Sets the turn from one branch to the next, in degrees: any finite angle, brought to 0…360.
+    /// Sets the turn from one branch to the next, in degrees: any angle within [`BOUNDS`], brought
+    /// to 0…360.
     ///
     /// # Errors
-    /// Where the angle is not finite.
+    /// Where the angle is not finite or beyond the bounds.
     pub fn with_divergence(&self, degrees: f64) -> Result<Self, SketchError> {
         let mut next = self.clone();
-        finite("the divergence angle", degrees)?;
+        let most = BOUNDS.angle_deg;
+        within("the divergence angle in degrees", degrees, [-most, most])?;
         next.divergence_deg = quantize::angle_deg(quantize::angle_deg(degrees).rem_euclid(360.0));
         next.validate()?;
         Ok(next)

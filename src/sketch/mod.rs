@@ -17,10 +17,15 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 pub mod change;
+pub mod grammar;
+pub mod grow;
 pub mod letter;
+pub mod predict;
 pub mod quantize;
 
+pub use grow::{GROW, GrowParams, Grown, grow, grow_within, sketch_nodes};
 pub use letter::{Letter, UnknownLetter};
+pub use predict::predict_segments;
 pub use quantize::{angle_deg, coordinate, point};
 
 /// The golden angle 180°·(3 − √5), in whole thousandths of a degree: the default divergence.
@@ -46,6 +51,8 @@ pub struct Bounds {
     pub coordinate: f32,
     /// Shortest segment that can be drawn, metres.
     pub segment: f32,
+    /// Largest angle that can be entered, degrees either way: a thousand turns.
+    pub angle_deg: f64,
     /// Deepest nesting of a branch in itself.
     pub depth: u32,
     /// Largest growth step.
@@ -64,6 +71,7 @@ pub const BOUNDS: Bounds = Bounds {
     points: 100_000,
     coordinate: 1000.0,
     segment: 0.001,
+    angle_deg: 360_000.0,
     depth: 64,
     step: 10_000,
     scale: [0.01, 1000.0],
@@ -323,6 +331,29 @@ pub enum SketchError {
     /// An attachment that no earlier stroke has.
     #[error("stroke `{0}` hangs on node {2} of `{1}`, which no earlier stroke has")]
     BadAttachment(Letter, Letter, u32),
+    /// Too far a step.
+    #[error("growth ends at step {most}: step {found} is too far")]
+    StepTooFar {
+        /// The step asked for.
+        found: u32,
+        /// The largest one.
+        most: u32,
+    },
+    /// Too large a tree.
+    #[error(
+        "step {step} would have {segments} segments, and at most {most} are grown: step back, or thin the branches out"
+    )]
+    TooLarge {
+        /// The step asked for.
+        step: u32,
+        /// Its segments.
+        segments: u64,
+        /// The bound.
+        most: u64,
+    },
+    /// The engine refused the generated grammar, ran out of its limits or was cancelled.
+    #[error("the sketch cannot be grown: {0}")]
+    Grow(String),
     /// A branch without segments.
     #[error("branch `{0}` has no segments: only the trunk may be empty")]
     EmptyBranch(Letter),

@@ -61,12 +61,18 @@ impl Placement {
         self.yaw_deg.to_radians() as f32
     }
 
-    /// The placement on the grid, its turn brought to 0…360°.
+    /// The placement on the grid, its turn brought to 0…360° (one beyond all bounds stays, for the
+    /// checks to find).
     #[must_use]
     pub fn quantized(&self) -> Self {
+        let yaw_deg = quantize::angle_deg(self.yaw_deg);
+        let yaw_deg = match yaw_deg.abs() <= BOUNDS.angle_deg {
+            true => quantize::angle_deg(yaw_deg.rem_euclid(360.0)),
+            false => yaw_deg,
+        };
         Self {
             position: quantize::point(self.position),
-            yaw_deg: quantize::angle_deg(quantize::angle_deg(self.yaw_deg).rem_euclid(360.0)),
+            yaw_deg,
             scale: quantize::coordinate(self.scale),
         }
     }

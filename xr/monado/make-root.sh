@@ -17,12 +17,11 @@ repository=$(cd "$here/../.." && pwd)
 root=${RAMUS_MONADO_ROOT:-$repository/target/monado-root}
 release=trixie
 mapfile -t packages <"$here/packages.txt"
-# A root is whole when its stamp says that it was made from this very recipe.
-recipe=$(cat "$here/packages.txt" "${BASH_SOURCE[0]}" | sha256sum | cut -d ' ' -f 1)
+# A root is whole when its stamp names this recipe; raise the number when the way it is made changes.
+recipe="1 $release ${packages[*]}"
 
-if [ "$(cat "$root/.ready" 2>/dev/null)" = "$recipe" ]; then
-    exit 0
-fi
+is_ready() { [ "$(cat "$root/.ready" 2>/dev/null)" = "$recipe" ]; }
+is_ready && exit 0
 if ! command -v apt-get >/dev/null 2>&1; then
     echo "monado: no apt here, so the real-runtime tests cannot be set up (they need Debian 12 or 13, or Ubuntu 24.04 and later)" >&2
     exit 3
@@ -51,29 +50,22 @@ address=$(apt_address_for "$VERSION_CODENAME") || {
 }
 key=$(apt_key_for "$VERSION_CODENAME")
 key=${key:-/usr/share/keyrings/debian-archive-keyring.gpg}
+
+mkdir -p "$(dirname "$root")"
+# Two runs that share a root make it once.
+exec 9>"$(dirname "$root")/monado-root.lock"
+flock 9
+is_ready && exit 0
+log=$(dirname "$root")/monado-root.log
+: >"$log"
+phase() { quietly "$log" "monado: $1" "${@:2}"; }
+
 if ! command -v debootstrap >/dev/null 2>&1; then
-    as_root apt-get update -q
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends debootstrap
+    phase "installing debootstrap" as_root sh -c \
+        'apt-get update -q && DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends debootstrap'
 fi
 
-log=$(dirname "$root")/monado-root.log
-mkdir -p "$(dirname "$root")"
-as_root rm -rf "$root" # a half-made one
-: >"$log"
-
-# Prints one line when a phase begins and, where it fails, the end of its log.
-phase() {
-    local what=$1 began=$SECONDS
-    shift
-    printf 'monado: %s … ' "$what"
-    if "$@" >>"$log" 2>&1 </dev/null; then
-        printf '%s s\n' $((SECONDS - began))
-    else
-        printf 'failed; the end of %s:\n' "$log"
-        tail -n 25 "$log"
-        exit 1
-    fi
-}
+as_root rm -rf --one-file-system "$root" # a half-made one
 
 phase "making a Debian 13 root (about a minute)" \
     as_root debootstrap --variant=minbase --keyring="$key" "$release" "$root" "$address"

@@ -1,14 +1,18 @@
 //! Headsets: what a frame of virtual reality is, whichever device gives it.
 //!
-//! [`Headset`] hides which one is there: an OpenXR runtime (`openxr`), the
+//! [`Headset`] hides which one is there: an OpenXR runtime ([`openxr`]), the
 //! built-in simulated one ([`simulated`]) that plays a recorded session, or a
 //! recording around either ([`record`]). The application cannot tell them apart.
 
+pub mod bindings;
 pub mod frame;
 pub mod headset;
+pub mod lifecycle;
+pub mod openxr;
 pub mod record;
 pub mod session;
 pub mod simulated;
+pub mod vulkan;
 
 pub use frame::{Fov, Frame, Hand, Pose, Pulse, View};
 pub use headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};

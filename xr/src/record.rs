@@ -129,28 +129,29 @@ impl<H: Headset, W: Write> Headset for Recorder<H, W> {
 pub struct Player<H, I> {
     inner: H,
     frames: I,
-    /// The next recorded frame, read ahead.
-    next: Option<Frame>,
+    /// The next recorded frame, read ahead: time stands at it until the device has the focus.
+    next: Option<Result<Frame, SessionError>>,
     /// Time of the last frame given.
     time: f64,
     over: bool,
 }
 
 impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Player<H, I> {
-    /// Plays `frames` (a `SessionReader`, for one) on `inner`.
-    ///
-    /// # Errors
-    /// [`SessionError`] where the first frame cannot be read.
-    pub fn new(inner: H, mut frames: I) -> Result<Self, SessionError> {
-        let next = frames.next().transpose()?;
-        let time = next.map_or(0.0, |frame| frame.time);
-        Ok(Self {
+    /// Plays `frames` (a `SessionReader`, for one) on `inner`; an error in them comes out of `wait` in its turn.
+    #[must_use]
+    pub fn new(inner: H, mut frames: I) -> Self {
+        let next = frames.next();
+        let time = match &next {
+            Some(Ok(frame)) => frame.time,
+            _ => 0.0,
+        };
+        Self {
             inner,
             frames,
             next,
             time,
             over: false,
-        })
+        }
     }
 
     /// Gives the headset back.
@@ -185,7 +186,7 @@ impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Headset for Pl
                 ..device
             }));
         }
-        let Some(recorded) = self.next else {
+        let Some(recorded) = self.next.take() else {
             // The session is over. The frames until the device ends are not the session's: the application must
             // not see them, or a trigger held to the last would change the project.
             if !self.over {
@@ -196,7 +197,8 @@ impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Headset for Pl
             self.inner.end(false)?;
             return Ok(Tick::Idle);
         };
-        self.next = self.frames.next().transpose()?;
+        let recorded = recorded?;
+        self.next = self.frames.next();
         self.time = recorded.time;
         Ok(Tick::Frame(Frame {
             should_render: device.should_render && recorded.should_render,
@@ -223,5 +225,194 @@ impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Headset for Pl
 
     fn request_exit(&mut self) {
         self.inner.request_exit();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "tests say what they expect by their names"
+    )]
+
+    use std::io;
+
+    use glam::Vec3;
+
+    use super::*;
+    use crate::frame::{Fov, Pose};
+    use crate::session::{SessionReader, from_bytes, to_bytes};
+    use crate::simulated::Simulated;
+
+    const EXTENT: vk::Extent2D = vk::Extent2D {
+        width: 64,
+        height: 48,
+    };
+
+    /// A session whose right hand moves and pulls the trigger to the last.
+    fn session() -> Vec<Frame> {
+        (0..6u8)
+            .map(|at| {
+                let pose = Pose {
+                    position: Vec3::new(0.1 * f32::from(at), 1.0, -0.3),
+                    ..Pose::IDENTITY
+                };
+                let hand = Hand {
+                    tracked: true,
+                    aim: pose,
+                    grip: pose,
+                    trigger: 1.0,
+                    ..Hand::ABSENT
+                };
+                Frame {
+                    time: f64::from(at) * 0.01,
+                    hands: [Hand::ABSENT, hand],
+                    ..Frame::start()
+                }
+            })
+            .collect()
+    }
+
+    /// A device of its own rate and eyes, without focus at first and in the middle.
+    fn device(count: usize) -> Vec<Frame> {
+        let views = [-0.03, 0.03].map(|x| View {
+            pose: Pose {
+                position: Vec3::new(x, 1.7, 0.0),
+                ..Pose::IDENTITY
+            },
+            fov: Fov {
+                left: -0.9,
+                ..Fov::SQUARE
+            },
+        });
+        (0..count)
+            .map(|at| Frame {
+                time: at as f64 * 0.05,
+                focused: !matches!(at, 0 | 1 | 4),
+                views,
+                ..Frame::start()
+            })
+            .collect()
+    }
+
+    /// What an application would see, with the rounds run as it would run them.
+    fn run(headset: &mut impl Headset) -> Vec<Frame> {
+        let mut seen = Vec::new();
+        for _ in 0..1000 {
+            match headset.wait().unwrap() {
+                Tick::Frame(frame) => {
+                    headset.begin().unwrap();
+                    let views = headset.views().unwrap();
+                    seen.push(Frame { views, ..frame });
+                    headset.end(frame.should_render).unwrap();
+                }
+                Tick::Idle => {}
+                Tick::Exit => return seen,
+            }
+        }
+        panic!("the headset never ends");
+    }
+
+    #[test]
+    fn a_recording_is_what_the_application_saw() {
+        let mut recorder = Recorder::new(Simulated::new(session(), EXTENT), Vec::new()).unwrap();
+        let seen = run(&mut recorder);
+        assert!(recorder.fault().is_none());
+        let (_, bytes) = recorder.finish();
+        assert_eq!(bytes.unwrap(), to_bytes(&seen).unwrap());
+        assert_eq!(seen, session());
+    }
+
+    #[test]
+    fn a_frame_under_way_is_recorded_too() {
+        let mut recorder = Recorder::new(Simulated::new(session(), EXTENT), Vec::new()).unwrap();
+        recorder.wait().unwrap();
+        let (_, bytes) = recorder.finish();
+        assert_eq!(from_bytes(&bytes.unwrap()).unwrap(), session()[..1]);
+    }
+
+    #[test]
+    fn a_full_disk_ends_the_recording_and_not_the_session() {
+        struct Full(usize);
+        impl Write for Full {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                self.0 = self
+                    .0
+                    .checked_sub(bytes.len())
+                    .ok_or_else(|| io::Error::other("no space left"))?;
+                Ok(bytes.len())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let mut recorder = Recorder::new(Simulated::new(session(), EXTENT), Full(100)).unwrap();
+        assert_eq!(run(&mut recorder).len(), session().len());
+        assert!(
+            recorder
+                .fault()
+                .unwrap()
+                .to_string()
+                .contains("no space left")
+        );
+        assert!(recorder.finish().1.is_err());
+    }
+
+    #[test]
+    fn a_player_gives_every_recorded_frame_once_whatever_the_device_does() {
+        let inner = Simulated::new(device(40), EXTENT);
+        let mut player = Player::new(inner, session().into_iter().map(Ok));
+        let seen = run(&mut player);
+        let own = device(1)[0].views;
+        assert!(
+            seen.iter().all(|frame| frame.views == own),
+            "the eyes are the device's"
+        );
+        assert!(seen.windows(2).all(|pair| pair[0].time <= pair[1].time));
+        let played: Vec<Frame> = seen.iter().copied().filter(|frame| frame.focused).collect();
+        let expected: Vec<Frame> = session()
+            .into_iter()
+            .map(|frame| Frame {
+                views: own,
+                ..frame
+            })
+            .collect();
+        assert_eq!(played, expected);
+        let held = seen.iter().filter(|frame| !frame.focused);
+        assert_eq!(held.clone().count(), 3);
+        assert!(
+            held.into_iter()
+                .all(|frame| frame.hands == [Hand::ABSENT; 2])
+        );
+        // The device was left in good order: every frame that it gave was begun and ended.
+        let inner = player.into_inner();
+        assert_eq!(inner.waited(), session().len() + 3 + 1);
+    }
+
+    #[test]
+    fn a_player_stops_at_the_sessions_error_and_plays_an_empty_session() {
+        let text = b"ramus-session 1\nframe 0\nframe 0.01\nleft trigger 2\n";
+        let mut player = Player::new(
+            Simulated::new(device(40), EXTENT),
+            SessionReader::new(&text[..]).unwrap(),
+        );
+        let mut rounds = 0;
+        let error = loop {
+            match player.wait() {
+                Ok(_) => {
+                    player.begin().unwrap();
+                    player.end(true).unwrap();
+                    rounds += 1;
+                }
+                Err(error) => break error,
+            }
+        };
+        assert!(
+            error.to_string().contains("line 4") && rounds == 3,
+            "{error} after {rounds}"
+        );
+        let mut empty = Player::new(Simulated::new(device(40), EXTENT), std::iter::empty());
+        assert!(run(&mut empty).iter().all(|frame| !frame.focused));
     }
 }

@@ -185,3 +185,97 @@ impl Headset for Simulated {
         self.exit = true;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "tests say what they expect by their names"
+    )]
+
+    use super::*;
+    use crate::session::SessionReader;
+
+    const EXTENT: vk::Extent2D = vk::Extent2D {
+        width: 64,
+        height: 48,
+    };
+
+    fn frames(count: usize) -> Vec<Frame> {
+        (0..count)
+            .map(|at| Frame {
+                time: at as f64 / 90.0,
+                focused: at != 1,
+                ..Frame::start()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn gives_each_frame_once_and_then_exits() {
+        let recorded = frames(3);
+        let mut headset = Simulated::new(recorded.clone(), EXTENT);
+        assert_eq!(headset.extent(), EXTENT);
+        assert!(headset.swapchain().is_none());
+        for frame in &recorded {
+            assert_eq!(headset.wait().unwrap(), Tick::Frame(*frame));
+            assert_eq!(headset.begin().unwrap(), None);
+            assert_eq!(headset.views().unwrap(), frame.views);
+            headset.end(frame.should_render).unwrap();
+        }
+        assert_eq!(headset.wait().unwrap(), Tick::Exit);
+        assert_eq!(headset.wait().unwrap(), Tick::Exit);
+        assert_eq!((headset.waited(), headset.rendered()), (3, 3));
+    }
+
+    #[test]
+    fn calls_out_of_order_fail_and_change_nothing() {
+        let mut headset = Simulated::new(frames(2), EXTENT);
+        assert!(headset.begin().is_err() && headset.end(true).is_err() && headset.views().is_err());
+        headset.wait().unwrap();
+        assert!(headset.wait().is_err() && headset.end(true).is_err());
+        headset.begin().unwrap();
+        assert!(headset.begin().is_err() && headset.wait().is_err());
+        headset.end(true).unwrap();
+        assert!(matches!(headset.wait().unwrap(), Tick::Frame(_)));
+        assert_eq!(headset.waited(), 2);
+    }
+
+    #[test]
+    fn vibrations_are_felt_only_while_focused() {
+        let mut headset = Simulated::new(frames(3), EXTENT);
+        let pulse = Pulse {
+            hand: 1,
+            duration: 0.02,
+            amplitude: 0.5,
+        };
+        headset.vibrate(pulse);
+        while let Tick::Frame(_) = headset.wait().unwrap() {
+            headset.begin().unwrap();
+            headset.vibrate(pulse);
+            headset.end(false).unwrap();
+        }
+        assert_eq!(
+            headset.felt(),
+            [Felt { frame: 0, pulse }, Felt { frame: 2, pulse }]
+        );
+        assert_eq!(headset.rendered(), 0);
+    }
+
+    #[test]
+    fn exits_when_asked_and_ends_a_broken_session_with_its_error() {
+        let mut headset = Simulated::new(frames(5), EXTENT);
+        headset.request_exit();
+        assert_eq!(headset.wait().unwrap(), Tick::Exit);
+        let reader =
+            SessionReader::new(&b"ramus-session 1\nframe 0\nframe 0.01\nframe x\n"[..]).unwrap();
+        let mut headset = Simulated::from_session(reader, EXTENT);
+        assert!(matches!(headset.wait().unwrap(), Tick::Frame(_)));
+        headset.begin().unwrap();
+        headset.end(true).unwrap();
+        let error = headset.wait().unwrap_err();
+        assert!(error.to_string().contains("line 4"), "{error}");
+        assert_eq!(headset.wait().unwrap(), Tick::Exit);
+    }
+}

@@ -1,1 +1,19 @@
-//! The real-runtime test stage.
+//! The real-runtime test stage: Monado, an OpenXR runtime that nobody here wrote, started for a test
+//! with its null compositor and its remote driver, whose headset and controllers a test moves packet by packet.
+//!
+//! - [`remote`] moves its headset and controllers, and [`feed`] plays a whole session through it.
+//! - [`stage`] brings a test to where Monado is: the test runs again inside `enter.sh`.
+//! - [`service`] starts, ends and kills the runtime and says how a program finds it.
+//! - [`verdict`] reads outputs for what the runtime and the validation layers found wrong.
+//!
+//! Debian 12 has no Monado, and Debian 13's needs Debian 13's C library; `make-root.sh` therefore makes a
+//! Debian 13 root once, and `enter.sh` runs a command in it, in namespaces of its own. Building Monado from
+//! source was the other way: slower, and a second build system to look after.
+
+#![forbid(unsafe_code)]
+
+pub mod feed;
+pub mod remote;
+pub mod service;
+pub mod stage;
+pub mod verdict;

@@ -1,0 +1,842 @@
+//! Any sequence of edits: the document stays whole, undo and redo are exact, files and journals
+//! give the same document back, and no damage to them makes a panic.
+#![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
+
+use glam::Vec3;
+use proptest::prelude::*;
+
+use super::{
+    document::{Document, Edit, EditError, Placement},
+    history::{Action, History},
+    journal::{self, Damage, Journal, JournalError},
+    project::{self, ProjectError},
+};
+use crate::sketch::{BOUNDS, Letter, NodeRef, SelfSimilar, SketchError, Wrap};
+
+fn a(node: u32) -> NodeRef {
+    NodeRef::new(Letter::TRUNK, node)
+}
+
+fn letter(index: u16) -> Letter {
+    Letter::from_index(index)
+}
+
+fn apply_all(edits: &[Edit]) -> History {
+    let mut history = History::default();
+    for edit in edits {
+        history.apply(edit.clone()).unwrap();
+    }
+    history
+}
+
+fn up(y: f32) -> Edit {
+    Edit::AddSegment {
+        to: Vec3::new(0.0, y, 0.0),
+    }
+}
+
+/// A trunk of four segments, C on node 2 with two segments, D on C's node 1, E on A's node 2.
+fn example() -> Vec<Edit> {
+    vec![
+        up(0.1),
+        up(0.2),
+        up(0.3),
+        up(0.4),
+        Edit::Select { at: a(2) },
+        Edit::AddSegment {
+            to: Vec3::new(0.1, 0.3, 0.0),
+        },
+        Edit::AddSegment {
+            to: Vec3::new(0.2, 0.35, 0.0),
+        },
+        Edit::Select {
+            at: NodeRef::new(letter(1), 1),
+        },
+        Edit::AddSegment {
+            to: Vec3::new(0.1, 0.4, 0.1),
+        },
+        Edit::Select {
+            at: NodeRef::new(letter(3 - 1), 0),
+        },
+        Edit::Select { at: a(2) },
+        Edit::AddSegment {
+            to: Vec3::new(-0.1, 0.3, 0.0),
+        },
+    ]
+}
+
+fn drawn(document: &Document) -> String {
+    let stroke = |s: &std::sync::Arc<crate::sketch::Stroke>| {
+        let at = s
+            .attachment
+            .map_or(String::new(), |at| format!("@{}{}", at.letter, at.node));
+        format!("{}{}{at}", s.letter, s.segments())
+    };
+    document
+        .sketch
+        .strokes
+        .iter()
+        .map(stroke)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+#[test]
+fn drawing_deleting_and_clearing() {
+    let node = NodeRef::new;
+    let table: Vec<(&str, Vec<Edit>, &str, NodeRef)> = vec![
+        ("drawn", vec![], "A4 C2@A2 D1@C1 E1@A2", node(letter(3), 1)),
+        (
+            "a node high up takes only its line's end",
+            vec![Edit::DeleteNode { at: a(3) }],
+            "A2 C2@A2 D1@C1 E1@A2",
+            a(2),
+        ),
+        (
+            "at the attachment, all that hangs there goes",
+            vec![Edit::DeleteNode { at: a(2) }],
+            "A1",
+            a(1),
+        ),
+        (
+            "below it too",
+            vec![Edit::DeleteNode { at: a(1) }],
+            "A0",
+            a(0),
+        ),
+        (
+            "a branch's first node takes the branch and its branches",
+            vec![Edit::DeleteNode {
+                at: node(letter(1), 1),
+            }],
+            "A4 E1@A2",
+            a(2),
+        ),
+        (
+            "a branch's end leaves what hangs below",
+            vec![Edit::DeleteNode {
+                at: node(letter(1), 2),
+            }],
+            "A4 C1@A2 D1@C1 E1@A2",
+            node(letter(1), 1),
+        ),
+        (
+            "clearing clears",
+            vec![Edit::SetStep { step: 7 }, Edit::Clear],
+            "A0",
+            a(0),
+        ),
+        (
+            "a freed letter is used again",
+            vec![
+                Edit::DeleteNode {
+                    at: node(letter(1), 1),
+                },
+                Edit::AddSegment {
+                    to: Vec3::new(0.3, 0.3, 0.3),
+                },
+            ],
+            "A4 E1@A2 C1@A2",
+            node(letter(1), 1),
+        ),
+        (
+            "a branch's start is its parent's node",
+            vec![
+                Edit::Select {
+                    at: node(letter(2), 0),
+                },
+                Edit::AddSegment {
+                    to: Vec3::new(0.3, 0.3, 0.3),
+                },
+            ],
+            "A4 C2@A2 D1@C1 E1@A2 H1@C1",
+            node(letter(4), 1),
+        ),
+    ];
+    for (what, more, expected, selected) in table {
+        let mut history = apply_all(&example());
+        for edit in more {
+            history.apply(edit).unwrap();
+        }
+        assert_eq!(drawn(history.document()), expected, "{what}");
+        assert_eq!(history.document().selected, selected, "{what}");
+        history.document().validate().unwrap();
+    }
+}
+
+#[test]
+fn a_moved_node_takes_its_branches_along_and_nothing_else() {
+    let mut history = apply_all(&example());
+    let before = history.document().clone();
+    let to = Vec3::new(0.05, 0.22, -0.03);
+    history.apply(Edit::MoveNode { at: a(2), to }).unwrap();
+    let after = history.document();
+    let shift = to - before.sketch.position(a(2)).unwrap();
+    for ((node, old), (_, new)) in before.sketch.nodes().zip(after.sketch.nodes()) {
+        let expected = match (node.letter == Letter::TRUNK, node.node) {
+            (true, 2) | (false, _) => old + shift,
+            (true, _) => old,
+        };
+        assert!(
+            (new - expected).length() < 1e-6,
+            "{node:?} {new} {expected}"
+        );
+    }
+    assert!(
+        std::sync::Arc::ptr_eq(&before.sketch.strokes[1], &after.sketch.strokes[1]),
+        "shared"
+    );
+}
+
+#[test]
+fn edits_that_would_break_the_document_are_refused() {
+    let here = Vec3::new(0.1, 0.1, 0.1);
+    let platform = |position, yaw_deg, scale| Edit::SetPlatform {
+        to: Placement {
+            position,
+            yaw_deg,
+            scale,
+        },
+    };
+    let own = |rate, depth_limit| Edit::SetSelfSimilar {
+        letter: letter(1),
+        to: Some(SelfSimilar { rate, depth_limit }),
+    };
+    let table: Vec<(Edit, &str)> = vec![
+        (up(f32::NAN), "finite"),
+        (up(f32::INFINITY), "finite"),
+        (up(1000.1), "between -1000 and 1000"),
+        (
+            Edit::MoveNode {
+                at: a(1),
+                to: Vec3::NEG_INFINITY,
+            },
+            "finite",
+        ),
+        (
+            Edit::MoveNode {
+                at: a(2),
+                to: Vec3::new(999.95, 0.0, 0.0),
+            },
+            "between -1000 and 1000",
+        ),
+        (
+            Edit::MoveNode {
+                at: a(2),
+                to: Vec3::new(0.0, 0.100_04, 0.0),
+            },
+            "shorter than 1 mm",
+        ),
+        (
+            Edit::MoveNode {
+                at: a(2),
+                to: Vec3::new(0.0, 0.3, 0.0),
+            },
+            "shorter than 1 mm",
+        ),
+        (Edit::MoveNode { at: a(0), to: here }, "root stays"),
+        (Edit::MoveNode { at: a(5), to: here }, "its last one is 4"),
+        (
+            Edit::MoveNode {
+                at: NodeRef::new(letter(1), 0),
+                to: here,
+            },
+            "node 2 of `A`",
+        ),
+        (
+            Edit::MoveNode {
+                at: NodeRef::new(letter(9), 1),
+                to: here,
+            },
+            "no stroke",
+        ),
+        (Edit::DeleteNode { at: a(0) }, "root stays"),
+        (
+            Edit::DeleteNode {
+                at: NodeRef::new(letter(1), 0),
+            },
+            "node 2 of `A`",
+        ),
+        (Edit::DeleteNode { at: a(u32::MAX) }, "its last one is 4"),
+        (
+            Edit::Select {
+                at: NodeRef::new(letter(u16::MAX), 0),
+            },
+            "no stroke",
+        ),
+        (Edit::AddStroke { to: vec![] }, "at least one segment"),
+        (
+            Edit::AddStroke {
+                to: vec![here, here],
+            },
+            "shorter than 1 mm",
+        ),
+        (
+            Edit::SetStep {
+                step: BOUNDS.step + 1,
+            },
+            "too far",
+        ),
+        (Edit::SetDivergence { degrees: f64::NAN }, "finite"),
+        (
+            Edit::SetDivergence {
+                degrees: f64::INFINITY,
+            },
+            "finite",
+        ),
+        (
+            Edit::SetDivergence { degrees: 1e120 },
+            "between -360000 and 360000",
+        ),
+        (platform(Vec3::ZERO, 1e300, 1.0), "platform"),
+        (platform(Vec3::NAN, 0.0, 1.0), "platform"),
+        (platform(Vec3::splat(1001.0), 0.0, 1.0), "platform"),
+        (platform(Vec3::ZERO, f64::NAN, 1.0), "platform"),
+        (platform(Vec3::ZERO, 0.0, f32::NAN), "scale"),
+        (platform(Vec3::ZERO, 0.0, 0.0), "scale"),
+        (own(0, None), "rate"),
+        (own(1, Some(BOUNDS.depth + 1)), "depth"),
+        (
+            Edit::SetSizes {
+                scale: f32::NAN,
+                tip_radius: 0.01,
+                radius_exponent: 2.0,
+            },
+            "finite",
+        ),
+        (
+            Edit::SetSizes {
+                scale: 2.0,
+                tip_radius: 0.0,
+                radius_exponent: 2.0,
+            },
+            "tip radius",
+        ),
+        (
+            Edit::SetSizes {
+                scale: 2.0,
+                tip_radius: 0.01,
+                radius_exponent: 9.0,
+            },
+            "exponent",
+        ),
+    ];
+    for (edit, reason) in table {
+        let mut history = apply_all(&example());
+        let before = history.document().clone();
+        history.take_log();
+        let message = history.apply(edit.clone()).unwrap_err().to_string();
+        assert!(message.contains(reason), "{edit:?}: {message}");
+        assert_eq!(*history.document(), before, "{edit:?}");
+        assert!(history.take_log().is_empty(), "{edit:?}");
+    }
+    let mut history = apply_all(&example());
+    history.apply(Edit::Select { at: a(0) }).unwrap();
+    let refused = history.apply(Edit::AddSegment { to: here });
+    assert_eq!(
+        refused,
+        Err(EditError::Sketch(SketchError::BranchAtRoot)),
+        "a tree has one trunk"
+    );
+}
+
+#[test]
+fn too_much_is_refused() {
+    let mut history = apply_all(&[up(0.1), up(0.2)]);
+    for number in 0..BOUNDS.strokes - 1 {
+        history.apply(Edit::Select { at: a(1) }).unwrap();
+        #[allow(clippy::cast_precision_loss, reason = "small")]
+        let x = 0.1 + number as f32 * 0.01;
+        history
+            .apply(Edit::AddSegment {
+                to: Vec3::new(x, 0.1, 0.0),
+            })
+            .unwrap();
+    }
+    history.apply(Edit::Select { at: a(1) }).unwrap();
+    let message = history.apply(up(0.5)).unwrap_err().to_string();
+    assert!(message.contains("at most 512 strokes"), "{message}");
+    #[allow(clippy::cast_precision_loss, reason = "small")]
+    let long: Vec<Vec3> = (1..=BOUNDS.points)
+        .map(|n| Vec3::new(1.0, n as f32 * 0.002, 0.0))
+        .collect();
+    history.apply(Edit::Select { at: a(2) }).unwrap();
+    let message = history
+        .apply(Edit::AddStroke { to: long })
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("at most 100000 nodes"), "{message}");
+}
+
+#[test]
+fn numbers_lie_on_the_grid() {
+    let mut history = apply_all(&[Edit::AddSegment {
+        to: Vec3::new(0.000_04, 0.123_456, -0.000_04),
+    }]);
+    assert_eq!(
+        history.document().sketch.strokes[0].points,
+        [Vec3::new(0.0, 0.1235, 0.0)]
+    );
+    history
+        .apply(Edit::SetDivergence { degrees: -90.000_4 })
+        .unwrap();
+    assert_eq!(history.document().sketch.divergence_deg, 270.0);
+    history
+        .apply(Edit::SetDivergence { degrees: 359.9999 })
+        .unwrap();
+    assert_eq!(
+        history.document().sketch.divergence_deg,
+        0.0,
+        "rounded before the turn is taken off"
+    );
+    let log = history.take_log();
+    let expected = Action::Edit(Edit::SetDivergence { degrees: 360.0 });
+    assert_eq!(
+        log.last(),
+        Some(&expected),
+        "the log holds what was applied"
+    );
+}
+
+#[test]
+fn a_preview_is_seen_and_leaves_no_trace() {
+    let mut history = apply_all(&example());
+    history.undo();
+    let before = history.document().clone();
+    history.take_log();
+    history
+        .preview(&Edit::SetDivergence { degrees: 90.0 })
+        .unwrap();
+    history
+        .preview(&Edit::SetDivergence { degrees: 100.0 })
+        .unwrap();
+    assert_eq!(history.document().sketch.divergence_deg, 100.0);
+    assert_eq!(*history.committed(), before);
+    assert!(
+        history
+            .preview(&Edit::SetDivergence { degrees: f64::NAN })
+            .is_err()
+    );
+    assert_eq!(
+        history.document().sketch.divergence_deg,
+        100.0,
+        "the last good one stays"
+    );
+    assert_eq!(history.redo_count(), 1, "a preview takes no redo away");
+    history.end_preview();
+    assert_eq!(*history.document(), before);
+    assert!(history.take_log().is_empty());
+    let undone = history.undo_count();
+    history
+        .apply(Edit::SetDivergence {
+            degrees: before.sketch.divergence_deg,
+        })
+        .unwrap();
+    assert_eq!(
+        history.undo_count(),
+        undone,
+        "an edit that changes nothing is none"
+    );
+    assert_eq!(history.redo_count(), 1);
+}
+
+fn place() -> impl Strategy<Value = Vec3> {
+    let near = (-2.0_f32..2.0, -2.0_f32..2.0, -2.0_f32..2.0).prop_map(Vec3::from);
+    let any = (any::<f32>(), any::<f32>(), any::<f32>()).prop_map(Vec3::from);
+    prop_oneof![20 => near, 1 => any]
+}
+
+fn node() -> impl Strategy<Value = NodeRef> {
+    (0..6_u16, 0..6_u32).prop_map(|(index, node)| NodeRef::new(letter(index), node))
+}
+
+fn edit() -> impl Strategy<Value = Edit> {
+    prop_oneof![
+        6 => place().prop_map(|to| Edit::AddSegment { to }),
+        2 => proptest::collection::vec(place(), 0..4).prop_map(|to| Edit::AddStroke { to }),
+        5 => node().prop_map(|at| Edit::Select { at }),
+        3 => (node(), place()).prop_map(|(at, to)| Edit::MoveNode { at, to }),
+        2 => node().prop_map(|at| Edit::DeleteNode { at }),
+        1 => Just(Edit::Clear),
+        2 => (0..20_000_u32).prop_map(|step| Edit::SetStep { step }),
+        2 => any::<f64>().prop_map(|degrees| Edit::SetDivergence { degrees }),
+        2 => (place(), -1e4_f64..1e4, -1.0_f32..30.0).prop_map(|(position, yaw_deg, scale)| {
+            Edit::SetPlatform { to: Placement { position, yaw_deg, scale } }
+        }),
+        2 => (0..6_u16, proptest::option::of((0..5_u32, proptest::option::of(0..80_u32)))).prop_map(
+            |(index, own)| Edit::SetSelfSimilar {
+                letter: letter(index),
+                to: own.map(|(rate, depth_limit)| SelfSimilar { rate, depth_limit }),
+            }
+        ),
+        1 => any::<bool>().prop_map(|on| Edit::SetSelfSimilarBranches { on }),
+        1 => (0.0_f32..5.0, 0.0_f32..0.1, 0.5_f32..4.5).prop_map(|(scale, tip_radius, radius_exponent)| {
+            Edit::SetSizes { scale, tip_radius, radius_exponent }
+        }),
+        1 => any::<bool>().prop_map(|on| Edit::SetWrap {
+            to: if on { Wrap::Restart } else { Wrap::CarryHeading },
+        }),
+    ]
+}
+
+#[derive(Clone, Debug)]
+enum Event {
+    Apply(Edit),
+    Preview(Edit),
+    Undo,
+    Redo,
+}
+
+fn event() -> impl Strategy<Value = Event> {
+    prop_oneof![
+        8 => edit().prop_map(Event::Apply),
+        1 => edit().prop_map(Event::Preview),
+        2 => Just(Event::Undo),
+        1 => Just(Event::Redo),
+    ]
+}
+
+fn play(history: &mut History, event: &Event) -> bool {
+    match event {
+        Event::Apply(edit) => history.apply(edit.clone()).is_ok(),
+        Event::Preview(edit) => history.preview(edit).is_ok(),
+        Event::Undo => history.undo(),
+        Event::Redo => history.redo(),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn any_sequence_keeps_the_invariants(events in proptest::collection::vec(event(), 0..60)) {
+        let mut history = History::default();
+        for event in &events {
+            let before = history.committed().clone();
+            let done = play(&mut history, event);
+            history.document().validate().unwrap();
+            if !done || matches!(event, Event::Preview(_)) {
+                prop_assert_eq!(history.committed(), &before, "refused and previewed change nothing");
+            }
+        }
+        history.end_preview();
+        let end = history.document().clone();
+        while history.undo() {}
+        prop_assert_eq!(history.document(), &Document::default(), "undo to the start is the start");
+        while history.redo() {}
+        let mut last = history.document().clone();
+        // Events may have ended on undone edits: the last redo is then beyond the end.
+        if !matches!(events.last(), Some(Event::Undo)) && history.redo_count() == 0 {
+            let mut again = History::default();
+            for event in &events {
+                play(&mut again, event);
+            }
+            let undone = again.redo_count();
+            for _ in 0..undone {
+                history.undo();
+            }
+            last = history.document().clone();
+            prop_assert_eq!(&last, &end, "redo again is the end");
+        }
+        last.validate().unwrap();
+    }
+
+    #[test]
+    fn files_and_journals_give_the_document_back(events in proptest::collection::vec(event(), 0..60), cut in 0..60_usize) {
+        let mut history = History::default();
+        let cut = cut.min(events.len());
+        events[..cut].iter().for_each(|event| { play(&mut history, event); });
+        history.end_preview();
+
+        let base = history.document().clone();
+        let bytes = project::to_bytes(&base);
+        let read = project::from_bytes(&bytes).unwrap();
+        prop_assert_eq!(&read, &base, "{}", String::from_utf8_lossy(&bytes));
+        prop_assert_eq!(project::to_bytes(&read), bytes, "same document, same bytes");
+
+        let mut history = History::new(base);
+        let (mut journal, mut text) = Journal::begin(&read);
+        for event in &events[cut..] {
+            play(&mut history, event);
+            history.take_log().iter().for_each(|action| text.push_str(&journal.line(action)));
+        }
+        history.end_preview();
+        let decoded = journal::decode(text.as_bytes()).unwrap();
+        prop_assert_eq!(decoded.damage, None);
+        prop_assert_eq!(decoded.whole_bytes, text.len());
+        prop_assert_eq!(&decoded.journal, &journal, "ready to go on");
+        let mut recovered = journal::replay(&read, &decoded).unwrap();
+        prop_assert_eq!(recovered.message, None);
+        prop_assert_eq!(project::to_bytes(recovered.history.document()), project::to_bytes(history.document()));
+        prop_assert_eq!(recovered.history.undo_count(), history.undo_count());
+        prop_assert_eq!(recovered.history.redo_count(), history.redo_count());
+        prop_assert!(recovered.history.take_log().is_empty());
+    }
+}
+
+fn example_journal() -> (Vec<Document>, String) {
+    let mut history = History::default();
+    let (mut journal, mut text) = Journal::begin(history.document());
+    let mut states = vec![history.document().clone()];
+    for edit in example() {
+        history.apply(edit).unwrap();
+        for action in history.take_log() {
+            text.push_str(&journal.line(&action));
+            states.push(history.document().clone());
+        }
+    }
+    history.undo();
+    text.push_str(&journal.line(&history.take_log()[0]));
+    states.push(history.document().clone());
+    (states, text)
+}
+
+#[test]
+fn a_journal_cut_anywhere_recovers_every_finished_line() {
+    let (states, text) = example_journal();
+    for length in 0..=text.len() {
+        let part = &text.as_bytes()[..length];
+        let finished = part.iter().filter(|&&byte| byte == b'\n').count();
+        let torn = part.last().is_some_and(|&byte| byte != b'\n');
+        match journal::decode(part) {
+            Err(error) => {
+                assert_eq!(error, JournalError::Empty, "{length}");
+                assert_eq!(finished, 0, "{length}");
+            }
+            Ok(decoded) => {
+                assert_eq!(decoded.actions.len(), finished - 1, "{length}");
+                assert_eq!(decoded.damage.is_some(), torn, "{length}");
+                let recovered = journal::replay(&states[0], &decoded).unwrap();
+                assert_eq!(
+                    *recovered.history.document(),
+                    states[finished - 1],
+                    "{length}"
+                );
+                assert_eq!(recovered.message.is_some(), torn, "{length}");
+                let whole = text[..length].rfind('\n').unwrap() + 1;
+                assert_eq!(decoded.whole_bytes, whole, "{length}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_journal_damaged_in_the_middle_stops_there() {
+    let (states, text) = example_journal();
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    // Every byte changed in turn: never a panic, and what comes back is a true beginning.
+    for at in 0..text.len() {
+        let mut damaged = text.clone().into_bytes();
+        damaged[at] ^= 0x10;
+        if let Ok(decoded) = journal::decode(&damaged)
+            && let Ok(recovered) = journal::replay(&states[0], &decoded)
+        {
+            assert!(decoded.damage.is_some(), "byte {at} is noticed");
+            assert_eq!(
+                *recovered.history.document(),
+                states[decoded.actions.len()],
+                "byte {at}"
+            );
+        }
+    }
+    let without = |gone: usize| -> String {
+        lines
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| *i != gone)
+            .map(|(_, line)| *line)
+            .collect()
+    };
+    let swapped: String = [0, 1, 3, 2].iter().map(|&i| lines[i]).collect();
+    for (damaged, kept, lost) in [
+        (without(4), 3, lines.len() - 5),
+        (without(1), 0, lines.len() - 2),
+        (swapped, 1, 2),
+    ] {
+        let decoded = journal::decode(damaged.as_bytes()).unwrap();
+        let expected = Damage::Broken {
+            line: kept + 2,
+            recovered: kept,
+            lost,
+        };
+        assert_eq!(decoded.damage, Some(expected));
+        let message = journal::replay(&states[0], &decoded)
+            .unwrap()
+            .message
+            .unwrap();
+        assert!(
+            message.contains(&format!("{kept} actions before it were recovered")),
+            "{message}"
+        );
+    }
+    let decoded = journal::decode(text.as_bytes()).unwrap();
+    let other = journal::replay(&states[3], &decoded).unwrap_err();
+    assert_eq!(other, JournalError::OtherBase);
+    let newer = text.replacen("\"version\":1", "\"version\":2", 1);
+    assert_eq!(
+        journal::decode(newer.as_bytes()),
+        Err(JournalError::Version(2))
+    );
+    for garbage in [
+        "\n",
+        "{}\n",
+        "[1]\n",
+        "\0\u{1}\n",
+        "{\"format\":\"ramus-project\",\"version\":1,\"base\":\"0\"}\n",
+    ] {
+        assert_eq!(
+            journal::decode(garbage.as_bytes()),
+            Err(JournalError::NotAJournal),
+            "{garbage:?}"
+        );
+    }
+}
+
+#[test]
+fn a_project_cut_anywhere_is_an_error() {
+    let bytes = project::to_bytes(apply_all(&example()).document());
+    // The last byte is only the line end.
+    for length in 0..bytes.len() - 1 {
+        let error = project::from_bytes(&bytes[..length]).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                ProjectError::NotAProject | ProjectError::Malformed(_)
+            ),
+            "{length}: {error}"
+        );
+    }
+    for at in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x04;
+        if let Ok(document) = project::from_bytes(&damaged) {
+            document.validate().unwrap();
+        }
+    }
+}
+
+#[test]
+fn hostile_projects_are_refused_with_a_reason() {
+    let good = String::from_utf8(project::to_bytes(apply_all(&example()).document())).unwrap();
+    let table: Vec<(&str, &str, &str)> = vec![
+        (
+            "\"version\": 1",
+            "\"version\": 7",
+            "format version 7, which Ramus 0.1.0 or later reads",
+        ),
+        ("\"version\": 1", "\"version\": -1", "damaged"),
+        ("ramus-project", "other", "no Ramus project"),
+        ("\"step\": 0", "\"step\": 10001", "too far"),
+        ("\"step\": 0", "\"step\": -1", "invalid value"),
+        ("\"step\": 0", "\"step\": 0, \"step\": 1", "duplicate field"),
+        (
+            "\"step\": 0",
+            "\"step\": 0, \"colour\": 1",
+            "unknown field `colour`",
+        ),
+        ("[0.0,0.1,0.0]", "[0.0,1e999,0.0]", "number out of range"),
+        ("[0.0,0.1,0.0]", "[0.0,1e39,0.0]", "damaged"),
+        ("[0.0,0.1,0.0]", "[0.0,NaN,0.0]", "damaged"),
+        ("[0.0,0.1,0.0]", "[0.0,null,0.0]", "damaged"),
+        ("[0.0,0.1,0.0]", "[0.0,0.2,0.0]", "shorter than 1 mm"),
+        ("[0.0,0.1,0.0]", "[0.0,0.1]", "damaged"),
+        ("\"letter\": \"C\"", "\"letter\": \"B\"", "`B` is no letter"),
+        (
+            "\"letter\": \"C\"",
+            "\"letter\": \"D\"",
+            "which no earlier stroke has",
+        ),
+        (
+            "\"letter\": \"D\"",
+            "\"letter\": \"C\"",
+            "two strokes are called `C`",
+        ),
+        (
+            "{\"letter\":\"A\",\"node\":2}",
+            "{\"letter\":\"D\",\"node\":1}",
+            "which no earlier stroke has",
+        ),
+        (
+            "{\"letter\":\"A\",\"node\":2}",
+            "{\"letter\":\"C\",\"node\":1}",
+            "which no earlier stroke has",
+        ),
+        (
+            "{\"letter\":\"A\",\"node\":2}",
+            "{\"letter\":\"A\",\"node\":5}",
+            "which no earlier stroke has",
+        ),
+        (
+            "{\"letter\":\"A\",\"node\":2}",
+            "{\"letter\":\"A\",\"node\":0}",
+            "which no earlier stroke has",
+        ),
+        ("{\"letter\":\"A\",\"node\":2}", "null", "hangs nowhere"),
+        (
+            "\"attachment\": null",
+            "\"attachment\": {\"letter\":\"C\",\"node\":1}",
+            "hangs nowhere",
+        ),
+        (
+            "\"selected\": {\"letter\":\"E\",\"node\":1}",
+            "\"selected\": {\"letter\":\"E\",\"node\":2}",
+            "its last one is 1",
+        ),
+        ("\"scale\": 2.0", "\"scale\": 0", "scale"),
+        ("137.508", "1e308", "damaged"),
+    ];
+    for (found, replaced, reason) in table {
+        assert!(good.contains(found), "{found} is in the example");
+        let message = project::from_bytes(good.replacen(found, replaced, 1).as_bytes())
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains(reason), "{found} → {replaced}: {message}");
+        assert!(message.len() < 500, "{message}");
+    }
+    for garbage in [&b""[..], b"{}", b"null", b"\xff\xfe", b"[[[[", b"glTF"] {
+        assert_eq!(
+            project::from_bytes(garbage),
+            Err(ProjectError::NotAProject),
+            "{garbage:?}"
+        );
+    }
+    let deep = "[".repeat(1 << 20);
+    assert_eq!(
+        project::from_bytes(deep.as_bytes()),
+        Err(ProjectError::NotAProject)
+    );
+    let huge = vec![b' '; (64 << 20) + 1];
+    assert_eq!(
+        project::from_bytes(&huge),
+        Err(ProjectError::TooLarge(huge.len()))
+    );
+    let many = format!("{}{}", "\"D\": 0, ".repeat(100_000), "\"step\": 0");
+    assert!(project::from_bytes(good.replacen("\"step\": 0", &many, 1).as_bytes()).is_err());
+}
+
+#[test]
+fn an_edited_project_is_brought_to_the_grid() {
+    let good = String::from_utf8(project::to_bytes(apply_all(&example()).document())).unwrap();
+    let edited = good.replacen("[0.0,0.1,0.0]", "[-0.0, 0.10000001, 1e-9]", 1);
+    let read = project::from_bytes(edited.as_bytes()).unwrap();
+    assert_eq!(String::from_utf8(project::to_bytes(&read)).unwrap(), good);
+}
+
+#[test]
+fn a_long_history_is_cheap() {
+    let mut history = History::default();
+    let up: Vec<Vec3> = (1..=2000_u16)
+        .map(|n| Vec3::new(0.0, f32::from(n) * 0.1, 0.0))
+        .collect();
+    history.apply(Edit::AddStroke { to: up }).unwrap();
+    for step in 1..=1000 {
+        history.apply(Edit::SetStep { step }).unwrap();
+    }
+    let sketch = std::sync::Arc::clone(&history.document().sketch);
+    assert_eq!(
+        std::sync::Arc::strong_count(&sketch),
+        1002,
+        "one sketch in a thousand documents"
+    );
+    assert_eq!(history.undo_count(), 1001);
+}

@@ -1,0 +1,239 @@
+//! The `.ramus` project file: text that a person can read, and the same bytes for the same document.
+//!
+//! JSON with a fixed order of fields, one point a line, numbers in their shortest exact form.
+//! The writer is by hand because serde_json's pretty form spreads a point over five lines. Nothing in the
+//! file depends on the clock, the machine or the headset, so a replayed session can be compared
+//! byte for byte. The format is described in `docs/src/project-file.md`.
+//!
+//! Reading meets files from elsewhere: size and counts are bounded, unknown fields are refused (a
+//! newer format raises the version instead), and the whole document is checked before it is given
+//! out, so nothing later has to doubt it.
+
+use std::{fmt::Write as _, sync::Arc};
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::document::{Document, EditError, Placement};
+use crate::sketch::{Letter, NodeRef, SelfSimilar, Sketch, Stroke, Wrap, quantize};
+
+/// The first field of every project file.
+const FORMAT: &str = "ramus-project";
+/// The version this program writes, and the only one there is to read.
+const VERSION: u64 = 1;
+/// The first program version that reads [`VERSION`].
+const NEEDS: &str = "0.1.0";
+/// Largest file read, bytes: many times what the bounds of a sketch allow.
+const MAX_BYTES: usize = 64 << 20;
+/// Longest part of a foreign text repeated in a message, characters.
+const MAX_QUOTE: usize = 200;
+
+/// Why a file is no project this program can read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ProjectError {
+    /// Larger than any project.
+    #[error(
+        "this file is {0} bytes long, and no project is longer than {MAX_BYTES}: choose a .ramus file"
+    )]
+    TooLarge(usize),
+    /// Some other file.
+    #[error(
+        "this is no Ramus project (its first field must be \"format\": \"{FORMAT}\"): choose a .ramus file"
+    )]
+    NotAProject,
+    /// Of a later program.
+    #[error("this project has format version {version}, which Ramus {needs} or later reads; this is Ramus {ours}, which reads version {VERSION}", ours = env!("CARGO_PKG_VERSION"))]
+    Version {
+        /// The file's version.
+        version: u64,
+        /// The program it asks for.
+        needs: String,
+    },
+    /// Cut off or edited so that it cannot be read.
+    #[error(
+        "this project file is damaged ({0}): mend that place, or take the last copy that was whole"
+    )]
+    Malformed(String),
+    /// Readable, but against the rules.
+    #[error("this project file is damaged: {0}")]
+    Invalid(#[from] EditError),
+}
+
+/// What every version has.
+#[derive(Deserialize)]
+struct Head {
+    format: String,
+    version: u64,
+    #[serde(default)]
+    needs: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileV1 {
+    #[serde(rename = "format")]
+    _format: String,
+    #[serde(rename = "version")]
+    _version: u64,
+    #[serde(rename = "needs")]
+    _needs: String,
+    step: u32,
+    selected: NodeRef,
+    platform: Placement,
+    divergence_deg: f64,
+    scale: f32,
+    tip_radius: f32,
+    radius_exponent: f32,
+    wrap: Wrap,
+    self_similar_branches: bool,
+    strokes: Vec<StrokeV1>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StrokeV1 {
+    letter: Letter,
+    attachment: Option<NodeRef>,
+    self_similar: Option<SelfSimilar>,
+    points: Vec<Vec3>,
+}
+
+/// The document as a project file: always the same bytes for equal documents.
+#[must_use]
+pub fn to_bytes(document: &Document) -> Vec<u8> {
+    let sketch = &*document.sketch;
+    let mut text = String::from("{\n");
+    field(&mut text, 1, "format", &FORMAT);
+    field(&mut text, 1, "version", &VERSION);
+    field(&mut text, 1, "needs", &NEEDS);
+    field(&mut text, 1, "step", &document.step);
+    field(&mut text, 1, "selected", &document.selected);
+    field(&mut text, 1, "platform", &document.platform);
+    field(&mut text, 1, "divergence_deg", &sketch.divergence_deg);
+    field(&mut text, 1, "scale", &sketch.scale);
+    field(&mut text, 1, "tip_radius", &sketch.tip_radius);
+    field(&mut text, 1, "radius_exponent", &sketch.radius_exponent);
+    field(&mut text, 1, "wrap", &sketch.wrap);
+    field(
+        &mut text,
+        1,
+        "self_similar_branches",
+        &sketch.self_similar_branches,
+    );
+    text.push_str("  \"strokes\": [\n");
+    for (number, stroke) in (1..).zip(&sketch.strokes) {
+        text.push_str("    {\n");
+        field(&mut text, 3, "letter", &stroke.letter);
+        field(&mut text, 3, "attachment", &stroke.attachment);
+        field(&mut text, 3, "self_similar", &stroke.self_similar);
+        text.push_str("      \"points\": [");
+        for (number, point) in (0..).zip(&stroke.points) {
+            text.push_str(if number == 0 {
+                "\n        "
+            } else {
+                ",\n        "
+            });
+            push_json(&mut text, point);
+        }
+        text.push_str(if stroke.points.is_empty() {
+            "]\n"
+        } else {
+            "\n      ]\n"
+        });
+        text.push_str(if number == sketch.strokes.len() {
+            "    }\n"
+        } else {
+            "    },\n"
+        });
+    }
+    text.push_str("  ]\n}\n");
+    text.into_bytes()
+}
+
+fn field(text: &mut String, indent: usize, name: &str, value: &impl Serialize) {
+    let _ = write!(text, "{:1$}\"{name}\": ", "", indent * 2);
+    push_json(text, value);
+    text.push_str(",\n");
+}
+
+/// Writing plain data into memory cannot fail; were it to, reading would find the gap.
+fn push_json(text: &mut String, value: &impl Serialize) {
+    text.push_str(&serde_json::to_string(value).unwrap_or_default());
+}
+
+/// Reads a project file.
+///
+/// # Errors
+/// What is wrong with the file, in a sentence; never a panic, whatever the bytes.
+pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
+    if bytes.len() > MAX_BYTES {
+        return Err(ProjectError::TooLarge(bytes.len()));
+    }
+    let head: Head = match serde_json::from_slice(bytes) {
+        Ok(head) => head,
+        // A file that is cut off still begins like a project.
+        Err(error) if looks_like_a_project(bytes) => return Err(malformed(&error)),
+        Err(_) => return Err(ProjectError::NotAProject),
+    };
+    if head.format != FORMAT {
+        return Err(ProjectError::NotAProject);
+    }
+    if head.version != VERSION {
+        let needs = head.needs.as_deref().unwrap_or("of its time");
+        let needs = needs
+            .chars()
+            .filter(|c| !c.is_control())
+            .take(MAX_QUOTE)
+            .collect();
+        return Err(ProjectError::Version {
+            version: head.version,
+            needs,
+        });
+    }
+    let file: FileV1 = serde_json::from_slice(bytes).map_err(|error| malformed(&error))?;
+    let document = document_from_file(file);
+    document.validate()?;
+    Ok(document)
+}
+
+fn looks_like_a_project(bytes: &[u8]) -> bool {
+    let beginning = &bytes[..bytes.len().min(MAX_QUOTE)];
+    String::from_utf8_lossy(beginning).contains(FORMAT)
+}
+
+fn malformed(error: &serde_json::Error) -> ProjectError {
+    let text = error.to_string();
+    let short: String = text
+        .chars()
+        .filter(|c| !c.is_control())
+        .take(MAX_QUOTE)
+        .collect();
+    ProjectError::Malformed(short)
+}
+
+/// The document a file describes, on the grid but not yet checked.
+fn document_from_file(file: FileV1) -> Document {
+    let strokes = file.strokes.into_iter().map(|stroke| {
+        Arc::new(Stroke {
+            letter: stroke.letter,
+            points: stroke.points.into_iter().map(quantize::point).collect(),
+            attachment: stroke.attachment,
+            self_similar: stroke.self_similar,
+        })
+    });
+    let sketch = Sketch {
+        strokes: strokes.collect(),
+        divergence_deg: quantize::angle_deg(file.divergence_deg),
+        scale: quantize::coordinate(file.scale),
+        tip_radius: quantize::coordinate(file.tip_radius),
+        radius_exponent: quantize::coordinate(file.radius_exponent),
+        wrap: file.wrap,
+        self_similar_branches: file.self_similar_branches,
+    };
+    Document {
+        sketch: Arc::new(sketch),
+        step: file.step,
+        platform: file.platform.quantized(),
+        selected: file.selected,
+    }
+}

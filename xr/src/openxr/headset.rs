@@ -1,0 +1,428 @@
+//! The running session: events, frames, layers.
+
+use std::thread::sleep;
+use std::time::Duration;
+
+use ::openxr as xr;
+use ash::vk::{self, Handle as _};
+
+use super::call::Called as _;
+use super::connect::{ConnectError, refused};
+use super::frames;
+use super::input::Input;
+use super::space::{Stage, locate, raw_from_pose};
+use super::swapchain::{Chain, choose_formats};
+use super::system::{STEREO, StartParams, System, VulkanHandles};
+use super::view::locate_views;
+use crate::frame::{Frame, Hand, Pose, Pulse, View};
+use crate::headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};
+use crate::lifecycle::{Demand, FrameCall, FrameClock, Lifecycle, Stage as FrameStage, State};
+use crate::vulkan::VulkanDevice;
+
+/// How long `wait` rests while no session runs, so that a loop around it does not spin.
+const IDLE_PAUSE: Duration = Duration::from_millis(10);
+
+/// A headset behind an OpenXR runtime.
+///
+/// Drop it before the Vulkan device that it was started with, and with that device idle.
+pub struct OpenXrHeadset {
+    // The order of the fields is the order of dropping: what hangs on the session goes first.
+    color: Chain,
+    depth: Option<Chain>,
+    images: Swapchain,
+    input: Input,
+    stage: Stage,
+    head: xr::Space,
+    session: xr::Session<xr::Vulkan>,
+    instance: xr::Instance,
+    events: Box<xr::EventDataBuffer>,
+    title: String,
+    blend: xr::EnvironmentBlendMode,
+    near: f32,
+    lifecycle: Lifecycle,
+    clock: FrameClock,
+    /// Predicted display time of the present frame, as the runtime told it.
+    display_time: xr::Time,
+    should_render: bool,
+    /// The views that were given last: the present frame's layers carry them.
+    views: [View; 2],
+    /// Whether `views` are the present frame's.
+    located: bool,
+    head_pose: Pose,
+    /// When the stage's origin will move.
+    recentred_at: Option<xr::Time>,
+    exit: bool,
+    /// The device, where it is the headset's to keep alive; dropped last.
+    device: Option<Box<dyn VulkanDevice>>,
+}
+
+impl Drop for OpenXrHeadset {
+    fn drop(&mut self) {
+        if let Some(device) = &self.device {
+            device.wait_idle();
+        }
+    }
+}
+
+impl OpenXrHeadset {
+    /// Keeps the device alive for as long as the session.
+    pub(super) fn keep(&mut self, device: Box<dyn VulkanDevice>) {
+        self.device = Some(device);
+    }
+
+    /// # Safety
+    /// As [`System::start`].
+    pub(super) unsafe fn new(
+        system: System,
+        vulkan: VulkanHandles,
+        params: StartParams,
+    ) -> Result<Self, ConnectError> {
+        let System {
+            instance,
+            id,
+            title,
+            local_floor,
+            depth,
+            blend,
+            extent,
+        } = system;
+        let handles = xr::vulkan::SessionCreateInfo {
+            instance: vulkan.instance.as_raw() as _,
+            physical_device: vulkan.physical_device.as_raw() as _,
+            device: vulkan.device.as_raw() as _,
+            queue_family_index: vulkan.queue_family,
+            queue_index: vulkan.queue_index,
+        };
+        // SAFETY: the caller vouches for the handles. Waiter and stream only hold the session: frames go by raw calls.
+        let (session, _, _) = unsafe { instance.create_session::<xr::Vulkan>(id, &handles) }
+            .map_err(|code| refused("xrCreateSession", code))?;
+        let stage = Stage::new(&session, local_floor)?;
+        let head = session
+            .create_reference_space(xr::ReferenceSpaceType::VIEW, raw_from_pose(Pose::IDENTITY))
+            .called("xrCreateReferenceSpace")?;
+        let input = Input::new(&session)?;
+        let (color_format, depth_format) = choose_formats(&session, depth)?;
+        let color = Chain::new(
+            &session,
+            color_format,
+            xr::SwapchainUsageFlags::COLOR_ATTACHMENT
+                | xr::SwapchainUsageFlags::TRANSFER_SRC
+                | xr::SwapchainUsageFlags::TRANSFER_DST
+                | xr::SwapchainUsageFlags::SAMPLED,
+            extent,
+        )?;
+        let depth = depth_format.and_then(|format| {
+            let usage = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT
+                | xr::SwapchainUsageFlags::TRANSFER_SRC
+                | xr::SwapchainUsageFlags::TRANSFER_DST;
+            // A picture without depth is better than none.
+            Chain::new(&session, format, usage, extent)
+                .inspect_err(|error| tracing::warn!("no depth layer: {error}"))
+                .ok()
+        });
+        let images = Swapchain {
+            color: color.images.clone(),
+            color_format,
+            depth: depth
+                .as_ref()
+                .map(|chain| chain.images.clone())
+                .unwrap_or_default(),
+            depth_format: depth
+                .as_ref()
+                .and(depth_format)
+                .unwrap_or(vk::Format::UNDEFINED),
+            extent,
+        };
+        let start = Frame::start();
+        Ok(Self {
+            color,
+            depth,
+            images,
+            input,
+            stage,
+            head,
+            session,
+            instance,
+            events: Box::new(xr::EventDataBuffer::new()),
+            title,
+            blend,
+            near: params.near,
+            lifecycle: Lifecycle::default(),
+            clock: FrameClock::default(),
+            display_time: xr::Time::from_nanos(0),
+            should_render: false,
+            views: start.views,
+            located: false,
+            head_pose: start.head,
+            recentred_at: None,
+            exit: false,
+            device: None,
+        })
+    }
+
+    /// Deals with everything that happened since the last frame.
+    fn poll(&mut self) -> Result<(), HeadsetError> {
+        loop {
+            let event = match self
+                .instance
+                .poll_event(&mut self.events)
+                .called("xrPollEvent")?
+            {
+                None => return Ok(()),
+                Some(event) => event,
+            };
+            match event {
+                xr::Event::SessionStateChanged(change) => {
+                    if let Some(state) = state_from_raw(change.state()) {
+                        tracing::debug!("the session is {state:?}");
+                        self.enter(state)?;
+                    }
+                }
+                xr::Event::InstanceLossPending(_) => {
+                    return Err(HeadsetError::Lost(String::from("it is shutting down")));
+                }
+                xr::Event::ReferenceSpaceChangePending(change)
+                    if change.reference_space_type() == self.stage.kind =>
+                {
+                    self.recentred_at = Some(change.change_time());
+                }
+                xr::Event::InteractionProfileChanged(_) => self.report_controllers(),
+                xr::Event::EventsLost(lost) => {
+                    tracing::warn!("the runtime dropped {} events", lost.lost_event_count());
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn enter(&mut self, state: State) -> Result<(), HeadsetError> {
+        match self.lifecycle.enter(state) {
+            Demand::Nothing => {}
+            Demand::Begin => {
+                self.session
+                    .begin(STEREO)
+                    .and_then(loss)
+                    .called("xrBeginSession")?;
+                self.lifecycle.begun();
+            }
+            Demand::End => {
+                self.session.end().and_then(loss).called("xrEndSession")?;
+                self.lifecycle.ended();
+            }
+            Demand::Exit => self.exit = true,
+            Demand::Lose => {
+                return Err(HeadsetError::Lost(String::from(
+                    "it announced the loss of the session",
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Says in the log which controllers are used now.
+    fn report_controllers(&self) {
+        for hand in crate::bindings::HANDS {
+            let profile = self
+                .instance
+                .string_to_path(hand)
+                .and_then(|hand| self.session.current_interaction_profile(hand))
+                .and_then(|path| {
+                    if path == xr::Path::NULL {
+                        Ok(String::from("none"))
+                    } else {
+                        self.instance.path_to_string(path)
+                    }
+                });
+            match profile {
+                Ok(profile) => tracing::info!("{hand}: {profile}"),
+                Err(code) => tracing::warn!("{hand}: the controller is not known ({code:?})"),
+            }
+        }
+    }
+
+    /// Ends a frame that the application left open, without a picture: each wait needs its begin and end.
+    fn close(&mut self) -> Result<(), HeadsetError> {
+        if self.lifecycle.stage() == FrameStage::Waited {
+            self.begin_frame()?;
+        }
+        if self.lifecycle.stage() == FrameStage::Begun {
+            self.end(false)?;
+        }
+        Ok(())
+    }
+
+    fn wait_frame(&mut self) -> Result<(), HeadsetError> {
+        self.allow(FrameCall::Wait)?;
+        let (display_time, should_render) = frames::wait(&self.session)?;
+        self.lifecycle.done(FrameCall::Wait);
+        self.display_time = display_time;
+        self.should_render = should_render;
+        self.located = false;
+        Ok(())
+    }
+
+    fn begin_frame(&mut self) -> Result<(), HeadsetError> {
+        self.allow(FrameCall::Begin)?;
+        frames::begin(&self.session)?;
+        self.lifecycle.done(FrameCall::Begin);
+        Ok(())
+    }
+
+    /// Ends the frame, with the picture or without.
+    fn end_frame(&mut self, picture: bool) -> Result<(), HeadsetError> {
+        let picture = picture.then_some(frames::Picture {
+            space: &self.stage.space,
+            views: &self.views,
+            color: &self.color,
+            depth: self.depth.as_ref(),
+            extent: self.images.extent,
+            near: self.near,
+        });
+        let ended = frames::end(
+            &self.session,
+            self.display_time,
+            self.blend,
+            picture.as_ref(),
+        );
+        // Whatever came of it, the frame is over.
+        self.lifecycle.done(FrameCall::End);
+        ended
+    }
+
+    fn allow(&self, call: FrameCall) -> Result<(), HeadsetError> {
+        self.lifecycle
+            .allow(call)
+            .map_err(|error| HeadsetError::Failed(error.to_string()))
+    }
+
+    /// Looks for the eyes; the views stay as they were where they cannot be found.
+    fn locate_eyes(&mut self) -> Result<(), HeadsetError> {
+        if let Some(views) =
+            locate_views(&self.session, &self.stage, self.display_time, &self.views)?
+        {
+            self.views = views;
+            self.located = true;
+        }
+        Ok(())
+    }
+
+    /// Whether the stage's origin moves with this frame. The hands are then hidden for one frame, so that a stroke or
+    /// a drag ends cleanly where it was and does not leap with the origin.
+    fn recentred(&mut self) -> bool {
+        let now = self
+            .recentred_at
+            .is_some_and(|time| self.display_time.as_nanos() >= time.as_nanos());
+        if now {
+            self.recentred_at = None;
+        }
+        now
+    }
+}
+
+impl Headset for OpenXrHeadset {
+    fn describe(&self) -> String {
+        self.title.clone()
+    }
+
+    fn extent(&self) -> vk::Extent2D {
+        self.images.extent
+    }
+
+    fn swapchain(&self) -> Option<&Swapchain> {
+        Some(&self.images)
+    }
+
+    fn wait(&mut self) -> Result<Tick, HeadsetError> {
+        self.close()?;
+        self.poll()?;
+        if self.exit {
+            return Ok(Tick::Exit);
+        }
+        if !self.lifecycle.running() {
+            sleep(IDLE_PAUSE);
+            return Ok(Tick::Idle);
+        }
+        self.wait_frame()?;
+        self.input.sync(&self.session)?;
+        self.locate_eyes()?;
+        if let Some(head) = locate(&self.head, &self.stage, self.display_time)? {
+            self.head_pose = head;
+        }
+        let recentred = self.recentred();
+        let focused = self.lifecycle.focused();
+        let hands = if focused && !recentred {
+            self.input
+                .hands(&self.session, &self.stage, self.display_time)?
+        } else {
+            [Hand::ABSENT; 2]
+        };
+        Ok(Tick::Frame(Frame {
+            time: self.clock.advance(self.display_time.as_nanos()),
+            focused,
+            should_render: self.should_render && self.located,
+            head: self.head_pose,
+            views: self.views,
+            hands,
+        }))
+    }
+
+    fn begin(&mut self) -> Result<Option<Acquired>, HeadsetError> {
+        self.begin_frame()?;
+        if !(self.should_render && self.located) {
+            return Ok(None);
+        }
+        let color = self.color.acquire()?;
+        let depth = self.depth.as_mut().map(Chain::acquire).transpose()?;
+        Ok(Some(Acquired { color, depth }))
+    }
+
+    fn views(&mut self) -> Result<[View; 2], HeadsetError> {
+        self.allow(FrameCall::End)?;
+        self.locate_eyes()?;
+        Ok(self.views)
+    }
+
+    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
+        self.allow(FrameCall::End)?;
+        let color = self.color.release()?;
+        let depth = self.depth.as_mut().map_or(Ok(true), Chain::release)?;
+        self.end_frame(rendered && self.located && color && depth)?;
+        self.input.vibrate(&self.session, self.lifecycle.focused())
+    }
+
+    fn vibrate(&mut self, pulse: Pulse) {
+        self.input.queue(pulse);
+    }
+
+    fn request_exit(&mut self) {
+        if let Err(code) = self.session.request_exit() {
+            // A session that does not run cannot be asked to stop; there is nothing to wait for then.
+            tracing::debug!("leaving without the runtime's consent: {code:?}");
+            self.exit = true;
+        }
+    }
+}
+
+/// States as the runtime tells them; `None` for ones that a later version may add.
+fn state_from_raw(state: xr::SessionState) -> Option<State> {
+    Some(match state {
+        xr::SessionState::IDLE => State::Idle,
+        xr::SessionState::READY => State::Ready,
+        xr::SessionState::SYNCHRONIZED => State::Synchronized,
+        xr::SessionState::VISIBLE => State::Visible,
+        xr::SessionState::FOCUSED => State::Focused,
+        xr::SessionState::STOPPING => State::Stopping,
+        xr::SessionState::LOSS_PENDING => State::LossPending,
+        xr::SessionState::EXITING => State::Exiting,
+        _ => return None,
+    })
+}
+
+/// A success that announces a loss is one.
+fn loss(code: xr::sys::Result) -> xr::Result<()> {
+    if code == xr::sys::Result::SESSION_LOSS_PENDING {
+        Err(code)
+    } else {
+        Ok(())
+    }
+}

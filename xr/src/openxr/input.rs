@@ -1,0 +1,251 @@
+//! Hands: actions, their bindings, their state, and vibrations.
+
+use std::ptr;
+
+use ::openxr as xr;
+use glam::Vec2;
+
+use super::call::{Called as _, check};
+use super::space::{Stage, locate};
+use crate::bindings::{Action, HANDS, PROFILES, Profile};
+use crate::frame::{Hand, Pulse};
+use crate::headset::HeadsetError;
+
+/// Most vibrations that wait for the end of a frame; more in one frame are one too many to feel.
+const MAX_PULSES: usize = 8;
+
+/// Longest vibration in seconds: whatever asks for more is wrong.
+const LONGEST_PULSE: f32 = 2.0;
+
+/// Everything that the hands do.
+pub(super) struct Input {
+    set: xr::ActionSet,
+    draw: xr::Action<f32>,
+    grab: xr::Action<f32>,
+    stick: xr::Action<xr::Vector2f>,
+    lower: xr::Action<bool>,
+    upper: xr::Action<bool>,
+    haptic: xr::Action<xr::Haptic>,
+    /// Aim and grip of each hand.
+    spaces: [[xr::Space; 2]; 2],
+    hands: [xr::Path; 2],
+    pulses: Vec<Pulse>,
+}
+
+impl Input {
+    /// Makes the actions, suggests the bindings and attaches both to the session.
+    pub(super) fn new(session: &xr::Session<xr::Vulkan>) -> Result<Self, HeadsetError> {
+        let instance = session.instance();
+        let [left, right] =
+            HANDS.map(|hand| instance.string_to_path(hand).called("xrStringToPath"));
+        let hands = [left?, right?];
+        let set = instance
+            .create_action_set("ramus", "Ramus", 0)
+            .called("xrCreateActionSet")?;
+        let draw = create::<f32>(&set, Action::Draw, &hands)?;
+        let grab = create::<f32>(&set, Action::Grab, &hands)?;
+        let stick = create::<xr::Vector2f>(&set, Action::Stick, &hands)?;
+        let lower = create::<bool>(&set, Action::Lower, &hands)?;
+        let upper = create::<bool>(&set, Action::Upper, &hands)?;
+        let aim = create::<xr::Posef>(&set, Action::Aim, &hands)?;
+        let grip = create::<xr::Posef>(&set, Action::Grip, &hands)?;
+        let haptic = create::<xr::Haptic>(&set, Action::Haptic, &hands)?;
+        let bind = |action: Action, path| match action {
+            Action::Draw => xr::Binding::new(&draw, path),
+            Action::Grab => xr::Binding::new(&grab, path),
+            Action::Stick => xr::Binding::new(&stick, path),
+            Action::Lower => xr::Binding::new(&lower, path),
+            Action::Upper => xr::Binding::new(&upper, path),
+            Action::Aim => xr::Binding::new(&aim, path),
+            Action::Grip => xr::Binding::new(&grip, path),
+            Action::Haptic => xr::Binding::new(&haptic, path),
+        };
+        let mut taken = 0;
+        for profile in PROFILES {
+            match suggest(instance, profile, bind) {
+                Ok(()) => taken += 1,
+                Err(code) => tracing::warn!(
+                    "the runtime takes no bindings for the {} ({code:?})",
+                    profile.title
+                ),
+            }
+        }
+        if taken == 0 {
+            return Err(HeadsetError::Failed(String::from(
+                "the runtime takes no controller bindings at all",
+            )));
+        }
+        session
+            .attach_action_sets(&[&set])
+            .called("xrAttachSessionActionSets")?;
+        let space = |action: &xr::Action<xr::Posef>, hand| {
+            action
+                .create_space(session, hand, xr::Posef::IDENTITY)
+                .called("xrCreateActionSpace")
+        };
+        let spaces = [
+            [space(&aim, hands[0])?, space(&grip, hands[0])?],
+            [space(&aim, hands[1])?, space(&grip, hands[1])?],
+        ];
+        Ok(Self {
+            set,
+            draw,
+            grab,
+            stick,
+            lower,
+            upper,
+            haptic,
+            spaces,
+            hands,
+            pulses: Vec::with_capacity(MAX_PULSES),
+        })
+    }
+
+    /// Brings all states up to date: once a frame.
+    pub(super) fn sync(&self, session: &xr::Session<xr::Vulkan>) -> Result<(), HeadsetError> {
+        let active = xr::sys::ActiveActionSet {
+            action_set: self.set.as_raw(),
+            subaction_path: xr::Path::NULL,
+        };
+        let info = xr::sys::ActionsSyncInfo {
+            ty: xr::sys::ActionsSyncInfo::TYPE,
+            next: ptr::null(),
+            count_active_action_sets: 1,
+            active_action_sets: &active,
+        };
+        // SAFETY: session and set are alive, both structs are initialised and outlive the call.
+        let code = unsafe { (session.instance().fp().sync_actions)(session.as_raw(), &info) };
+        check("xrSyncActions", code).map(|_| ())
+    }
+
+    /// Both hands at `time`. A hand whose pointing pose is not known is absent.
+    pub(super) fn hands(
+        &self,
+        session: &xr::Session<xr::Vulkan>,
+        stage: &Stage,
+        time: xr::Time,
+    ) -> Result<[Hand; 2], HeadsetError> {
+        Ok([
+            self.hand(session, stage, time, 0)?,
+            self.hand(session, stage, time, 1)?,
+        ])
+    }
+
+    fn hand(
+        &self,
+        session: &xr::Session<xr::Vulkan>,
+        stage: &Stage,
+        time: xr::Time,
+        side: usize,
+    ) -> Result<Hand, HeadsetError> {
+        let [aim, grip] = &self.spaces[side];
+        let Some(aim) = locate(aim, stage, time)? else {
+            return Ok(Hand::ABSENT);
+        };
+        let grip = locate(grip, stage, time)?.unwrap_or(aim);
+        let path = self.hands[side];
+        // An action that no button is bound to is not active; its value is then 0.
+        let number = |action: &xr::Action<f32>| {
+            let state = action
+                .state(session, path)
+                .called("xrGetActionStateFloat")?;
+            Ok::<f32, HeadsetError>(within(state.current_state, 0.0))
+        };
+        let button = |action: &xr::Action<bool>| {
+            let state = action
+                .state(session, path)
+                .called("xrGetActionStateBoolean")?;
+            Ok::<bool, HeadsetError>(state.current_state)
+        };
+        let stick = self
+            .stick
+            .state(session, path)
+            .called("xrGetActionStateVector2f")?
+            .current_state;
+        Ok(Hand {
+            tracked: true,
+            aim,
+            grip,
+            trigger: number(&self.draw)?,
+            squeeze: number(&self.grab)?,
+            stick: Vec2::new(within(stick.x, -1.0), within(stick.y, -1.0)),
+            lower: button(&self.lower)?,
+            upper: button(&self.upper)?,
+        })
+    }
+
+    /// Keeps a vibration for the end of the frame.
+    pub(super) fn queue(&mut self, pulse: Pulse) {
+        if self.pulses.len() < MAX_PULSES && pulse.duration > 0.0 && pulse.amplitude > 0.0 {
+            self.pulses.push(pulse);
+        }
+    }
+
+    /// Sends the vibrations, or forgets them where the input is not ours.
+    pub(super) fn vibrate(
+        &mut self,
+        session: &xr::Session<xr::Vulkan>,
+        focused: bool,
+    ) -> Result<(), HeadsetError> {
+        for pulse in self.pulses.drain(..) {
+            let (true, Some(&hand)) = (focused, self.hands.get(pulse.hand)) else {
+                continue;
+            };
+            let seconds = f64::from(pulse.duration.min(LONGEST_PULSE));
+            let event = xr::HapticVibration::new()
+                .duration(xr::Duration::from_nanos(nanoseconds(seconds)))
+                .frequency(xr::FREQUENCY_UNSPECIFIED)
+                .amplitude(within(pulse.amplitude, 0.0));
+            self.haptic
+                .apply_feedback(session, hand, &event)
+                .called("xrApplyHapticFeedback")?;
+        }
+        Ok(())
+    }
+}
+
+fn create<T: xr::ActionTy>(
+    set: &xr::ActionSet,
+    action: Action,
+    hands: &[xr::Path],
+) -> Result<xr::Action<T>, HeadsetError> {
+    set.create_action(action.name(), action.title(), hands)
+        .called("xrCreateAction")
+}
+
+/// Suggests one profile's bindings.
+fn suggest<'a>(
+    instance: &xr::Instance,
+    profile: &Profile,
+    bind: impl Fn(Action, xr::Path) -> xr::Binding<'a>,
+) -> xr::Result<()> {
+    let mut bindings = Vec::with_capacity(profile.bindings.len() * HANDS.len());
+    for binding in profile.bindings {
+        for (hand, path) in HANDS.iter().zip(binding.paths) {
+            if let Some(path) = path {
+                bindings.push(bind(
+                    binding.action,
+                    instance.string_to_path(&format!("{hand}{path}"))?,
+                ));
+            }
+        }
+    }
+    instance.suggest_interaction_profile_bindings(instance.string_to_path(profile.path)?, &bindings)
+}
+
+/// A value between `from` and 1; 0 for what is no number.
+fn within(value: f32, from: f32) -> f32 {
+    if value.is_finite() {
+        value.clamp(from, 1.0)
+    } else {
+        0.0
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "at most LONGEST_PULSE seconds; `as` saturates in any case"
+)]
+fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9) as i64
+}
