@@ -73,12 +73,12 @@ impl Opened {
     /// [`SessionEnd`].
     pub fn run<'a, Outer: Headset + 'a>(
         self,
-        wrap: impl FnOnce(OpenXrHeadset) -> Result<Outer, SessionEnd>,
+        wrap: impl FnOnce(OpenXrHeadset) -> Outer,
         workshop: &mut Workshop,
         watcher: &mut dyn Watcher,
     ) -> Result<(), SessionEnd> {
         // Dropped in the reverse order: the picture before the headset whose images it shows.
-        let mut headset = wrap(self.headset)?;
+        let mut headset = wrap(self.headset);
         let mut picture = self.picture;
         session::run(&mut headset, workshop, Some(&mut picture), watcher)
     }
@@ -94,9 +94,6 @@ pub fn play(
     watcher: &mut dyn Watcher,
 ) -> Result<(), SessionEnd> {
     let opened = connect().map_err(OpenError::from).and_then(Opened::start)?;
-    let wrap = |headset| {
-        let frames = frames.into_iter().map(Ok);
-        Player::new(headset, frames).map_err(|error| SessionEnd::Headset(error.into()))
-    };
-    opened.run(wrap, workshop, watcher)
+    let frames = frames.into_iter().map(Ok);
+    opened.run(|headset| Player::new(headset, frames), workshop, watcher)
 }

@@ -17,6 +17,9 @@ pub enum SessionEnd {
     /// The headset.
     #[error(transparent)]
     Headset(#[from] HeadsetError),
+    /// The headset could not be opened.
+    #[error(transparent)]
+    Open(#[from] crate::app::headset::OpenError),
     /// The picture.
     #[error(transparent)]
     Render(#[from] RenderError),

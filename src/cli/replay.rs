@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use ash::vk;
 use clap::{Args as ClapArgs, ValueEnum};
-use ramus_xr::session::SessionReader;
 use ramus_xr::simulated::Simulated;
 
 use super::progress::Progress;

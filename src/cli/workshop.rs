@@ -73,7 +73,7 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
         println!("{message}");
     }
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
-    let outcome = opened.run(Ok, &mut workshop, &mut Nobody);
+    let outcome = opened.run(|headset| headset, &mut workshop, &mut Nobody);
     // However the session ended, the work is saved first.
     workshop.finish_tree();
     let world = workshop.close()?;
