@@ -46,7 +46,12 @@ pub(super) struct Miniature {
 
 impl Miniature {
     /// Follows the document; gives whether anything changed.
-    pub(super) fn follow(&mut self, document: &Document, params: &StageParams, palette: &Palette) -> bool {
+    pub(super) fn follow(
+        &mut self,
+        document: &Document,
+        params: &StageParams,
+        palette: &Palette,
+    ) -> bool {
         if let Some((sketch, placement)) = &self.of
             && Arc::ptr_eq(sketch, &document.sketch)
             && *placement == document.platform
@@ -58,16 +63,18 @@ impl Miniature {
         self.sketch_from_stage = self.stage_from_sketch.inverse();
         let (stage, sketch) = (self.stage_from_sketch, &*document.sketch);
         self.nodes.clear();
-        self.nodes.extend(
-            sketch.nodes().map(|(at, position)| Node { at, position: stage.transform_point3(position) }),
-        );
-        self.lines.clear();
-        self.lines.extend(sketch.segments().map(|(at, from, to)| Rod {
-            from: stage.transform_point3(from),
-            to: stage.transform_point3(to),
-            radius: params.line_radius,
-            color: palette.letter(at.letter.index()),
+        self.nodes.extend(sketch.nodes().map(|(at, position)| Node {
+            at,
+            position: stage.transform_point3(position),
         }));
+        self.lines.clear();
+        self.lines
+            .extend(sketch.segments().map(|(at, from, to)| Rod {
+                from: stage.transform_point3(from),
+                to: stage.transform_point3(to),
+                radius: params.line_radius,
+                color: palette.letter(at.letter.index()),
+            }));
         self.mark(sketch, palette);
         true
     }
@@ -77,11 +84,16 @@ impl Miniature {
         self.marks.clear();
         let Self { nodes, marks, .. } = self;
         for stroke in &sketch.strokes {
-            let own = stroke.self_similar.map(|own| (NodeRef::new(stroke.letter, own.rate), true));
+            let own = stroke
+                .self_similar
+                .map(|own| (NodeRef::new(stroke.letter, own.rate), true));
             let drawn = stroke.attachment.map(|at| (at, false));
             for (first, copies) in drawn.into_iter().chain(own) {
                 let on_line = nodes.iter().filter(|node| {
-                    node.at.letter == first.letter && first.node > 0 && node.at.node > 0 && node.at.node % first.node == 0
+                    node.at.letter == first.letter
+                        && first.node > 0
+                        && node.at.node > 0
+                        && node.at.node % first.node == 0
                 });
                 marks.extend(on_line.map(|node| Mark {
                     position: node.position,
@@ -94,7 +106,10 @@ impl Miniature {
 
     /// Where a node stands, under any of its names.
     pub(super) fn position(&self, at: NodeRef) -> Option<Vec3> {
-        self.nodes.iter().find(|node| node.at == at).map(|node| node.position)
+        self.nodes
+            .iter()
+            .find(|node| node.at == at)
+            .map(|node| node.position)
     }
 
     /// Draws lines, nodes and marks; `highlights` are the nodes under the hands.
@@ -110,22 +125,45 @@ impl Miniature {
         scene.balls.extend(self.nodes.iter().map(|node| Ball {
             center: node.position,
             radius: params.node_radius,
-            color: if highlights.contains(&Some(node.at)) { palette.hovered } else { palette.node },
+            color: if highlights.contains(&Some(node.at)) {
+                palette.hovered
+            } else {
+                palette.node
+            },
         }));
         scene.balls.extend(self.marks.iter().map(|mark| Ball {
             center: mark.position,
-            radius: if mark.repeat { params.repeat_radius } else { params.attachment_radius },
-            color: faded(mark.color, if mark.repeat { palette.repeat_alpha } else { palette.attachment_alpha }),
+            radius: if mark.repeat {
+                params.repeat_radius
+            } else {
+                params.attachment_radius
+            },
+            color: faded(
+                mark.color,
+                if mark.repeat {
+                    palette.repeat_alpha
+                } else {
+                    palette.attachment_alpha
+                },
+            ),
         }));
         if let Some(center) = self.position(selected) {
-            scene.balls.push(Ball { center, radius: params.selected_radius, color: palette.selected });
+            scene.balls.push(Ball {
+                center,
+                radius: params.selected_radius,
+                color: palette.selected,
+            });
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "a test that fails shows the line")]
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
     use crate::sketch::Letter;
 
     use super::*;
@@ -135,13 +173,20 @@ mod tests {
         let mut sketch = Sketch::default();
         let mut apex = NodeRef::ROOT;
         for y in 1..=7_u8 {
-            (sketch, apex) = sketch.add_segment(apex, Vec3::Y * f32::from(y) * 0.1).unwrap();
+            (sketch, apex) = sketch
+                .add_segment(apex, Vec3::Y * f32::from(y) * 0.1)
+                .unwrap();
         }
         let mut at = NodeRef::new(Letter::TRUNK, 2);
         for x in 1..=3_u8 {
-            (sketch, at) = sketch.add_segment(at, Vec3::new(f32::from(x) * 0.1, 0.2, 0.0)).unwrap();
+            (sketch, at) = sketch
+                .add_segment(at, Vec3::new(f32::from(x) * 0.1, 0.2, 0.0))
+                .unwrap();
         }
-        Document { sketch: Arc::new(sketch), ..Document::default() }
+        Document {
+            sketch: Arc::new(sketch),
+            ..Document::default()
+        }
     }
 
     #[test]
@@ -150,10 +195,17 @@ mod tests {
         let document = document();
         let mut miniature = Miniature::default();
         assert!(miniature.follow(&document, &params, &palette));
-        assert!(!miniature.follow(&document, &params, &palette), "nothing changed");
+        assert!(
+            !miniature.follow(&document, &params, &palette),
+            "nothing changed"
+        );
         let root = document.platform.position;
         let scale = document.platform.scale;
-        let found: Vec<(Vec3, bool)> = miniature.marks.iter().map(|mark| (mark.position, mark.repeat)).collect();
+        let found: Vec<(Vec3, bool)> = miniature
+            .marks
+            .iter()
+            .map(|mark| (mark.position, mark.repeat))
+            .collect();
         let expected = [
             (Vec3::new(0.0, 0.2, 0.0), false),
             (Vec3::new(0.0, 0.4, 0.0), true),
@@ -163,7 +215,10 @@ mod tests {
         ];
         assert_eq!(found.len(), expected.len());
         for ((position, repeat), (wanted, wanted_repeat)) in found.into_iter().zip(expected) {
-            assert!(position.distance(root + wanted * scale) < 1e-6, "{position}");
+            assert!(
+                position.distance(root + wanted * scale) < 1e-6,
+                "{position}"
+            );
             assert_eq!(repeat, wanted_repeat, "{position}");
         }
     }
@@ -176,10 +231,32 @@ mod tests {
         miniature.follow(&document, &params, &palette);
         let mut scene = Scene::default();
         let hovered = NodeRef::new(Letter::TRUNK, 5);
-        miniature.draw(document.selected, [None, Some(hovered)], &params, &palette, &mut scene);
+        miniature.draw(
+            document.selected,
+            [None, Some(hovered)],
+            &params,
+            &palette,
+            &mut scene,
+        );
         assert_eq!(scene.rods.len(), 10, "one rod a segment");
-        let plain = |color: Color| scene.balls.iter().filter(|ball| ball.color == color).count();
-        assert_eq!((plain(palette.node), plain(palette.hovered), plain(palette.selected)), (10, 1, 1));
-        assert_ne!(scene.rods[0].color, scene.rods[9].color, "letters differ in colour");
+        let plain = |color: Color| {
+            scene
+                .balls
+                .iter()
+                .filter(|ball| ball.color == color)
+                .count()
+        };
+        assert_eq!(
+            (
+                plain(palette.node),
+                plain(palette.hovered),
+                plain(palette.selected)
+            ),
+            (10, 1, 1)
+        );
+        assert_ne!(
+            scene.rods[0].color, scene.rods[9].color,
+            "letters differ in colour"
+        );
     }
 }

@@ -95,7 +95,10 @@ pub struct DrawParams {
 
 impl Default for DrawParams {
     fn default() -> Self {
-        Self { reach: 0.5, max_segments: 2_000_000 }
+        Self {
+            reach: 0.5,
+            max_segments: 2_000_000,
+        }
     }
 }
 
@@ -162,7 +165,12 @@ pub(super) struct Tools {
 }
 
 impl Tools {
-    pub(super) fn new(document: &Document, params: ToolParams, stage: StageParams, palette: Palette) -> Self {
+    pub(super) fn new(
+        document: &Document,
+        params: ToolParams,
+        stage: StageParams,
+        palette: Palette,
+    ) -> Self {
         let mut miniature = Miniature::default();
         miniature.follow(document, &stage, &palette);
         Self {
@@ -225,7 +233,12 @@ impl Tools {
 
     /// What a hand is at. A hand that holds something is at nothing else; what another hand holds is out of reach.
     fn find(&self, hand: usize) -> Hover {
-        let Hand { sample: Some(sample), hold: Hold::Nothing, .. } = self.hands[hand] else {
+        let Hand {
+            sample: Some(sample),
+            hold: Hold::Nothing,
+            ..
+        } = self.hands[hand]
+        else {
             return Hover::Nothing;
         };
         let pointer = Pointer {
@@ -237,22 +250,35 @@ impl Tools {
         let params = &self.params.hover;
         let taken = |at: NodeRef| self.hands.iter().any(|other| other.hold == Hold::Node(at));
         let free = self.miniature.nodes.iter().filter(|node| !taken(node.at));
-        let hit = hover::ball(free.clone().map(|node| node.position), self.stage.node_radius, &pointer, params);
+        let hit = hover::ball(
+            free.clone().map(|node| node.position),
+            self.stage.node_radius,
+            &pointer,
+            params,
+        );
         let node = hit.and_then(|hit| free.clone().nth(hit.index).map(|node| (node.at, hit)));
         let rim = hover::ring(&rim(&self.shown.platform, &self.stage), &pointer, params);
         match (node, rim) {
             (Some((at, hit)), rim) if hit.touched || rim.is_none_or(|rim| hit.along <= rim) => {
-                Hover::Node { at, along: hit.along }
+                Hover::Node {
+                    at,
+                    along: hit.along,
+                }
             }
             (_, Some(along)) => Hover::Rim { along },
-            (Some((at, hit)), None) => Hover::Node { at, along: hit.along },
+            (Some((at, hit)), None) => Hover::Node {
+                at,
+                along: hit.along,
+            },
             (None, None) => Hover::Nothing,
         }
     }
 
     /// A short tick when a node comes under the hand, unless the hand was told something stronger.
     fn tick(&mut self, hand: usize, before: Hover) {
-        let Hover::Node { at, .. } = self.hands[hand].hover else { return };
+        let Hover::Node { at, .. } = self.hands[hand].hover else {
+            return;
+        };
         let was_there = matches!(before, Hover::Node { at: before, .. } if before == at);
         let told = self.haptics.iter().any(|haptic| haptic.hand == hand);
         if !was_there && !told {
@@ -283,7 +309,9 @@ impl Tools {
 
     fn grip(&mut self, hand: usize, history: &History) {
         match self.hands[hand].hover {
-            Hover::Node { at: NodeRef::ROOT, .. } => self.refuse(hand, SketchError::Root.to_string()),
+            Hover::Node {
+                at: NodeRef::ROOT, ..
+            } => self.refuse(hand, SketchError::Root.to_string()),
             Hover::Node { at, .. } => {
                 self.hands[hand].hold = Hold::Node(at);
                 self.pulse(hand, self.params.haptics.choose);
@@ -300,13 +328,28 @@ impl Tools {
 
     /// Lets go of what a hand holds, where it is now.
     fn release(&mut self, hand: usize, history: &mut History) {
-        let Hand { sample: Some(sample), hold, .. } = self.hands[hand] else { return };
+        let Hand {
+            sample: Some(sample),
+            hold,
+            ..
+        } = self.hands[hand]
+        else {
+            return;
+        };
         match hold {
             Hold::Nothing => return,
             Hold::Node(at) => {
-                let to = self.miniature.sketch_from_stage.transform_point3(sample.tip);
+                let to = self
+                    .miniature
+                    .sketch_from_stage
+                    .transform_point3(sample.tip);
                 self.hands[hand].hold = Hold::Nothing;
-                self.apply(hand, Edit::MoveNode { at, to }, self.params.haptics.choose, history);
+                self.apply(
+                    hand,
+                    Edit::MoveNode { at, to },
+                    self.params.haptics.choose,
+                    history,
+                );
             }
             Hold::Platform => {
                 let to = self.held_placement();
@@ -317,7 +360,12 @@ impl Tools {
                     self.grip_anew();
                 } else {
                     self.platform = None;
-                    self.apply(hand, Edit::SetPlatform { to }, self.params.haptics.choose, history);
+                    self.apply(
+                        hand,
+                        Edit::SetPlatform { to },
+                        self.params.haptics.choose,
+                        history,
+                    );
                 }
             }
         }
@@ -325,24 +373,48 @@ impl Tools {
     }
 
     fn pull(&mut self, hand: usize, history: &mut History) {
-        let Hand { sample: Some(sample), hold, hover, .. } = self.hands[hand] else { return };
+        let Hand {
+            sample: Some(sample),
+            hold,
+            hover,
+            ..
+        } = self.hands[hand]
+        else {
+            return;
+        };
         match (hold, hover) {
             (Hold::Platform, _) => {}
             (Hold::Node(at), _) => {
                 self.hands[hand].hold = Hold::Nothing;
-                self.apply(hand, Edit::DeleteNode { at }, self.params.haptics.delete, history);
+                self.apply(
+                    hand,
+                    Edit::DeleteNode { at },
+                    self.params.haptics.delete,
+                    history,
+                );
             }
             (Hold::Nothing, Hover::Node { at, .. }) => {
                 let branches_at_root = at == NodeRef::ROOT && !self.shown.sketch.is_apex(at);
                 if branches_at_root {
                     self.refuse(hand, SketchError::BranchAtRoot.to_string());
                 } else {
-                    self.apply(hand, Edit::Select { at }, self.params.haptics.choose, history);
+                    self.apply(
+                        hand,
+                        Edit::Select { at },
+                        self.params.haptics.choose,
+                        history,
+                    );
                 }
             }
-            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. }) => match self.next_segment(&sample) {
+            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. }) => match self.next_segment(&sample)
+            {
                 Some((_, to)) => {
-                    self.apply(hand, Edit::AddSegment { to }, self.params.haptics.create, history);
+                    self.apply(
+                        hand,
+                        Edit::AddSegment { to },
+                        self.params.haptics.create,
+                        history,
+                    );
                 }
                 None => {
                     let reach = self.params.draw.reach;
@@ -360,7 +432,10 @@ impl Tools {
         let step = document.step.saturating_add(1);
         let most = self.params.draw.max_segments;
         if document.sketch.is_empty() {
-            return self.refuse(hand, "Nothing to grow yet: pull the trigger to draw the trunk.".into());
+            return self.refuse(
+                hand,
+                "Nothing to grow yet: pull the trigger to draw the trunk.".into(),
+            );
         }
         let segments = predict_segments(&document.sketch, step);
         if segments > most && step <= BOUNDS.step {
@@ -369,12 +444,22 @@ impl Tools {
                 format!("Step {step} would have {} segments, more than {most}: this tree is full-grown.", count(segments)),
             );
         }
-        self.apply(hand, Edit::SetStep { step }, self.params.haptics.grow, history);
+        self.apply(
+            hand,
+            Edit::SetStep { step },
+            self.params.haptics.grow,
+            history,
+        );
     }
 
     fn step_back(&mut self, hand: usize, history: &mut History) {
         match history.committed().step.checked_sub(1) {
-            Some(step) => self.apply(hand, Edit::SetStep { step }, self.params.haptics.grow, history),
+            Some(step) => self.apply(
+                hand,
+                Edit::SetStep { step },
+                self.params.haptics.grow,
+                history,
+            ),
             None => self.refuse(hand, "This is step 0, the root alone.".into()),
         }
     }
@@ -418,7 +503,9 @@ impl Tools {
         let sketch = &history.committed().sketch;
         for hand in &mut self.hands {
             if let Hold::Node(at) = hand.hold
-                && sketch.apex(at.letter).is_none_or(|apex| at.node > apex.node)
+                && sketch
+                    .apex(at.letter)
+                    .is_none_or(|apex| at.node > apex.node)
             {
                 hand.hold = Hold::Nothing;
             }
@@ -431,23 +518,35 @@ impl Tools {
     }
 
     fn pulse(&mut self, hand: usize, [seconds, amplitude]: [f32; 2]) {
-        self.haptics.push(Haptic { hand, seconds, amplitude });
+        self.haptics.push(Haptic {
+            hand,
+            seconds,
+            amplitude,
+        });
     }
 
     /// Makes `shown` and the miniature follow the history and the hands.
     pub(super) fn show(&mut self, history: &History) {
         let committed = history.committed();
-        let platform = if self.platform.is_some() { self.held_placement() } else { committed.platform };
+        let platform = if self.platform.is_some() {
+            self.held_placement()
+        } else {
+            committed.platform
+        };
         if platform != self.shown.platform {
             self.shown.platform = platform;
-            self.miniature.follow(&self.shown, &self.stage, &self.palette);
+            self.miniature
+                .follow(&self.shown, &self.stage, &self.palette);
         }
         let to_sketch = self.miniature.sketch_from_stage;
         let nodes = self.hands.map(|hand| match (hand.hold, hand.sample) {
-            (Hold::Node(at), Some(sample)) => Some((at, point(to_sketch.transform_point3(sample.tip)))),
+            (Hold::Node(at), Some(sample)) => {
+                Some((at, point(to_sketch.transform_point3(sample.tip))))
+            }
             _ => None,
         });
-        let same = |held: &Held| held.nodes == nodes && Arc::ptr_eq(&held.sketch, &committed.sketch);
+        let same =
+            |held: &Held| held.nodes == nodes && Arc::ptr_eq(&held.sketch, &committed.sketch);
         if !self.held.as_ref().is_some_and(same) {
             self.shown.sketch = Arc::clone(&committed.sketch);
             for (at, to) in nodes.into_iter().flatten() {
@@ -456,11 +555,15 @@ impl Tools {
                     self.shown.sketch = Arc::new(moved);
                 }
             }
-            self.held = Some(Held { sketch: Arc::clone(&committed.sketch), nodes });
+            self.held = Some(Held {
+                sketch: Arc::clone(&committed.sketch),
+                nodes,
+            });
         }
         self.shown.step = committed.step;
         self.shown.selected = committed.selected;
-        self.miniature.follow(&self.shown, &self.stage, &self.palette);
+        self.miniature
+            .follow(&self.shown, &self.stage, &self.palette);
     }
 
     /// Begins the platform's grip anew, from where it is seen now, with the hands that hold it.
@@ -472,7 +575,11 @@ impl Tools {
     /// The poses of the hands that hold the platform.
     fn platform_poses(&self) -> [Option<super::input::Pose>; 2] {
         self.hands.map(|hand| match hand {
-            Hand { hold: Hold::Platform, sample: Some(sample), .. } => Some(sample.grip),
+            Hand {
+                hold: Hold::Platform,
+                sample: Some(sample),
+                ..
+            } => Some(sample.grip),
             _ => None,
         })
     }
@@ -488,13 +595,23 @@ impl Tools {
     /// Start of the next segment on the stage and its end in the sketch; `None` where it cannot be drawn.
     fn next_segment(&self, sample: &Sample) -> Option<(Vec3, Vec3)> {
         let from = self.miniature.position(self.shown.selected)?;
-        let to = point(self.miniature.sketch_from_stage.transform_point3(sample.tip));
+        let to = point(
+            self.miniature
+                .sketch_from_stage
+                .transform_point3(sample.tip),
+        );
         (from.distance(sample.tip) <= self.params.draw.reach).then_some((from, to))
     }
 
     /// What the trigger of this hand would draw.
     pub(super) fn ghost(&self, hand: usize) -> Option<Ghost> {
-        let Hand { sample: Some(sample), hold: Hold::Nothing, hover, .. } = self.hands[hand] else {
+        let Hand {
+            sample: Some(sample),
+            hold: Hold::Nothing,
+            hover,
+            ..
+        } = self.hands[hand]
+        else {
             return None;
         };
         let selected = self.shown.selected;
@@ -510,5 +627,9 @@ impl Tools {
 
 /// A count as people say it: exact where it is known.
 fn count(segments: u64) -> String {
-    if segments == u64::MAX { "countless".into() } else { segments.to_string() }
+    if segments == u64::MAX {
+        "countless".into()
+    } else {
+        segments.to_string()
+    }
 }
