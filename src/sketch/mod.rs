@@ -17,10 +17,13 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 pub mod change;
+pub mod grammar;
+pub mod grow;
 pub mod letter;
 pub mod predict;
 pub mod quantize;
 
+pub use grow::{GROW, GrowParams, Grown, grow, grow_within, sketch_nodes};
 pub use letter::{Letter, UnknownLetter};
 pub use predict::predict_segments;
 pub use quantize::{angle_deg, coordinate, point};
@@ -184,7 +187,7 @@ impl Default for Sketch {
             strokes: vec![Arc::new(trunk)],
             divergence_deg: GOLDEN_DEG,
             scale: 2.0,
-            tip_radius: 0.004,
+            tip_radius: 0.02,
             radius_exponent: 2.0,
             wrap: Wrap::CarryHeading,
             self_similar_branches: true,

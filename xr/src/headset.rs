@@ -54,7 +54,6 @@ impl Swapchain {
     }
 
     /// Width and height of one eye in pixels.
-    #[must_use]
     pub fn extent(&self) -> vk::Extent2D {
         self.extent
     }
@@ -118,4 +117,43 @@ pub trait Headset {
     fn vibrate(&mut self, pulse: Pulse);
     /// Asks the session to end in good order; [`Tick::Exit`] follows.
     fn request_exit(&mut self);
+}
+
+/// A headset that is chosen while the program runs can be recorded and played as any other.
+impl<H: Headset + ?Sized> Headset for Box<H> {
+    fn describe(&self) -> String {
+        (**self).describe()
+    }
+
+    fn extent(&self) -> vk::Extent2D {
+        (**self).extent()
+    }
+
+    fn swapchain(&self) -> Option<&Swapchain> {
+        (**self).swapchain()
+    }
+
+    fn wait(&mut self) -> Result<Tick, HeadsetError> {
+        (**self).wait()
+    }
+
+    fn begin(&mut self) -> Result<Option<Acquired>, HeadsetError> {
+        (**self).begin()
+    }
+
+    fn views(&mut self) -> Result<[View; 2], HeadsetError> {
+        (**self).views()
+    }
+
+    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
+        (**self).end(rendered)
+    }
+
+    fn vibrate(&mut self, pulse: Pulse) {
+        (**self).vibrate(pulse);
+    }
+
+    fn request_exit(&mut self) {
+        (**self).request_exit();
+    }
 }

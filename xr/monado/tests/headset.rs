@@ -11,6 +11,7 @@ use std::process::Stdio;
 use ash::vk;
 use glam::{Quat, Vec2, Vec3};
 use ramus_monado::{
+    feed::{Fed, arrived},
     remote::{Packet, Remote},
     service::{Service, ServiceParams},
     stage, verdict,
@@ -177,35 +178,6 @@ fn recorded(step: u8) -> Frame {
     }
 }
 
-/// Everything of a hand arrives to the bit, but for the orientation: the runtime normalises it once more, which
-/// changes a last bit where its length was not exactly 1.
-fn arrived(seen: &Frame, sent: &Frame) -> bool {
-    let turned = |seen: Pose, sent: Pose| {
-        let apart = seen
-            .orientation
-            .to_array()
-            .into_iter()
-            .zip(sent.orientation.to_array());
-        apart
-            .into_iter()
-            .all(|(seen, sent)| (seen - sent).abs() < 2e-7)
-    };
-    seen.hands.iter().zip(&sent.hands).all(|(seen, sent)| {
-        let as_sent = Hand {
-            aim: Pose {
-                orientation: sent.aim.orientation,
-                ..seen.aim
-            },
-            grip: Pose {
-                orientation: sent.grip.orientation,
-                ..seen.grip
-            },
-            ..*seen
-        };
-        as_sent == *sent && turned(seen.aim, sent.aim) && turned(seen.grip, sent.grip)
-    })
-}
-
 #[test]
 fn what_hands_and_head_do_arrives_exactly() {
     staged("what_hands_and_head_do_arrives_exactly", || {
@@ -329,6 +301,10 @@ fn without_the_focus_hands_are_hidden_until_it_comes_back() {
             control(&["-f", "2"]);
             let away = until(&mut device, "without the focus", |frame| !frame.focused);
             assert_eq!(away.hands, [Hand::ABSENT; 2]);
+            // The runtime shows the other program: frames go on, and nothing is drawn (`round` checks that).
+            until(&mut device, "that is not to be drawn", |frame| {
+                !frame.should_render
+            });
             // It goes, and the focus is ours again.
             other.kill().unwrap();
             other.wait().unwrap();
@@ -399,4 +375,47 @@ fn a_recentring_moves_the_person_and_hides_the_hands_for_a_frame() {
             service.stop().unwrap();
         },
     );
+}
+
+#[test]
+fn a_session_goes_through_the_runtime_frame_by_frame() {
+    staged("a_session_goes_through_the_runtime_frame_by_frame", || {
+        let service = Service::start(ServiceParams::default()).unwrap();
+        let remote = Remote::connect(service.port()).unwrap();
+        let mut device = Device::new(&service);
+        // Frames that stand still, move, lose a hand and lose the focus.
+        let mut session: Vec<Frame> = [0, 1, 1, 2, 3, 4, 4, 5, 6].map(recorded).to_vec();
+        session[4].hands[0] = Hand::ABSENT;
+        session[6].focused = false;
+        session[6].hands = [Hand::ABSENT; 2];
+        let mut fed = Fed::new(
+            device.headset.take().unwrap(),
+            remote,
+            session.clone().into_iter(),
+        );
+        let mut seen = Vec::new();
+        loop {
+            match fed.wait().unwrap() {
+                Tick::Frame(frame) => {
+                    let acquired = fed.begin().unwrap();
+                    fed.views().unwrap();
+                    fed.end(acquired.is_some()).unwrap();
+                    seen.push(frame);
+                }
+                Tick::Idle => {}
+                Tick::Exit => break,
+            }
+        }
+        assert_eq!(seen.len(), session.len());
+        for (seen, sent) in seen.iter().zip(&session) {
+            assert!(
+                seen.focused == sent.focused && arrived(seen, sent),
+                "{seen:?} {sent:?}"
+            );
+        }
+        assert!(seen.windows(2).all(|pair| pair[0].time < pair[1].time));
+        drop(fed);
+        drop(device);
+        service.stop().unwrap();
+    });
 }
