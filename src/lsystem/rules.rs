@@ -1,7 +1,8 @@
 //! Reads one production: `left < predecessor > right : condition -> successor`.
 
+use super::code::Expression;
 use super::error::GrammarError;
-use super::expression::{self, Expression, Scope};
+use super::expression::{self, Scope};
 use super::grammar::{Pattern, Rule};
 use super::parse::{Brackets, Parser, end, parameters};
 use super::source::Cursor;
