@@ -190,7 +190,9 @@ impl Parser<'_, '_, '_> {
 
     fn unary(&mut self) -> Result<(), GrammarError> {
         self.enter()?;
-        if self.cursor.take("-") {
+        self.cursor.skip_blank();
+        let arrow = self.cursor.rest().starts_with("->");
+        if !arrow && self.cursor.take("-") {
             self.binary(POWER - 1)?;
             if let Some(Op::Push(value)) = self.code.last_mut() {
                 *value = -*value;

@@ -74,10 +74,10 @@ pub(crate) enum Pattern {
         /// First slot.
         slot: u16,
     },
-    /// A branch; `close` is the index of its end in the pattern.
+    /// A branch: so many items of the pattern stand in it, then its `Close`.
     Open {
-        /// Index of the `Close` that belongs to it.
-        close: usize,
+        /// Items between this and its `Close`.
+        inside: usize,
     },
     /// End of a branch.
     Close,

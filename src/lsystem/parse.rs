@@ -218,6 +218,11 @@ impl Parser {
             );
             self.errors.push(cursor.error_at(at, message));
         }
+        if matches!(name, "?P" | "?H") {
+            let message =
+                format!("the query `{name}` cannot be answered yet; expected another module");
+            self.errors.push(cursor.error_at(at, message));
+        }
         self.names.intern(name, arity).ok_or_else(|| {
             cursor.error_at(
                 at,

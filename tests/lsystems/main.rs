@@ -8,9 +8,9 @@
     reason = "a test fails by panic, and its data is known"
 )]
 
-
-
-
+mod hostile;
+mod language;
+mod oracle;
 mod reference;
 mod sketch_cases;
 mod turtle;

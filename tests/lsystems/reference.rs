@@ -174,28 +174,57 @@ fn reference_systems_all() {
 #[test]
 fn stochastic_moments() {
     let text = "axiom F\nF : weight 0.33 -> F[+F]F[-F]F\nF : weight 0.33 -> F[+F]F\nF : weight 0.34 -> F[-F]F\n";
-    for (steps, mean, spread) in [(1, 3.66, 0.940_425), (3, 49.0279, 14.6255), (5, 656.758, 197.796)] {
+    for (steps, mean, spread) in [
+        (1, 3.66, 0.940_425),
+        (3, 49.0279, 14.6255),
+        (5, 656.758, 197.796),
+    ] {
         let seeds = 400;
         let mut counts = Vec::new();
         for seed in 0..seeds {
             let grammar = parse(text).with_seed(seed);
             let string = derive(&grammar, steps);
-            assert_eq!(string, derive(&grammar, steps), "the same seed gives the same string");
-            counts.push(string.iter().filter(|m| grammar.name(m.symbol) == "F").count() as f64);
+            assert_eq!(
+                string,
+                derive(&grammar, steps),
+                "the same seed gives the same string"
+            );
+            counts.push(
+                string
+                    .iter()
+                    .filter(|m| grammar.name(m.symbol) == "F")
+                    .count() as f64,
+            );
         }
         let n = seeds as f64;
         let average = counts.iter().sum::<f64>() / n;
         let variance = counts.iter().map(|c| (c - average).powi(2)).sum::<f64>() / n;
-        assert!((average - mean).abs() < 4.0 * spread / n.sqrt(), "n = {steps}: mean {average}, not {mean}");
-        assert!((variance.sqrt() / spread - 1.0).abs() < 0.2, "n = {steps}: spread {}, not {spread}", variance.sqrt());
+        assert!(
+            (average - mean).abs() < 4.0 * spread / n.sqrt(),
+            "n = {steps}: mean {average}, not {mean}"
+        );
+        assert!(
+            (variance.sqrt() / spread - 1.0).abs() < 0.2,
+            "n = {steps}: spread {}, not {spread}",
+            variance.sqrt()
+        );
     }
     // Which of the three applied in the first step, over many seeds: chi-square with 2 degrees of freedom.
     let mut seen = BTreeMap::new();
     for seed in 0..3000 {
         let grammar = parse(text).with_seed(seed);
-        *seen.entry(derive(&grammar, 1).to_text(&grammar)).or_insert(0.0) += 1.0;
+        *seen
+            .entry(derive(&grammar, 1).to_text(&grammar))
+            .or_insert(0.0) += 1.0;
     }
-    let expected = [("F[+F]F[-F]F", 990.0), ("F[+F]F", 990.0), ("F[-F]F", 1020.0)];
-    let chi: f64 = expected.iter().map(|(s, e)| (seen[*s] - e) * (seen[*s] - e) / e).sum();
+    let expected = [
+        ("F[+F]F[-F]F", 990.0),
+        ("F[+F]F", 990.0),
+        ("F[-F]F", 1020.0),
+    ];
+    let chi: f64 = expected
+        .iter()
+        .map(|(s, e)| (seen[*s] - e) * (seen[*s] - e) / e)
+        .sum();
     assert!(chi < 18.4, "chi-square {chi} is beyond 1 in 10,000");
 }

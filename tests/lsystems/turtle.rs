@@ -14,7 +14,10 @@ fn tree_of(text: &str) -> Tree {
 }
 
 fn end_of(axiom: &str) -> Vec3 {
-    *tree_of(&format!("angle 90\naxiom {axiom}\n")).position.last().unwrap()
+    *tree_of(&format!("angle 90\naxiom {axiom}\n"))
+        .position
+        .last()
+        .unwrap()
 }
 
 fn near(a: Vec3, b: Vec3) -> bool {
@@ -58,7 +61,11 @@ fn signs() {
         ("{.f+f.}F", Vec3::new(-1.0, 1.0, 0.0) + Vec3::NEG_X),
         ("X(3)F", Vec3::Y),
     ] {
-        let end = if axiom.starts_with('{') { Vec3::new(-2.0, 1.0, 0.0) } else { end };
+        let end = if axiom.starts_with('{') {
+            Vec3::new(-2.0, 1.0, 0.0)
+        } else {
+            end
+        };
         let found = end_of(axiom);
         assert!(near(found, end), "{axiom} ends at {found}, not {end}");
     }
@@ -68,7 +75,13 @@ fn signs() {
 fn angles_default_to_the_grammar_then_to_60() {
     assert!(near(end_of("+(90)F"), Vec3::NEG_X), "stated");
     let tree = tree_of("axiom +F\n");
-    assert!(near(*tree.position.last().unwrap(), Vec3::new(-0.866_025_4, 0.5, 0.0)), "60 degrees as in L-Py");
+    assert!(
+        near(
+            *tree.position.last().unwrap(),
+            Vec3::new(-0.866_025_4, 0.5, 0.0)
+        ),
+        "60 degrees as in L-Py"
+    );
 }
 
 /// Ten thousand turns leave an orthonormal frame: equal steps there and back end at the start.
@@ -84,8 +97,9 @@ fn frames_stay_orthonormal() {
 fn trees_are_topological() {
     let tree = tree_of("angle 90\naxiom !(2)F(1)[+!(1)F][-F[+F]]F f F\n");
     tree_is_whole(&tree);
-    let segments: Vec<(u32, f32, u16)> =
-        (0..tree.parent.len()).map(|i| (tree.parent[i], tree.radius[i], tree.order[i])).collect();
+    let segments: Vec<(u32, f32, u16)> = (0..tree.parent.len())
+        .map(|i| (tree.parent[i], tree.radius[i], tree.order[i]))
+        .collect();
     assert_eq!(
         segments,
         [
@@ -105,11 +119,27 @@ fn trees_are_topological() {
 
 fn tree_is_whole(tree: &Tree) {
     let n = tree.parent.len();
-    assert!([tree.position.len(), tree.radius.len(), tree.letter.len(), tree.order.len(), tree.birth.len()].iter().all(|l| *l == n));
+    assert!(
+        [
+            tree.position.len(),
+            tree.radius.len(),
+            tree.letter.len(),
+            tree.order.len(),
+            tree.birth.len()
+        ]
+        .iter()
+        .all(|l| *l == n)
+    );
     for i in 0..n {
-        assert!(tree.parent[i] == NO_PARENT || (tree.parent[i] as usize) < i, "parent before child");
+        assert!(
+            tree.parent[i] == NO_PARENT || (tree.parent[i] as usize) < i,
+            "parent before child"
+        );
         assert!(usize::from(tree.letter[i]) < tree.letters.len(), "letter");
-        assert!(tree.position[i].is_finite() && tree.radius[i] >= 0.0, "finite");
+        assert!(
+            tree.position[i].is_finite() && tree.radius[i] >= 0.0,
+            "finite"
+        );
     }
 }
 
@@ -117,7 +147,11 @@ fn tree_is_whole(tree: &Tree) {
 fn nothing_drawn_is_a_root() {
     for axiom in ["*", "A", "[[+]]", "f(3)", "!(4)"] {
         let tree = tree_of(&format!("axiom {axiom}\n"));
-        assert_eq!((tree.parent.as_slice(), tree.position.as_slice()), (&[NO_PARENT][..], &[Vec3::ZERO][..]), "{axiom}");
+        assert_eq!(
+            (tree.parent.as_slice(), tree.position.as_slice()),
+            (&[NO_PARENT][..], &[Vec3::ZERO][..]),
+            "{axiom}"
+        );
         tree_is_whole(&tree);
     }
 }
@@ -125,13 +159,20 @@ fn nothing_drawn_is_a_root() {
 #[test]
 fn polygons_draw_no_segments() {
     let tree = tree_of("angle 90\naxiom F{.+F.F}[{.]F.}F\n");
-    assert_eq!(tree.parent.iter().filter(|p| **p != NO_PARENT).count(), 2, "only the first and the last F");
+    assert_eq!(
+        tree.parent.iter().filter(|p| **p != NO_PARENT).count(),
+        2,
+        "only the first and the last F"
+    );
 }
 
 #[test]
 fn narrowing() {
     let tree = tree_of("axiom !(2)F!F\n");
-    assert!((tree.radius[2] - 0.5_f32.sqrt()).abs() < 1e-6, "half the cross-section");
+    assert!(
+        (tree.radius[2] - 0.5_f32.sqrt()).abs() < 1e-6,
+        "half the cross-section"
+    );
 }
 
 /// e·|H × T| radians toward T after each segment.
@@ -139,9 +180,15 @@ fn narrowing() {
 fn tropism() {
     let tree = tree_of("tropism 1 0 0\naxiom T(0.5)F F\n");
     let last = tree.position[2] - tree.position[1];
-    assert!(near(last, Vec3::new(0.5_f32.sin(), 0.5_f32.cos(), 0.0)), "{last}");
+    assert!(
+        near(last, Vec3::new(0.5_f32.sin(), 0.5_f32.cos(), 0.0)),
+        "{last}"
+    );
     let straight = tree_of("axiom T(0.5)F F\n");
-    assert!(near(straight.position[2], Vec3::Y * 2.0), "without a vector nothing pulls");
+    assert!(
+        near(straight.position[2], Vec3::Y * 2.0),
+        "without a vector nothing pulls"
+    );
 }
 
 /// In the start frame a shape's coordinates are the stage's; at the wrap the heading is carried over or restarts.
@@ -154,33 +201,68 @@ fn shapes() {
     let ends = [Vec3::Y, Vec3::new(1.0, 2.0, 0.0), round];
     for i in 0..7 {
         let expected = round * (i / 3) as f32 + ends[i % 3];
-        assert!(near(restart.position[i + 1], expected), "restart {i}: {} {expected}", restart.position[i + 1]);
+        assert!(
+            near(restart.position[i + 1], expected),
+            "restart {i}: {} {expected}",
+            restart.position[i + 1]
+        );
     }
-    assert_eq!(&restart.radius[..4], &[0.3, 0.3, 0.1, 0.1], "a radius from the shape, else half the width");
+    assert_eq!(
+        &restart.radius[..4],
+        &[0.3, 0.3, 0.1, 0.1],
+        "a radius from the shape, else half the width"
+    );
 
     let carry = tree_of(&format!("{shape}{axiom}"));
     for (i, end) in ends.iter().enumerate() {
-        assert!(near(carry.position[i + 1], *end), "the first time is as drawn");
+        assert!(
+            near(carry.position[i + 1], *end),
+            "the first time is as drawn"
+        );
     }
     let direction = |tree: &Tree, i: usize| (tree.position[i + 1] - tree.position[i]).normalize();
-    assert!(near(direction(&carry, 3), direction(&carry, 2)), "the first repeated segment goes on as the last one");
-    assert!(near(direction(&carry, 6), direction(&carry, 5)), "and again");
+    assert!(
+        near(direction(&carry, 3), direction(&carry, 2)),
+        "the first repeated segment goes on as the last one"
+    );
+    assert!(
+        near(direction(&carry, 6), direction(&carry, 5)),
+        "and again"
+    );
     for i in 0..4 {
         let angle = |tree: &Tree, at: usize| direction(tree, at).dot(direction(tree, at + 1));
         if i != 2 {
-            assert!((angle(&carry, i) - angle(&carry, i % 3)).abs() < 1e-5, "the same bends each time");
+            assert!(
+                (angle(&carry, i) - angle(&carry, i % 3)).abs() < 1e-5,
+                "the same bends each time"
+            );
         }
     }
 }
 
 #[test]
 fn shapes_in_odd_directions() {
-    for (x, y, z) in [(0.0, -1.0, 0.0), (0.0, 1.0, 0.0), (1e-9, -1.0, 0.0), (0.0, 0.0, 0.0), (3.0, -4.0, 12.0)] {
-        let tree = tree_of(&format!("shape A = [({x} {y} {z}) ({x} {y} {z}) (0 -1 0)]\naxiom A(0)A(1)A(2)A(3)A\n"));
+    for (x, y, z) in [
+        (0.0, -1.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (1e-9, -1.0, 0.0),
+        (0.0, 0.0, 0.0),
+        (3.0, -4.0, 12.0),
+    ] {
+        let tree = tree_of(&format!(
+            "shape A = [({x} {y} {z}) ({x} {y} {z}) (0 -1 0)]\naxiom A(0)A(1)A(2)A(3)A\n"
+        ));
         tree_is_whole(&tree);
         let first = Vec3::new(x as f32, y as f32, z as f32);
-        assert!(near(tree.position[1], first) && near(tree.position[2], first * 2.0), "along {first}");
-        assert_eq!(tree.parent.len(), 8, "without a parameter the whole shape is drawn");
+        assert!(
+            near(tree.position[1], first) && near(tree.position[2], first * 2.0),
+            "along {first}"
+        );
+        assert_eq!(
+            tree.parent.len(),
+            8,
+            "without a parameter the whole shape is drawn"
+        );
     }
 }
 
@@ -190,10 +272,27 @@ fn branches_begin_in_the_parents_frame() {
     let shapes = "shape A = [(1 0 0)]\nshape C = [(0.6 0.8 0)]\n";
     // Along +X the frame is X = −Y, Y = +X: the branch's own (0.6, 0.8, 0) is (0.8, −0.6, 0).
     let tree = tree_of(&format!("{shapes}axiom A(0)[C(0)B]A(1)\n"));
-    assert!(near(tree.position[2] - tree.position[1], Vec3::new(0.8, -0.6, 0.0)), "{}", tree.position[2]);
+    assert!(
+        near(
+            tree.position[2] - tree.position[1],
+            Vec3::new(0.8, -0.6, 0.0)
+        ),
+        "{}",
+        tree.position[2]
+    );
     let turned = tree_of(&format!("{shapes}axiom A(0)[/(180)C(0)B]A(1)\n"));
-    assert!(near(turned.position[2] - turned.position[1], Vec3::new(0.8, 0.6, 0.0)), "{}", turned.position[2]);
-    assert!(near(turned.position[3], Vec3::X * 2.0), "the parent goes on");
+    assert!(
+        near(
+            turned.position[2] - turned.position[1],
+            Vec3::new(0.8, 0.6, 0.0)
+        ),
+        "{}",
+        turned.position[2]
+    );
+    assert!(
+        near(turned.position[3], Vec3::X * 2.0),
+        "the parent goes on"
+    );
     assert_eq!(turned.letters, ["A", "C"], "letters");
     assert_eq!(turned.order, [0, 0, 1, 0], "orders");
 }
@@ -204,7 +303,11 @@ fn births() {
     let grammar = parse("axiom F(0) B\nF(x) > B -> F(x) F(x+1)\n");
     let string = derive(&grammar, 3);
     assert_eq!(string.births(), [0, 1, 2, 3, 0], "F(0) F(1) F(2) F(3) B");
-    assert_eq!(draw(&grammar, &string).birth, [0, 0, 1, 2, 3], "the root, then the segments");
+    assert_eq!(
+        draw(&grammar, &string).birth,
+        [0, 0, 1, 2, 3],
+        "the root, then the segments"
+    );
     for (text, steps, expected) in [
         ("axiom A\nA -> AA\n", 2, &[0, 2, 1, 2][..]),
         ("axiom A(1)\nA(x) -> A(x+1)\n", 2, &[2]),
@@ -216,24 +319,58 @@ fn births() {
     }
     // Interpretation draws parts as old as the module they show.
     let shown = parse("axiom A\nA -> A A\ninterpret {\n  A -> F[+F]\n}\n");
-    assert_eq!(draw(&shown, &derive(&shown, 2)).birth, [0, 0, 0, 2, 2, 1, 1, 2, 2], "two segments each");
+    assert_eq!(
+        draw(&shown, &derive(&shown, 2)).birth,
+        [0, 0, 0, 2, 2, 1, 1, 2, 2],
+        "two segments each"
+    );
 }
 
 #[test]
 fn limits_of_the_turtle() {
     let run = |text: &str, params: &TurtleParams| {
         let grammar: Grammar = parse(text);
-        interpret(&grammar, &derive(&grammar, 0), params, &AtomicBool::new(false)).map_err(|e| *e.problem)
+        interpret(
+            &grammar,
+            &derive(&grammar, 0),
+            params,
+            &AtomicBool::new(false),
+        )
+        .map_err(|e| *e.problem)
     };
-    let small = TurtleParams { max_depth: 2, max_nodes: 3, ..TurtleParams::default() };
-    assert!(matches!(run("axiom [[[]]]\n", &small), Err(DeriveProblem::TooDeep { position: 2, depth: 2 })));
-    assert!(matches!(run("axiom FFF\n", &small), Err(DeriveProblem::TooManyNodes { limit: 3 })));
+    let small = TurtleParams {
+        max_depth: 2,
+        max_nodes: 3,
+        ..TurtleParams::default()
+    };
+    assert!(matches!(
+        run("axiom [[[]]]\n", &small),
+        Err(DeriveProblem::TooDeep {
+            position: 2,
+            depth: 2
+        })
+    ));
+    assert!(matches!(
+        run("axiom FFF\n", &small),
+        Err(DeriveProblem::TooManyNodes { limit: 3 })
+    ));
     assert!(run("axiom FF\n", &small).is_ok(), "at the limit");
     let far = run("axiom F(1e300)\n", &small);
-    assert!(matches!(&far, Err(DeriveProblem::TooFar { position: 0, module }) if module == "F"), "{far:?}");
+    assert!(
+        matches!(&far, Err(DeriveProblem::TooFar { position: 0, module }) if module == "F"),
+        "{far:?}"
+    );
     let wide = run("axiom !(1e300)F\n", &small);
-    assert!(matches!(wide, Err(DeriveProblem::TooFar { .. })), "{wide:?}");
+    assert!(
+        matches!(wide, Err(DeriveProblem::TooFar { .. })),
+        "{wide:?}"
+    );
     let grammar = parse("axiom F\n");
-    let cancelled = interpret(&grammar, &derive(&grammar, 0), &small, &AtomicBool::new(true));
+    let cancelled = interpret(
+        &grammar,
+        &derive(&grammar, 0),
+        &small,
+        &AtomicBool::new(true),
+    );
     assert!(cancelled.unwrap_err().is_cancelled());
 }
