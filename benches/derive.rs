@@ -31,11 +31,22 @@ fn systems() -> Vec<(&'static str, String, u32, usize, u64)> {
 fn derivation(criterion: &mut Criterion) {
     let cancel = AtomicBool::new(false);
     let mut group = criterion.benchmark_group("derive");
-    group.sample_size(10).measurement_time(Duration::from_secs(5));
+    group
+        .sample_size(10)
+        .measurement_time(Duration::from_secs(5));
     for (name, text, steps, length, produced) in systems() {
         let grammar = Grammar::parse(&text, name).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let derive = || grammar.derive(steps, &Limits::default(), &cancel).map(|s| s.len()).ok();
-        assert_eq!(derive(), Some(length), "{name}: another string than the literature's");
+        let derive = || {
+            grammar
+                .derive(steps, &Limits::default(), &cancel)
+                .map(|s| s.len())
+                .ok()
+        };
+        assert_eq!(
+            derive(),
+            Some(length),
+            "{name}: another string than the literature's"
+        );
         group.throughput(Throughput::Elements(produced));
         group.bench_function(name, |bencher| bencher.iter(derive));
     }
@@ -49,7 +60,9 @@ fn sketch_sized(criterion: &mut Criterion) {
         bencher.iter(|| {
             let grammar = Grammar::parse(HONDA, "honda.lsys").ok()?;
             let string = grammar.derive(12, &Limits::default(), &cancel).ok()?;
-            interpret(&grammar, &string, &params, &cancel).ok().map(|tree| tree.parent.len())
+            interpret(&grammar, &string, &params, &cancel)
+                .ok()
+                .map(|tree| tree.parent.len())
         });
     });
 }

@@ -39,5 +39,6 @@ pub use derive::Limits;
 pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
 pub use grammar::Grammar;
 pub use names::Symbol;
+pub use shape::shape_frames;
 pub use string::{Module, ModuleString};
 pub use turtle::{TurtleParams, interpret};

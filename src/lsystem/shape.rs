@@ -143,6 +143,19 @@ pub(crate) fn read(names: &Names, cursor: &mut Cursor<'_>) -> Result<Shape, Gram
     Ok(Shape::new(name, &displacements))
 }
 
+/// The turtle's frame along each segment of a shape, where the shape begins in the frame 1: what a writer of grammars
+/// needs to say a branch's displacements in the frame of the segment it sits on.
+#[must_use]
+pub fn shape_frames(displacements: &[DVec3]) -> Vec<DQuat> {
+    let without_radii: Vec<(DVec3, Option<f64>)> =
+        displacements.iter().map(|d| (*d, None)).collect();
+    Shape::new("", &without_radii)
+        .segments
+        .iter()
+        .map(|segment| segment.frame)
+        .collect()
+}
+
 /// The smallest rotation that takes the unit vector `from` to `to`; for opposite ones half a turn about `side`, which is
 /// at right angles to `from`.
 pub(crate) fn smallest_rotation(from: DVec3, to: DVec3, side: DVec3) -> DQuat {

@@ -20,13 +20,18 @@
 
 mod call;
 mod connect;
+#[cfg(test)]
+mod fake;
+mod frames;
 mod headset;
 mod input;
 mod space;
 mod swapchain;
 mod system;
+#[cfg(test)]
+mod tests;
 mod view;
 
-pub use connect::{ConnectError, connect};
+pub use connect::{ConnectError, connect, quiet_loader};
 pub use headset::OpenXrHeadset;
 pub use system::{StartParams, System, VulkanHandles};
