@@ -326,12 +326,13 @@ fn a_recentring_hides_the_hands_for_the_frame_in_which_it_comes() {
     let mut headset = focused();
     with(|fake| fake.times.extend([1_000, 2_000, 3_000, 4_000, 5_000]));
     with(|fake| {
-        fake.events
-            .push_back(FakeEvent::Recentre(xr::ReferenceSpaceType::STAGE, 1_000));
-        fake.events.push_back(FakeEvent::Recentre(
-            xr::ReferenceSpaceType::LOCAL_FLOOR,
-            3_000,
-        ));
+        // One of a space that is not the stage's comes after it and means nothing.
+        for (kind, at) in [
+            (xr::ReferenceSpaceType::LOCAL_FLOOR, 3_000),
+            (xr::ReferenceSpaceType::STAGE, 4_000),
+        ] {
+            fake.events.push_back(FakeEvent::Recentre(kind, at));
+        }
         fake.events.push_back(FakeEvent::Profile);
     });
     let tracked: Vec<bool> = (0..5)
