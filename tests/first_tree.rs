@@ -67,7 +67,12 @@ struct Way<T> {
 
 impl<T: Copy> Way<T> {
     fn resting(at: T) -> Self {
-        Self { from: at, to: at, start: 0.0, seconds: 0.0 }
+        Self {
+            from: at,
+            to: at,
+            start: 0.0,
+            seconds: 0.0,
+        }
     }
 
     /// 0 to 1, with neither speed nor acceleration at the ends: how an arm moves (Flash and Hogan 1985).
@@ -114,10 +119,18 @@ fn rounded_turn(turn: Quat) -> Quat {
 
 /// The pose that has its tip there, in numbers that are short to write.
 fn pose_of(held: Held) -> Pose {
-    let orientation = rounded_turn(Quat::from_rotation_arc(Vec3::NEG_Z, held.direction.normalize()));
+    let orientation = rounded_turn(Quat::from_rotation_arc(
+        Vec3::NEG_Z,
+        held.direction.normalize(),
+    ));
     let ahead = orientation.normalize() * Vec3::NEG_Z * HandParams::default().tip;
-    let position = (held.tip - ahead).to_array().map(|value| rounded(value, 1e6));
-    Pose { orientation, position: Vec3::from_array(position) }
+    let position = (held.tip - ahead)
+        .to_array()
+        .map(|value| rounded(value, 1e6));
+    Pose {
+        orientation,
+        position: Vec3::from_array(position),
+    }
 }
 
 fn pose_of_head(look: Look) -> Pose {
@@ -132,13 +145,22 @@ fn pose_of_head(look: Look) -> Pose {
 
 impl Puppet {
     fn new() -> Self {
-        let rest = |x: f32| Held { tip: Vec3::new(x, 0.95, -0.1), direction: Vec3::new(0.0, -0.45, -1.0) };
-        let start = Look { eye: Vec3::new(0.0, 1.6, 0.12), at: Vec3::new(0.0, 1.2, -1.0) };
+        let rest = |x: f32| Held {
+            tip: Vec3::new(x, 0.95, -0.1),
+            direction: Vec3::new(0.0, -0.45, -1.0),
+        };
+        let start = Look {
+            eye: Vec3::new(0.0, 1.6, 0.12),
+            at: Vec3::new(0.0, 1.2, -1.0),
+        };
         Self {
             frames: Vec::new(),
             hands: [Way::resting(rest(-0.26)), Way::resting(rest(0.26))],
             head: Way::resting(start),
-            now: [Hand { tracked: true, ..Hand::ABSENT }; 2],
+            now: [Hand {
+                tracked: true,
+                ..Hand::ABSENT
+            }; 2],
         }
     }
 
@@ -153,7 +175,11 @@ impl Puppet {
         let bend = part * (1.0 - part) * way.from.tip.distance(way.to.tip);
         Held {
             tip: way.from.tip.lerp(way.to.tip, part) + Vec3::new(0.0, 0.1, 0.35) * bend,
-            direction: way.from.direction.normalize().lerp(way.to.direction.normalize(), part),
+            direction: way
+                .from
+                .direction
+                .normalize()
+                .lerp(way.to.direction.normalize(), part),
         }
     }
 
@@ -161,9 +187,20 @@ impl Puppet {
         let time = self.time();
         let part = self.head.part(time);
         let (from, to) = (self.head.from, self.head.to);
-        let head = pose_of_head(Look { eye: from.eye.lerp(to.eye, part), at: from.at.lerp(to.at, part) });
-        let mut frame = Frame { time: rounded_time(time), head, hands: self.now, ..Frame::start() };
-        frame.views = Frame::eyes().map(|eye| ramus_xr::View { pose: head * eye.pose, ..eye });
+        let head = pose_of_head(Look {
+            eye: from.eye.lerp(to.eye, part),
+            at: from.at.lerp(to.at, part),
+        });
+        let mut frame = Frame {
+            time: rounded_time(time),
+            head,
+            hands: self.now,
+            ..Frame::start()
+        };
+        frame.views = Frame::eyes().map(|eye| ramus_xr::View {
+            pose: head * eye.pose,
+            ..eye
+        });
         for (hand, shown) in frame.hands.iter_mut().enumerate() {
             let pose = pose_of(self.held(hand, time));
             (shown.aim, shown.grip) = (pose, pose);
@@ -180,7 +217,12 @@ impl Puppet {
     /// Sends a hand on its way; it arrives while others act.
     fn send(&mut self, hand: usize, tip: Vec3, direction: Vec3, seconds: f64) {
         let from = self.held(hand, self.time());
-        self.hands[hand] = Way { from, to: Held { tip, direction }, start: self.time(), seconds };
+        self.hands[hand] = Way {
+            from,
+            to: Held { tip, direction },
+            start: self.time(),
+            seconds,
+        };
     }
 
     /// Moves a hand and waits until it is there and still.
@@ -191,9 +233,20 @@ impl Puppet {
 
     fn look(&mut self, eye: Vec3, at: Vec3, seconds: f64) {
         let part = self.head.part(self.time());
-        let Look { eye: from_eye, at: from_at } = self.head.from;
-        let from = Look { eye: from_eye.lerp(self.head.to.eye, part), at: from_at.lerp(self.head.to.at, part) };
-        self.head = Way { from, to: Look { eye, at }, start: self.time(), seconds };
+        let Look {
+            eye: from_eye,
+            at: from_at,
+        } = self.head.from;
+        let from = Look {
+            eye: from_eye.lerp(self.head.to.eye, part),
+            at: from_at.lerp(self.head.to.at, part),
+        };
+        self.head = Way {
+            from,
+            to: Look { eye, at },
+            start: self.time(),
+            seconds,
+        };
     }
 
     /// A finger's pull or its letting go, in 0.08 s.
@@ -293,7 +346,10 @@ fn file() -> PathBuf {
 }
 
 fn input(frame: &Frame) -> Input {
-    let pose = |pose: Pose| input::Pose { orientation: pose.orientation, position: pose.position };
+    let pose = |pose: Pose| input::Pose {
+        orientation: pose.orientation,
+        position: pose.position,
+    };
     Input {
         time: frame.time,
         focused: frame.focused,
@@ -318,7 +374,10 @@ fn the_file_is_what_the_puppet_does() {
         std::fs::write(file(), &made).unwrap();
     }
     let kept = std::fs::read(file()).unwrap();
-    assert!(kept == made, "make it anew: UPDATE_SNAPSHOTS=1 cargo test --test first_tree");
+    assert!(
+        kept == made,
+        "make it anew: UPDATE_SNAPSHOTS=1 cargo test --test first_tree"
+    );
 }
 
 #[test]
@@ -335,21 +394,48 @@ fn it_draws_a_trunk_and_a_branch_and_lets_them_grow() {
     }
     let mut scene = Scene::default();
     world.scene(&mut scene);
-    let ghosts = scene.balls.iter().filter(|ball| ball.color == Palette::default().ghost);
-    assert_eq!((ghosts.count(), scene.controllers.len()), (0, 2), "hands at rest are about to draw nothing");
-    let Document { sketch, step, platform, .. } = world.document();
+    let ghosts = scene
+        .balls
+        .iter()
+        .filter(|ball| ball.color == Palette::default().ghost);
+    assert_eq!(
+        (ghosts.count(), scene.controllers.len()),
+        (0, 2),
+        "hands at rest are about to draw nothing"
+    );
+    let Document {
+        sketch,
+        step,
+        platform,
+        ..
+    } = world.document();
     let trunk = [TRUNK[0], TRUNK[1], TRUNK[2], MOVED];
-    assert_eq!(sketch.stroke(Letter::TRUNK).unwrap().points, trunk, "to the bit");
+    assert_eq!(
+        sketch.stroke(Letter::TRUNK).unwrap().points,
+        trunk,
+        "to the bit"
+    );
     let branch = sketch.strokes.get(1).unwrap();
     assert_eq!(branch.attachment, Some(NodeRef::new(Letter::TRUNK, 2)));
-    assert_eq!(branch.points, BRANCH.map(|place| ramus::sketch::point(place - TRUNK[1])));
+    assert_eq!(
+        branch.points,
+        BRANCH.map(|place| ramus::sketch::point(place - TRUNK[1]))
+    );
     assert_eq!((sketch.strokes.len(), *step, largest), (2, STEPS, STEPS));
     assert_eq!(*platform, Placement::default());
-    assert_eq!(predict_segments(sketch, *step), 14, "spec/sketch.md: n = 2 gives 14 segments at w6");
+    assert_eq!(
+        predict_segments(sketch, *step),
+        14,
+        "spec/sketch.md: n = 2 gives 14 segments at w6"
+    );
     let actions = world.take_edits();
     let is = |wanted: &Action| actions.iter().filter(|action| *action == wanted).count();
     assert_eq!((is(&Action::Undo), is(&Action::Redo)), (1, 1));
-    let used = |hand: usize| frames.iter().any(|frame| frame.hands[hand].trigger + frame.hands[hand].squeeze > 0.6);
+    let used = |hand: usize| {
+        frames
+            .iter()
+            .any(|frame| frame.hands[hand].trigger + frame.hands[hand].squeeze > 0.6)
+    };
     assert!(used(LEFT) && used(RIGHT));
 }
 

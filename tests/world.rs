@@ -35,11 +35,15 @@ fn other(hand: usize) -> usize {
 
 /// A trunk of four segments, metres in the sketch.
 fn trunk() -> Vec<Vec3> {
-    (1..=4_u8).map(|n| Vec3::new(0.05 * f32::from(n), 0.4 * f32::from(n), 0.0)).collect()
+    (1..=4_u8)
+        .map(|n| Vec3::new(0.05 * f32::from(n), 0.4 * f32::from(n), 0.0))
+        .collect()
 }
 
 fn branch() -> Vec<Vec3> {
-    (1..=3_u8).map(|n| Vec3::new(0.1 + 0.35 * f32::from(n), 0.8 + 0.2 * f32::from(n), 0.1)).collect()
+    (1..=3_u8)
+        .map(|n| Vec3::new(0.1 + 0.35 * f32::from(n), 0.8 + 0.2 * f32::from(n), 0.1))
+        .collect()
 }
 
 fn with_trunk(hand: usize) -> Person {
@@ -71,13 +75,27 @@ fn the_trigger_makes_exactly_what_the_preview_shows() {
             let tip = person.on_stage(place);
             person.reach(hand, tip);
             let scene = person.scene();
-            let ball = scene.balls.iter().find(|ball| ball.color == palette.ghost && ball.center.distance(tip) < 0.01).unwrap();
-            let rod = scene.rods.iter().find(|rod| rod.color == palette.ghost && rod.to == ball.center).unwrap();
+            let ball = scene
+                .balls
+                .iter()
+                .find(|ball| ball.color == palette.ghost && ball.center.distance(tip) < 0.01)
+                .unwrap();
+            let rod = scene
+                .rods
+                .iter()
+                .find(|rod| rod.color == palette.ghost && rod.to == ball.center)
+                .unwrap();
             assert_eq!(rod.from, from, "the preview starts at the selected apex");
             person.press(hand, Button::Trigger);
-            assert!(person.node(A, n).distance(ball.center) < 1e-6, "made where it was shown");
+            assert!(
+                person.node(A, n).distance(ball.center) < 1e-6,
+                "made where it was shown"
+            );
             assert!(close(person.in_sketch(A, n), place));
-            assert!(person.felt(hand) > 0.03 && person.felt(other(hand)) == 0.0, "the acting hand feels it");
+            assert!(
+                person.felt(hand) > 0.03 && person.felt(other(hand)) == 0.0,
+                "the acting hand feels it"
+            );
             person.release(hand, Button::Trigger);
             from = person.node(A, n);
         }
@@ -95,7 +113,10 @@ fn a_held_trigger_draws_once() {
         for n in 0..20_u8 {
             person.reach(hand, tip + Vec3::X * 0.02 * f32::from(n));
         }
-        assert_eq!(person.world.document().sketch.apex(A), Some(NodeRef::new(A, 1)));
+        assert_eq!(
+            person.world.document().sketch.apex(A),
+            Some(NodeRef::new(A, 1))
+        );
     }
 }
 
@@ -105,19 +126,43 @@ fn a_branch_starts_at_a_node_that_is_no_apex() {
         for touch in [false, true] {
             let mut person = with_trunk(hand);
             let at = person.node(A, 2);
-            if touch { person.reach(hand, at) } else { person.point(hand, at) }
+            if touch {
+                person.reach(hand, at)
+            } else {
+                person.point(hand, at)
+            }
             let scene = person.scene();
             let palette = Palette::default();
-            assert!(scene.balls.iter().any(|ball| ball.color == palette.hovered && ball.center == at), "highlighted");
+            assert!(
+                scene
+                    .balls
+                    .iter()
+                    .any(|ball| ball.color == palette.hovered && ball.center == at),
+                "highlighted"
+            );
             person.click(hand, Button::Trigger);
             assert_eq!(person.world.document().selected, NodeRef::new(A, 2));
-            assert_eq!(person.world.document().sketch.strokes.len(), 1, "nothing is drawn yet");
+            assert_eq!(
+                person.world.document().sketch.strokes.len(),
+                1,
+                "nothing is drawn yet"
+            );
             person.draw(hand, &branch());
             let sketch = &person.world.document().sketch;
             let stroke = sketch.stroke(C).unwrap();
-            assert_eq!((stroke.attachment, stroke.points.len()), (Some(NodeRef::new(A, 2)), 3));
-            assert!(close(person.in_sketch(C, 1), branch()[0]), "it stands where it was drawn");
-            assert_eq!(sketch.apex(A), Some(NodeRef::new(A, 4)), "the trunk is as it was");
+            assert_eq!(
+                (stroke.attachment, stroke.points.len()),
+                (Some(NodeRef::new(A, 2)), 3)
+            );
+            assert!(
+                close(person.in_sketch(C, 1), branch()[0]),
+                "it stands where it was drawn"
+            );
+            assert_eq!(
+                sketch.apex(A),
+                Some(NodeRef::new(A, 4)),
+                "the trunk is as it was"
+            );
         }
     }
 }
@@ -131,7 +176,10 @@ fn the_trigger_on_an_apex_goes_on_with_that_line() {
         person.click(hand, Button::Trigger);
         assert_eq!(person.world.document().selected, NodeRef::new(A, 4));
         person.draw(hand, &[Vec3::new(0.2, 2.0, 0.2)]);
-        assert_eq!(person.world.document().sketch.apex(A), Some(NodeRef::new(A, 5)));
+        assert_eq!(
+            person.world.document().sketch.apex(A),
+            Some(NodeRef::new(A, 5))
+        );
     }
 }
 
@@ -153,7 +201,11 @@ fn a_gripped_node_follows_and_stays_where_it_is_dropped() {
             let mut person = with_branch(hand);
             let before = person.world.document().clone();
             let at = person.node(A, 2);
-            if touch { person.reach(hand, at) } else { person.point(hand, at) }
+            if touch {
+                person.reach(hand, at)
+            } else {
+                person.point(hand, at)
+            }
             person.press(hand, Button::Squeeze);
             assert!(person.felt(hand) > 0.0);
             let goal = Vec3::new(-0.2, 0.9, 0.3);
@@ -161,7 +213,13 @@ fn a_gripped_node_follows_and_stays_where_it_is_dropped() {
                 let tip = person.on_stage(place);
                 person.reach(hand, tip);
                 let scene = person.scene();
-                assert!(scene.balls.iter().any(|ball| ball.center.distance(tip) < 1e-3), "it follows");
+                assert!(
+                    scene
+                        .balls
+                        .iter()
+                        .any(|ball| ball.center.distance(tip) < 1e-3),
+                    "it follows"
+                );
                 assert_eq!(*person.world.document(), before, "not yet an edit");
             }
             person.release(hand, Button::Squeeze);
@@ -188,7 +246,10 @@ fn the_tree_follows_a_node_in_the_hand() {
     let before = person.scene().tree.unwrap().tree;
     person.reach(RIGHT, at + Vec3::X * 0.1);
     let after = person.scene().tree.unwrap().tree;
-    assert_ne!(before.position, after.position, "cause and effect in one frame");
+    assert_ne!(
+        before.position, after.position,
+        "cause and effect in one frame"
+    );
 }
 
 #[test]
@@ -201,11 +262,19 @@ fn the_trigger_deletes_a_gripped_node_and_all_above_it() {
         person.press(hand, Button::Trigger);
         let sketch = &person.world.document().sketch;
         assert_eq!(sketch.apex(A), Some(NodeRef::new(A, 1)));
-        assert_eq!(sketch.stroke(C), None, "the branch that was attached there is gone too");
+        assert_eq!(
+            sketch.stroke(C),
+            None,
+            "the branch that was attached there is gone too"
+        );
         assert!(person.felt(hand) > 0.05);
         person.release(hand, Button::Trigger);
         person.release(hand, Button::Squeeze);
-        assert_eq!(person.world.document().sketch.apex(A), Some(NodeRef::new(A, 1)), "letting go does nothing more");
+        assert_eq!(
+            person.world.document().sketch.apex(A),
+            Some(NodeRef::new(A, 1)),
+            "letting go does nothing more"
+        );
     }
 }
 
@@ -236,7 +305,10 @@ fn a_hand_lets_go_of_a_node_that_the_other_hand_deletes() {
         person.press(hand, Button::Squeeze);
     }
     person.press(RIGHT, Button::Trigger);
-    assert_eq!(person.world.document().sketch.apex(A), Some(NodeRef::new(A, 1)));
+    assert_eq!(
+        person.world.document().sketch.apex(A),
+        Some(NodeRef::new(A, 1))
+    );
     let left = person.bytes();
     person.release(LEFT, Button::Squeeze);
     assert_eq!(person.bytes(), left);
@@ -258,22 +330,46 @@ fn the_rim_moves_and_turns_the_platform_level() {
             if touch {
                 person.reach(hand, at);
             } else {
-                person.aim(hand, at + Vec3::new(0.1, 0.5, 0.3), Vec3::new(-0.1, -0.5, -0.3));
+                person.aim(
+                    hand,
+                    at + Vec3::new(0.1, 0.5, 0.3),
+                    Vec3::new(-0.1, -0.5, -0.3),
+                );
                 person.frame();
             }
             let palette = Palette::default();
-            assert!(person.scene().plates.iter().any(|plate| plate.color == palette.rim_hovered), "highlighted");
+            assert!(
+                person
+                    .scene()
+                    .plates
+                    .iter()
+                    .any(|plate| plate.color == palette.rim_hovered),
+                "highlighted"
+            );
             person.press(hand, Button::Squeeze);
             // The hand goes 10 cm to the right and nods: the platform goes along and stays level.
             let pose = &mut person.input.hands[hand].grip;
             pose.position += Vec3::X * 0.1;
             pose.orientation = Quat::from_rotation_x(0.4) * pose.orientation;
             person.frame();
-            assert_eq!(person.world.document().platform, before.platform, "not yet an edit");
+            assert_eq!(
+                person.world.document().platform,
+                before.platform,
+                "not yet an edit"
+            );
             person.release(hand, Button::Squeeze);
             let platform = person.world.document().platform;
-            assert!(platform.position.distance(before.platform.position + Vec3::X * 0.1) < 1e-3, "{platform:?}");
-            assert!(platform.yaw_deg.min(360.0 - platform.yaw_deg) < 0.1 && platform.scale == before.platform.scale);
+            assert!(
+                platform
+                    .position
+                    .distance(before.platform.position + Vec3::X * 0.1)
+                    < 1e-3,
+                "{platform:?}"
+            );
+            assert!(
+                platform.yaw_deg.min(360.0 - platform.yaw_deg) < 0.1
+                    && platform.scale == before.platform.scale
+            );
             assert_eq!(person.world.document().sketch, before.sketch);
             person.rest(hand);
             person.flick(other(hand), -1.0);
@@ -295,19 +391,31 @@ fn two_hands_scale_the_platform_and_that_is_one_action() {
             person.reach(hand, center + side * sign);
             person.press(hand, Button::Squeeze);
         }
-        let middle = (person.input.hands[LEFT].grip.position + person.input.hands[RIGHT].grip.position) * 0.5;
+        let middle = (person.input.hands[LEFT].grip.position
+            + person.input.hands[RIGHT].grip.position)
+            * 0.5;
         for hand in BOTH {
             let sign = if hand == LEFT { -1.0 } else { 1.0 };
             person.input.hands[hand].grip.position.x += sign * side.x;
         }
         person.frame();
         person.release(first, Button::Squeeze);
-        assert_eq!(*person.world.document(), before, "the other hand still holds it");
+        assert_eq!(
+            *person.world.document(),
+            before,
+            "the other hand still holds it"
+        );
         person.release(other(first), Button::Squeeze);
         let platform = person.world.document().platform;
-        assert!((platform.scale / before.platform.scale - 2.0).abs() < 0.02, "{platform:?}");
+        assert!(
+            (platform.scale / before.platform.scale - 2.0).abs() < 0.02,
+            "{platform:?}"
+        );
         // Twice as far from the middle of the hands, which stays where it is.
-        assert!(platform.position.distance(middle + (center - middle) * 2.0) < 2e-3, "{platform:?}");
+        assert!(
+            platform.position.distance(middle + (center - middle) * 2.0) < 2e-3,
+            "{platform:?}"
+        );
         assert_eq!(person.world.history().undo_count(), undo_before + 1);
     }
 }
@@ -333,12 +441,19 @@ fn the_face_buttons_step_at_once_and_the_picture_follows() {
         let mut person = with_branch(hand);
         for step in 1..=4 {
             person.press(hand, Button::Lower);
-            assert_eq!(person.world.document().step, step, "the document steps at once");
+            assert_eq!(
+                person.world.document().step,
+                step,
+                "the document steps at once"
+            );
             assert!(person.felt(hand) > 0.0);
             let mut last = -1.0;
             while person.world.is_growing() {
                 let growth = person.scene().tree.unwrap().growth;
-                assert!(growth >= last && growth - last < 0.1 || last < 0.0, "no jumps: {last} {growth}");
+                assert!(
+                    growth >= last && growth - last < 0.1 || last < 0.0,
+                    "no jumps: {last} {growth}"
+                );
                 last = growth;
                 person.frame();
             }
@@ -349,7 +464,10 @@ fn the_face_buttons_step_at_once_and_the_picture_follows() {
         person.press(hand, Button::Upper);
         assert_eq!(person.world.document().step, 3);
         let tree = person.scene().tree.unwrap();
-        assert!(tree.newest == 4 && tree.growth > 0.9, "what goes is seen going");
+        assert!(
+            tree.newest == 4 && tree.growth > 0.9,
+            "what goes is seen going"
+        );
         for _ in 0..50 {
             person.frame();
         }
@@ -401,7 +519,11 @@ fn growth_beyond_the_limit_is_refused_with_a_sentence() {
         }
         let stopped = person.world.document().step;
         assert!((3..30).contains(&stopped));
-        assert!(person.message().unwrap().contains("50"), "{:?}", person.message());
+        assert!(
+            person.message().unwrap().contains("50"),
+            "{:?}",
+            person.message()
+        );
         person.press(hand, Button::Lower);
         assert!(person.felt(hand) > 0.1);
     }
@@ -423,7 +545,11 @@ fn an_edit_that_makes_the_tree_too_large_is_kept_and_told() {
     person.click(RIGHT, Button::Trigger);
     person.draw(RIGHT, &branch()[..1]);
     assert!(person.world.document().sketch.stroke(C).is_some());
-    assert!(person.message().unwrap().contains("10 segments"), "{:?}", person.message());
+    assert!(
+        person.message().unwrap().contains("10 segments"),
+        "{:?}",
+        person.message()
+    );
     assert!(person.world.tree_request().is_none());
 }
 
@@ -440,7 +566,13 @@ fn a_hand_out_of_reach_draws_nothing() {
     let mut person = with_trunk(LEFT);
     let before = person.bytes();
     person.reach(LEFT, Vec3::new(-0.8, 0.5, 0.4));
-    assert!(person.scene().balls.iter().all(|ball| ball.color != Palette::default().ghost));
+    assert!(
+        person
+            .scene()
+            .balls
+            .iter()
+            .all(|ball| ball.color != Palette::default().ghost)
+    );
     person.click(LEFT, Button::Trigger);
     assert_eq!(person.bytes(), before);
     assert!(person.message().is_some());
@@ -459,13 +591,25 @@ fn lost_focus_gives_back_what_was_held_and_hides_the_hands() {
         person.frame();
         let scene = person.scene();
         assert!(scene.controllers.is_empty());
-        assert!(scene.balls.iter().all(|ball| ball.color != Palette::default().ghost));
-        assert!(scene.balls.iter().any(|ball| ball.center == at), "the node is back");
+        assert!(
+            scene
+                .balls
+                .iter()
+                .all(|ball| ball.color != Palette::default().ghost)
+        );
+        assert!(
+            scene.balls.iter().any(|ball| ball.center == at),
+            "the node is back"
+        );
         // Released while someone else had the input, and gripped again before it came back.
         person.input.focused = true;
         person.frame();
         person.release(hand, Button::Squeeze);
-        assert_eq!(person.bytes(), before, "a grip that began before is not a grip");
+        assert_eq!(
+            person.bytes(),
+            before,
+            "a grip that began before is not a grip"
+        );
         person.set(hand, Button::Trigger, true);
         person.input.focused = false;
         person.frame();
@@ -498,7 +642,12 @@ fn a_lost_controller_drops_the_node_where_it_was_last_seen() {
         person.frame();
         assert!(close(person.in_sketch(A, 3), last));
         let scene = person.scene();
-        assert!(scene.controllers.iter().all(|controller| controller.hand != hand));
+        assert!(
+            scene
+                .controllers
+                .iter()
+                .all(|controller| controller.hand != hand)
+        );
         let before = person.bytes();
         person.click(hand, Button::Trigger);
         person.click(hand, Button::Lower);
@@ -511,11 +660,21 @@ fn a_lost_controller_drops_the_node_where_it_was_last_seen() {
 fn nonsense_poses_and_triggers_count_as_untracked() {
     type Spoil = fn(&mut Input, usize);
     let spoils: [(&str, Spoil); 5] = [
-        ("NaN position", |input, hand| input.hands[hand].aim.position.x = f32::NAN),
-        ("short quaternion", |input, hand| input.hands[hand].grip.orientation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.3)),
-        ("far away", |input, hand| input.hands[hand].aim.position.z = -500.0),
-        ("NaN trigger", |input, hand| input.hands[hand].trigger = f32::NAN),
-        ("infinite squeeze", |input, hand| input.hands[hand].squeeze = f32::INFINITY),
+        ("NaN position", |input, hand| {
+            input.hands[hand].aim.position.x = f32::NAN
+        }),
+        ("short quaternion", |input, hand| {
+            input.hands[hand].grip.orientation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.3)
+        }),
+        ("far away", |input, hand| {
+            input.hands[hand].aim.position.z = -500.0
+        }),
+        ("NaN trigger", |input, hand| {
+            input.hands[hand].trigger = f32::NAN
+        }),
+        ("infinite squeeze", |input, hand| {
+            input.hands[hand].squeeze = f32::INFINITY
+        }),
     ];
     for (what, spoil) in spoils {
         for hand in BOTH {
@@ -531,7 +690,11 @@ fn nonsense_poses_and_triggers_count_as_untracked() {
             assert_eq!(person.scene().controllers.len(), 1, "{what}");
             person.input.hands[hand] = sound;
             person.frame();
-            assert_eq!(person.bytes(), before, "{what}: the trigger was pulled before the hand came back");
+            assert_eq!(
+                person.bytes(),
+                before,
+                "{what}: the trigger was pulled before the hand came back"
+            );
             person.release(hand, Button::Trigger);
             person.click(hand, Button::Trigger);
             assert_ne!(person.bytes(), before, "{what}: and now it draws");
@@ -547,7 +710,10 @@ fn a_nan_head_or_an_absurd_time_changes_nothing_that_is_kept() {
     let before = person.bytes();
     for time in [f64::NAN, f64::INFINITY, -1e300, 1e300, 0.0] {
         person.input.time = time;
-        person.input.head = Pose { orientation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 0.0), position: Vec3::NAN };
+        person.input.head = Pose {
+            orientation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 0.0),
+            position: Vec3::NAN,
+        };
         let growth = person.scene().tree.unwrap().growth;
         person.world.update(&person.input);
         let moved = person.scene().tree.unwrap().growth - growth;
@@ -562,7 +728,11 @@ fn hovering_is_felt_once() {
         let mut person = with_trunk(other(hand));
         let at = person.node(A, 2);
         person.point(hand, at);
-        assert!((0.01..=0.02).contains(&person.felt(hand)), "{}", person.felt(hand));
+        assert!(
+            (0.01..=0.02).contains(&person.felt(hand)),
+            "{}",
+            person.felt(hand)
+        );
         person.frame();
         assert_eq!(person.felt(hand), 0.0);
         let at = person.node(A, 3);
@@ -576,11 +746,22 @@ fn marks_show_the_selection_attachments_and_repeats() {
     let person = with_branch(RIGHT);
     let (stage, palette) = (StageParams::default(), Palette::default());
     let scene = person.scene();
-    let around = |at: Vec3, radius: f32| scene.balls.iter().any(|ball| ball.center == at && ball.radius == radius);
+    let around = |at: Vec3, radius: f32| {
+        scene
+            .balls
+            .iter()
+            .any(|ball| ball.center == at && ball.radius == radius)
+    };
     assert!(around(person.node(C, 3), stage.selected_radius));
     assert!(around(person.node(A, 2), stage.attachment_radius));
     assert!(around(person.node(A, 4), stage.repeat_radius));
-    let letter = |letter: Letter| scene.rods.iter().filter(|rod| rod.color == palette.letter(letter.index())).count();
+    let letter = |letter: Letter| {
+        scene
+            .rods
+            .iter()
+            .filter(|rod| rod.color == palette.letter(letter.index()))
+            .count()
+    };
     assert_eq!((letter(A), letter(C)), (4, 3));
 }
 
@@ -595,7 +776,11 @@ fn the_board_says_what_stands_there() {
     assert!(text.contains("step 3") && text.contains("A(0)"), "{text}");
     assert!(text.contains("->") && text.contains("trigger"), "{text}");
     person.frame();
-    assert_eq!(person.scene().board.unwrap().revision, board.revision, "nothing changed");
+    assert_eq!(
+        person.scene().board.unwrap().revision,
+        board.revision,
+        "nothing changed"
+    );
     person.world.show_message("Saved.".into());
     assert_eq!(person.message().as_deref(), Some("Saved."));
     for _ in 0..72 * 9 {
@@ -638,8 +823,18 @@ fn walk() -> Person {
 /// What of a frame can be an edge.
 fn buttons(frame: &Input) -> [(bool, bool, bool, bool, i8); 2] {
     frame.hands.map(|hand| {
-        let flick = if hand.stick.x.abs() > 0.7 { hand.stick.x.signum() as i8 } else { 0 };
-        (hand.trigger > 0.5, hand.squeeze > 0.5, hand.lower, hand.upper, flick)
+        let flick = if hand.stick.x.abs() > 0.7 {
+            hand.stick.x.signum() as i8
+        } else {
+            0
+        };
+        (
+            hand.trigger > 0.5,
+            hand.squeeze > 0.5,
+            hand.lower,
+            hand.upper,
+            flick,
+        )
     })
 }
 
@@ -649,7 +844,11 @@ fn frames_shown_twice_or_not_at_all_change_nothing() {
     let expected = person.bytes();
     let frames = &person.frames;
     assert_eq!(replay(frames.iter().copied()), expected, "replay");
-    assert_eq!(replay(frames.iter().flat_map(|&frame| [frame; 3])), expected, "each three times");
+    assert_eq!(
+        replay(frames.iter().flat_map(|&frame| [frame; 3])),
+        expected,
+        "each three times"
+    );
     let mut last = None;
     let edges: Vec<Input> = frames
         .iter()
@@ -657,8 +856,15 @@ fn frames_shown_twice_or_not_at_all_change_nothing() {
         .filter(|frame| last.replace(buttons(frame)) != Some(buttons(frame)))
         .collect();
     assert!(edges.len() < frames.len());
-    assert_eq!(replay(edges), expected, "only the frames in which a button changes");
-    let slow = frames.iter().map(|&frame| Input { time: frame.time * 7.0, ..frame });
+    assert_eq!(
+        replay(edges),
+        expected,
+        "only the frames in which a button changes"
+    );
+    let slow = frames.iter().map(|&frame| Input {
+        time: frame.time * 7.0,
+        ..frame
+    });
     assert_eq!(replay(slow), expected, "at another speed");
     let still = frames.iter().map(|&frame| Input { time: 0.0, ..frame });
     assert_eq!(replay(still), expected, "without time");
@@ -686,10 +892,20 @@ fn a_panel_edits_through_the_same_door() {
     person.world.apply(Edit::Clear).unwrap();
     assert!(person.world.shown().sketch.is_empty());
     person.release(LEFT, Button::Squeeze);
-    assert!(person.world.document().sketch.is_empty(), "the hand let go of what was cleared");
+    assert!(
+        person.world.document().sketch.is_empty(),
+        "the hand let go of what was cleared"
+    );
     assert!(person.world.undo() && person.world.document().sketch.stroke(C).is_some());
     assert!(person.world.redo() && person.world.document().sketch.is_empty());
-    assert!(person.world.apply(Edit::SetStep { step: BOUNDS.step + 1 }).is_err());
+    assert!(
+        person
+            .world
+            .apply(Edit::SetStep {
+                step: BOUNDS.step + 1
+            })
+            .is_err()
+    );
 }
 
 mod any_input {
@@ -781,11 +997,30 @@ mod any_input {
         world.shown().validate().unwrap();
         let mut scene = Scene::default();
         world.scene(&mut scene);
-        assert!(scene.rods.iter().all(|rod| rod.from.is_finite() && rod.to.is_finite()));
+        assert!(
+            scene
+                .rods
+                .iter()
+                .all(|rod| rod.from.is_finite() && rod.to.is_finite())
+        );
         assert!(scene.balls.iter().all(|ball| ball.center.is_finite()));
-        assert!(scene.plates.iter().all(|plate| plate.world_from_plate.is_finite()));
-        assert!(scene.controllers.iter().all(|controller| controller.world_from_grip.is_finite()));
-        assert!(scene.tree.is_none_or(|tree| (0.0..=1.0).contains(&tree.growth)));
+        assert!(
+            scene
+                .plates
+                .iter()
+                .all(|plate| plate.world_from_plate.is_finite())
+        );
+        assert!(
+            scene
+                .controllers
+                .iter()
+                .all(|controller| controller.world_from_grip.is_finite())
+        );
+        assert!(
+            scene
+                .tree
+                .is_none_or(|tree| (0.0..=1.0).contains(&tree.growth))
+        );
     }
 
     proptest! {

@@ -55,7 +55,10 @@ fn counted(act: impl FnOnce()) -> u64 {
 
 #[test]
 fn a_warm_frame_allocates_nothing() {
-    assert!(counted(|| drop(std::hint::black_box(Box::new(1_u8)))) > 0, "the counter counts");
+    assert!(
+        counted(|| drop(std::hint::black_box(Box::new(1_u8)))) > 0,
+        "the counter counts"
+    );
     let mut person = Person::new();
     let trunk: Vec<Vec3> = (1..=6_u8).map(|n| Vec3::Y * 0.3 * f32::from(n)).collect();
     person.draw(RIGHT, &trunk);
@@ -70,7 +73,11 @@ fn a_warm_frame_allocates_nothing() {
         for n in 0..40_u8 {
             let aside = Vec3::X * 0.01 * f32::from(n % 20);
             person.aim(LEFT, node + aside, Vec3::NEG_Z);
-            person.aim(RIGHT, node + Vec3::new(0.0, 0.3, 0.2) - aside, Vec3::new(0.0, -1.0, -0.4));
+            person.aim(
+                RIGHT,
+                node + Vec3::new(0.0, 0.3, 0.2) - aside,
+                Vec3::new(0.0, -1.0, -0.4),
+            );
             person.input.hands[RIGHT].tracked = n % 8 != 0;
             person.input.time += 0.01;
             person.world.update(&person.input);

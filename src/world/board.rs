@@ -28,7 +28,11 @@ pub struct BoardParams {
 impl Default for BoardParams {
     fn default() -> Self {
         // With the hints these are at most 24 lines: 3 cm each on a board of 72 cm.
-        Self { columns: 54, string_lines: 5, rule_lines: 8 }
+        Self {
+            columns: 54,
+            string_lines: 5,
+            rule_lines: 8,
+        }
     }
 }
 
@@ -125,7 +129,11 @@ fn compose(document: &Document, facts: &Facts<'_>, params: &BoardParams) -> Boar
     line(&status(document, facts));
     line(&selection(document));
     line("");
-    let string = if facts.string.is_empty() { "(nothing has grown yet)" } else { facts.string };
+    let string = if facts.string.is_empty() {
+        "(nothing has grown yet)"
+    } else {
+        facts.string
+    };
     for row in wrapped(string, params.columns, params.string_lines) {
         line(&row);
     }
@@ -138,7 +146,11 @@ fn compose(document: &Document, facts: &Facts<'_>, params: &BoardParams) -> Boar
     for hint in HINTS {
         line(hint);
     }
-    BoardContent { title: "Ramus".into(), lines, message: facts.message.map(str::to_owned) }
+    BoardContent {
+        title: "Ramus".into(),
+        lines,
+        message: facts.message.map(str::to_owned),
+    }
 }
 
 /// Step, counts, and how far one can go back and forth.
@@ -152,7 +164,11 @@ fn status(document: &Document, facts: &Facts<'_>) -> String {
     }
     let lines = document.sketch.strokes.len();
     let [undo, redo] = facts.undo;
-    let _ = write!(text, "   {lines} {}   undo {undo} redo {redo}", if lines == 1 { "line" } else { "lines" });
+    let _ = write!(
+        text,
+        "   {lines} {}   undo {undo} redo {redo}",
+        if lines == 1 { "line" } else { "lines" }
+    );
     text
 }
 
@@ -233,7 +249,10 @@ fn wrapped(text: &str, columns: usize, rows: usize) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::missing_assert_message, reason = "a test that fails shows the line")]
+    #![allow(
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
     use super::*;
 
     const FACTS: Facts<'static> = Facts {
@@ -247,7 +266,12 @@ mod tests {
 
     #[test]
     fn text_is_cut_by_characters_and_says_so() {
-        for (text, columns, expected) in [("äöü", 3, "äöü"), ("äöüß", 3, "äö…"), ("", 3, ""), ("ab", 1, "…")] {
+        for (text, columns, expected) in [
+            ("äöü", 3, "äöü"),
+            ("äöüß", 3, "äö…"),
+            ("", 3, ""),
+            ("ab", 1, "…"),
+        ] {
             assert_eq!(fitted(text, columns), expected);
         }
         assert_eq!(wrapped("A(0)A(1)B", 4, 3), ["A(0)", "A(1)", "B"]);
@@ -261,8 +285,21 @@ mod tests {
         let all = ["axiom A(0) B", "A(x) > B -> A(x) A(x+1)", "C(x) -> C(x)"];
         assert_eq!(rules(grammar, 40, 4), all);
         assert_eq!(rules(grammar, 40, 3), [all[0], all[1], "… and 1 more"]);
-        assert_eq!(rules(grammar, 12, 9), ["axiom A(0) B", "A(x) > B ->", "    A(x)", "    A(x+1)", "C(x) -> C(x)"]);
-        assert_eq!(by_words("one-long-word next", 5), ["one-long-word", "    next"], "cut later, where it is fitted");
+        assert_eq!(
+            rules(grammar, 12, 9),
+            [
+                "axiom A(0) B",
+                "A(x) > B ->",
+                "    A(x)",
+                "    A(x+1)",
+                "C(x) -> C(x)"
+            ]
+        );
+        assert_eq!(
+            by_words("one-long-word next", 5),
+            ["one-long-word", "    next"],
+            "cut later, where it is fitted"
+        );
     }
 
     #[test]
@@ -277,12 +314,28 @@ mod tests {
         assert!(Arc::ptr_eq(&first.content, &again.content) && first.revision == again.revision);
         let mut last = first.revision;
         for facts in [
-            Facts { message: Some("Look"), ..FACTS },
-            Facts { message: Some("There"), ..FACTS },
+            Facts {
+                message: Some("Look"),
+                ..FACTS
+            },
+            Facts {
+                message: Some("There"),
+                ..FACTS
+            },
             FACTS,
-            Facts { segments: 3, ..FACTS },
-            Facts { string: "A(0)B", string_revision: 1, ..FACTS },
-            Facts { undo: [1, 0], ..FACTS },
+            Facts {
+                segments: 3,
+                ..FACTS
+            },
+            Facts {
+                string: "A(0)B",
+                string_revision: 1,
+                ..FACTS
+            },
+            Facts {
+                undo: [1, 0],
+                ..FACTS
+            },
         ] {
             board.follow(&document, &facts, &params);
             assert!(board.revision > last, "{facts:?}");
@@ -294,13 +347,33 @@ mod tests {
     fn every_line_fits() {
         let params = BoardParams::default();
         let long = "A(0)[/(137.508)C(0)B]".repeat(500);
-        let facts = Facts { string: &long, segments: 1_999_999, undo: [123_456, 654_321], ..FACTS };
-        let content = compose(&Document { step: 9999, ..Document::default() }, &facts, &params);
-        assert!(content.lines.iter().all(|line| line.chars().count() <= params.columns));
+        let facts = Facts {
+            string: &long,
+            segments: 1_999_999,
+            undo: [123_456, 654_321],
+            ..FACTS
+        };
+        let content = compose(
+            &Document {
+                step: 9999,
+                ..Document::default()
+            },
+            &facts,
+            &params,
+        );
+        assert!(
+            content
+                .lines
+                .iter()
+                .all(|line| line.chars().count() <= params.columns)
+        );
         let most = 2 + 3 + params.string_lines + params.rule_lines + HINTS.len();
         assert!(content.lines.len() <= most, "{}", content.lines.len());
         for hint in HINTS {
-            assert!(content.lines.iter().any(|line| line == hint), "uncut: {hint}");
+            assert!(
+                content.lines.iter().any(|line| line == hint),
+                "uncut: {hint}"
+            );
         }
     }
 }

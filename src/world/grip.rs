@@ -28,7 +28,12 @@ pub struct GripParams {
 
 impl Default for GripParams {
     fn default() -> Self {
-        Self { farthest: 3.0, height: [0.1, 2.0], scale: [0.05, 4.0], least_span: 0.02 }
+        Self {
+            farthest: 3.0,
+            height: [0.1, 2.0],
+            scale: [0.05, 4.0],
+            least_span: 0.02,
+        }
     }
 }
 
@@ -49,7 +54,12 @@ impl PlatformGrip {
         let both = |[left, right]: [Option<Pose>; 2]| left.zip(right);
         let (yaw, scale, from, to) = match (both(self.hands), both(now)) {
             (Some(before), Some(after)) => self.by_two(before, after, params),
-            _ => match self.hands.iter().zip(now).find_map(|(&before, after)| before.zip(after)) {
+            _ => match self
+                .hands
+                .iter()
+                .zip(now)
+                .find_map(|(&before, after)| before.zip(after))
+            {
                 Some((before, after)) => {
                     let yaw = yaw_between(before.orientation, after.orientation);
                     (yaw, self.start.scale, before.position, after.position)
@@ -71,31 +81,59 @@ impl PlatformGrip {
     }
 
     /// Turn, scale, and the points of the grip before and after.
-    fn by_two(&self, before: (Pose, Pose), after: (Pose, Pose), params: &GripParams) -> (f32, f32, Vec3, Vec3) {
+    fn by_two(
+        &self,
+        before: (Pose, Pose),
+        after: (Pose, Pose),
+        params: &GripParams,
+    ) -> (f32, f32, Vec3, Vec3) {
         let span = |(left, right): (Pose, Pose)| right.position - left.position;
         let middle = |(left, right): (Pose, Pose)| (left.position + right.position) * 0.5;
         let (old, new) = (span(before), span(after));
         let heading = |span: Vec3| (-span.z).atan2(span.x);
         let wide = |span: Vec3| span.x.hypot(span.z) >= params.least_span;
-        let yaw = if wide(old) && wide(new) { wrapped(heading(new) - heading(old)) } else { 0.0 };
+        let yaw = if wide(old) && wide(new) {
+            wrapped(heading(new) - heading(old))
+        } else {
+            0.0
+        };
         let long = |span: Vec3| span.length() >= params.least_span;
-        let ratio = if long(old) && long(new) { new.length() / old.length() } else { 1.0 };
+        let ratio = if long(old) && long(new) {
+            new.length() / old.length()
+        } else {
+            1.0
+        };
         let [least, most] = params.scale;
-        (yaw, (self.start.scale * ratio).clamp(least, most), middle(before), middle(after))
+        (
+            yaw,
+            (self.start.scale * ratio).clamp(least, most),
+            middle(before),
+            middle(after),
+        )
     }
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::missing_assert_message, reason = "a test that fails shows the line")]
+    #![allow(
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
     use proptest::prelude::*;
 
     use super::*;
 
-    const START: Placement = Placement { position: Vec3::new(0.0, 0.9, -0.5), yaw_deg: 30.0, scale: 0.5 };
+    const START: Placement = Placement {
+        position: Vec3::new(0.0, 0.9, -0.5),
+        yaw_deg: 30.0,
+        scale: 0.5,
+    };
 
     fn pose(x: f32, y: f32, z: f32, yaw: f32) -> Pose {
-        Pose { orientation: Quat::from_rotation_y(yaw), position: Vec3::new(x, y, z) }
+        Pose {
+            orientation: Quat::from_rotation_y(yaw),
+            position: Vec3::new(x, y, z),
+        }
     }
 
     fn at(grip: [Option<Pose>; 2], now: [Option<Pose>; 2]) -> Placement {
@@ -117,22 +155,49 @@ mod tests {
             assert!(moved.position.distance(Vec3::new(0.1, 1.0, -0.6)) < 1e-4);
             let turned = by(pose(0.3, 0.9, -0.5, std::f32::consts::FRAC_PI_2));
             // The platform was 0.3 m to the left of the hand; a quarter turn to the left puts it in front of its thumb, at +Z.
-            assert!(turned.position.distance(Vec3::new(0.3, 0.9, -0.2)) < 1e-3, "{turned:?}");
+            assert!(
+                turned.position.distance(Vec3::new(0.3, 0.9, -0.2)) < 1e-3,
+                "{turned:?}"
+            );
             assert!((turned.yaw_deg - 120.0).abs() < 0.01 && turned.scale == START.scale);
-            let tilted = by(Pose { orientation: Quat::from_rotation_x(0.8), position: before.position });
+            let tilted = by(Pose {
+                orientation: Quat::from_rotation_x(0.8),
+                position: before.position,
+            });
             assert_eq!(tilted, START, "the horizon stays level");
         }
     }
 
     #[test]
     fn two_hands_scale_and_turn_it_about_their_middle() {
-        let grip = [Some(pose(-0.2, 0.9, -0.5, 0.0)), Some(pose(0.2, 0.9, -0.5, 0.0))];
-        let wider = at(grip, [Some(pose(-0.4, 0.9, -0.5, 0.0)), Some(pose(0.4, 0.9, -0.5, 0.0))]);
-        assert!((wider.scale - 1.0).abs() < 1e-3 && wider.position == START.position && wider.yaw_deg == START.yaw_deg);
+        let grip = [
+            Some(pose(-0.2, 0.9, -0.5, 0.0)),
+            Some(pose(0.2, 0.9, -0.5, 0.0)),
+        ];
+        let wider = at(
+            grip,
+            [
+                Some(pose(-0.4, 0.9, -0.5, 0.0)),
+                Some(pose(0.4, 0.9, -0.5, 0.0)),
+            ],
+        );
+        assert!(
+            (wider.scale - 1.0).abs() < 1e-3
+                && wider.position == START.position
+                && wider.yaw_deg == START.yaw_deg
+        );
         // The right hand goes ahead, the left one back: a quarter turn to the left.
-        let turned = at(grip, [Some(pose(0.0, 0.9, -0.3, 0.0)), Some(pose(0.0, 0.9, -0.7, 0.0))]);
+        let turned = at(
+            grip,
+            [
+                Some(pose(0.0, 0.9, -0.3, 0.0)),
+                Some(pose(0.0, 0.9, -0.7, 0.0)),
+            ],
+        );
         assert!((turned.yaw_deg - 120.0).abs() < 0.01, "{}", turned.yaw_deg);
-        assert!((turned.scale - 0.5).abs() < 1e-3 && turned.position.distance(START.position) < 1e-3);
+        assert!(
+            (turned.scale - 0.5).abs() < 1e-3 && turned.position.distance(START.position) < 1e-3
+        );
     }
 
     proptest! {

@@ -27,7 +27,10 @@ pub struct GrowthParams {
 
 impl Default for GrowthParams {
     fn default() -> Self {
-        Self { seconds: 0.6, max_segments: 2_000_000 }
+        Self {
+            seconds: 0.6,
+            max_segments: 2_000_000,
+        }
     }
 }
 
@@ -88,10 +91,9 @@ impl Default for Growth {
 impl Growth {
     /// Whether the document's tree has not been wished for yet.
     pub(super) fn is_new(&self, document: &Document) -> bool {
-        !self
-            .wanted
-            .as_ref()
-            .is_some_and(|(sketch, step)| Arc::ptr_eq(sketch, &document.sketch) && *step == document.step)
+        !self.wanted.as_ref().is_some_and(|(sketch, step)| {
+            Arc::ptr_eq(sketch, &document.sketch) && *step == document.step
+        })
     }
 
     /// Notes that the document's tree was thought of: it is not new any more.
@@ -105,7 +107,11 @@ impl Growth {
         self.last_id += 1;
         self.open.push((self.last_id, document.step));
         let (sketch, step) = (Arc::clone(&document.sketch), document.step);
-        self.request = Some(TreeRequest { id: self.last_id, sketch, step });
+        self.request = Some(TreeRequest {
+            id: self.last_id,
+            sketch,
+            step,
+        });
     }
 
     pub(super) fn take_request(&mut self) -> Option<TreeRequest> {
@@ -119,9 +125,24 @@ impl Growth {
             return None;
         }
         self.shown_id = id;
-        let Grown { tree, radius_before, string, newest, .. } = grown;
-        let given = Shown { tree: Arc::new(tree), radius_before: Arc::new(radius_before), newest, step };
-        if self.shown.as_ref().is_some_and(|shown| shown.step == given.step) {
+        let Grown {
+            tree,
+            radius_before,
+            string,
+            newest,
+            ..
+        } = grown;
+        let given = Shown {
+            tree: Arc::new(tree),
+            radius_before: Arc::new(radius_before),
+            newest,
+            step,
+        };
+        if self
+            .shown
+            .as_ref()
+            .is_some_and(|shown| shown.step == given.step)
+        {
             // Another tree of the same step: growth goes on where it was, shrinking turns round.
             self.next = None;
         } else {
@@ -152,14 +173,22 @@ impl Growth {
 
     /// Ends a wish, and all older ones; gives its step.
     fn close(&mut self, id: u64) -> Option<u32> {
-        let step = self.open.iter().find(|open| open.0 == id).map(|open| open.1);
+        let step = self
+            .open
+            .iter()
+            .find(|open| open.0 == id)
+            .map(|open| open.1);
         self.open.retain(|open| open.0 > id);
         step
     }
 
     /// Moves the picture on.
     pub(super) fn advance(&mut self, seconds: f32, params: &GrowthParams) {
-        let moved = if params.seconds > 0.0 { seconds / params.seconds } else { 1.0 };
+        let moved = if params.seconds > 0.0 {
+            seconds / params.seconds
+        } else {
+            1.0
+        };
         if self.next.is_none() {
             self.fraction = (self.fraction + moved).min(1.0);
             return;
@@ -207,15 +236,26 @@ impl Growth {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "a test that fails shows the line")]
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
     use super::*;
 
     fn grown(step: u32) -> Grown {
-        Grown { newest: step, string: format!("step {step}"), ..Grown::default() }
+        Grown {
+            newest: step,
+            string: format!("step {step}"),
+            ..Grown::default()
+        }
     }
 
     fn at(step: u32) -> Document {
-        Document { step, ..Document::default() }
+        Document {
+            step,
+            ..Document::default()
+        }
     }
 
     fn wish(growth: &mut Growth, step: u32) -> u64 {
@@ -243,7 +283,11 @@ mod tests {
         assert_eq!(seen(&growth), (4, 1.0));
         let id = wish(&mut growth, 3);
         growth.give(id, grown(3));
-        assert_eq!(seen(&growth), (4, 1.0), "the newest segments are still whole");
+        assert_eq!(
+            seen(&growth),
+            (4, 1.0),
+            "the newest segments are still whole"
+        );
         growth.advance(0.3, &params);
         assert!((seen(&growth).1 - 0.5).abs() < 1e-5);
         growth.advance(0.4, &params);
@@ -263,7 +307,10 @@ mod tests {
             let id = wish(&mut growth, step);
             growth.give(id, grown(step));
             let (newest, fraction) = seen(&growth);
-            assert!(newest == expected.0 && (fraction - expected.1).abs() < 1e-5, "{step}: {newest} {fraction}");
+            assert!(
+                newest == expected.0 && (fraction - expected.1).abs() < 1e-5,
+                "{step}: {newest} {fraction}"
+            );
         }
     }
 
@@ -273,7 +320,10 @@ mod tests {
         let first = wish(&mut growth, 1);
         let second = wish(&mut growth, 5);
         assert!(growth.give(second, grown(5)).is_some());
-        assert!(growth.give(first, grown(1)).is_none(), "older than what is shown");
+        assert!(
+            growth.give(first, grown(1)).is_none(),
+            "older than what is shown"
+        );
         assert!(growth.give(99, grown(9)).is_none(), "never wished for");
         assert_eq!(seen(&growth).0, 5);
         assert!(!growth.is_waiting());
@@ -291,7 +341,11 @@ mod tests {
             assert!(placed.revision > last && placed.newest == step, "{step}");
             last = placed.revision;
             growth.advance(1.0, &params);
-            assert_eq!(growth.placed(Affine3A::IDENTITY).unwrap().revision, last, "and nothing else");
+            assert_eq!(
+                growth.placed(Affine3A::IDENTITY).unwrap().revision,
+                last,
+                "and nothing else"
+            );
         }
     }
 }

@@ -19,6 +19,7 @@ mod grip;
 mod growth;
 pub mod hands;
 pub mod history;
+mod hold;
 pub mod hover;
 pub mod input;
 pub mod journal;
@@ -107,7 +108,12 @@ impl World {
     /// A world that is set differently.
     #[must_use]
     pub fn with_params(history: History, params: WorldParams) -> Self {
-        let tools = Tools::new(history.committed(), params.tools, params.stage, params.palette);
+        let tools = Tools::new(
+            history.committed(),
+            params.tools,
+            params.stage,
+            params.palette,
+        );
         let mut world = Self {
             params,
             history,
@@ -150,7 +156,10 @@ impl World {
         }
         let passed = self.clock.map_or(0.0, |before| time - before);
         self.clock = Some(time);
-        #[expect(clippy::cast_possible_truncation, reason = "at most a tenth of a second")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "at most a tenth of a second"
+        )]
         let seconds = passed.clamp(0.0, self.params.longest_frame) as f32;
         seconds
     }
@@ -183,7 +192,8 @@ impl World {
             message: self.message.as_ref().map(|message| &*message.text),
             string_revision: self.string_revision,
         };
-        self.board.follow(self.history.committed(), &facts, &self.params.board);
+        self.board
+            .follow(self.history.committed(), &facts, &self.params.board);
     }
 
     /// What is kept: without what hands are still holding.
@@ -278,7 +288,10 @@ impl World {
 
     /// Shows a sentence on the board for some seconds.
     pub fn show_message(&mut self, text: String) {
-        self.message = Some(Message { text, seconds: self.params.message_seconds });
+        self.message = Some(Message {
+            text,
+            seconds: self.params.message_seconds,
+        });
         self.compose();
     }
 
@@ -290,15 +303,30 @@ impl World {
         scene.plates.clear();
         scene.controllers.clear();
         let hovers = self.tools.hands.map(|hand| hand.hover);
-        let rim_held = self.tools.hands.iter().any(|hand| hand.hold == tools::Hold::Platform);
-        let rim_hovered = rim_held || hovers.iter().any(|hover| matches!(hover, Hover::Rim { .. }));
+        let rim_held = self
+            .tools
+            .hands
+            .iter()
+            .any(|hand| hand.hold == tools::Hold::Platform);
+        let rim_hovered = rim_held
+            || hovers
+                .iter()
+                .any(|hover| matches!(hover, Hover::Rim { .. }));
         let document = &self.tools.shown;
-        stage::furniture(&document.platform, rim_hovered, stage, palette, &mut scene.plates);
+        stage::furniture(
+            &document.platform,
+            rim_hovered,
+            stage,
+            palette,
+            &mut scene.plates,
+        );
         let highlights = self.tools.hands.map(|hand| match (hand.hold, hand.hover) {
             (tools::Hold::Node(at), _) | (_, Hover::Node { at, .. }) => Some(at),
             _ => None,
         });
-        self.tools.miniature.draw(document.selected, highlights, stage, palette, scene);
+        self.tools
+            .miniature
+            .draw(document.selected, highlights, stage, palette, scene);
         for hand in 0..self.tools.hands.len() {
             self.draw_hand(hand, scene);
         }
@@ -309,16 +337,30 @@ impl World {
     /// A controller, its ray, and what its trigger would make.
     fn draw_hand(&self, hand: usize, scene: &mut Scene) {
         let WorldParams { stage, palette, .. } = &self.params;
-        let Some(state) = self.tools.hands.get(hand) else { return };
+        let Some(state) = self.tools.hands.get(hand) else {
+            return;
+        };
         let Some(sample) = state.sample else { return };
         scene.controllers.push(Controller {
-            world_from_grip: Affine3A::from_rotation_translation(sample.grip.orientation, sample.grip.position),
+            world_from_grip: Affine3A::from_rotation_translation(
+                sample.grip.orientation,
+                sample.grip.position,
+            ),
             hand,
             trigger: sample.trigger,
         });
         if let Some(ghost) = self.tools.ghost(hand) {
-            scene.rods.push(Rod { from: ghost.from, to: ghost.to, radius: stage.line_radius, color: palette.ghost });
-            scene.balls.push(Ball { center: ghost.to, radius: stage.selected_radius, color: palette.ghost });
+            scene.rods.push(Rod {
+                from: ghost.from,
+                to: ghost.to,
+                radius: stage.line_radius,
+                color: palette.ghost,
+            });
+            scene.balls.push(Ball {
+                center: ghost.to,
+                radius: stage.selected_radius,
+                color: palette.ghost,
+            });
         }
         if state.hold != tools::Hold::Nothing {
             return;
@@ -329,7 +371,12 @@ impl World {
         };
         if length > 0.0 {
             let from = sample.aim.position;
-            scene.rods.push(Rod { from, to: from + sample.direction * length, radius: stage.ray_radius, color });
+            scene.rods.push(Rod {
+                from,
+                to: from + sample.direction * length,
+                radius: stage.ray_radius,
+                color,
+            });
         }
     }
 }

@@ -120,7 +120,14 @@ impl Default for Palette {
         let vermilion = linear(0xD5_5E_00);
         let reddish_purple = linear(0xCC_79_A7);
         Self {
-            letters: [orange, sky_blue, bluish_green, reddish_purple, blue, vermilion],
+            letters: [
+                orange,
+                sky_blue,
+                bluish_green,
+                reddish_purple,
+                blue,
+                vermilion,
+            ],
             node: linear(0xF2_F0_EA),
             hovered: yellow,
             selected: faded(yellow, 0.45),
@@ -152,7 +159,11 @@ fn linear(srgb: u32) -> Color {
     let [red, green, blue] = [red, green, blue].map(|byte| {
         let value = f32::from(byte) / 255.0;
         // IEC 61966-2-1.
-        if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+        if value <= 0.040_45 {
+            value / 12.92
+        } else {
+            ((value + 0.055) / 1.055).powf(2.4)
+        }
     });
     [red, green, blue, 1.0]
 }
@@ -193,17 +204,44 @@ pub(super) fn furniture(
     let turn = Quat::from_rotation_y(placement.yaw());
     let mut plate = |radius: f32, thickness: f32, top: Vec3, color: Color| {
         let size = Vec3::new(radius, thickness.max(f32::MIN_POSITIVE), radius);
-        plates.push(Plate { world_from_plate: Affine3A::from_scale_rotation_translation(size, turn, top), color });
+        plates.push(Plate {
+            world_from_plate: Affine3A::from_scale_rotation_translation(size, turn, top),
+            color,
+        });
     };
     let top = placement.position;
-    let rim_color = if rim_hovered { palette.rim_hovered } else { palette.rim };
-    plate(params.platform_radius, params.platform_thickness, top, palette.platform);
+    let rim_color = if rim_hovered {
+        palette.rim_hovered
+    } else {
+        palette.rim
+    };
+    plate(
+        params.platform_radius,
+        params.platform_thickness,
+        top,
+        palette.platform,
+    );
     let rim_top = top - Vec3::Y * params.rim_drop;
-    plate(params.platform_radius + params.rim_width, params.platform_thickness, rim_top, rim_color);
+    plate(
+        params.platform_radius + params.rim_width,
+        params.platform_thickness,
+        rim_top,
+        rim_color,
+    );
     let column = top.y - params.platform_thickness;
     if column > 0.0 {
-        plate(params.column_radius, column, Vec3::new(top.x, column, top.z), palette.pedestal);
-        plate(params.foot_radius, params.foot_height, Vec3::new(top.x, params.foot_height, top.z), palette.pedestal);
+        plate(
+            params.column_radius,
+            column,
+            Vec3::new(top.x, column, top.z),
+            palette.pedestal,
+        );
+        plate(
+            params.foot_radius,
+            params.foot_height,
+            Vec3::new(top.x, params.foot_height, top.z),
+            palette.pedestal,
+        );
     }
 }
 
@@ -217,18 +255,28 @@ pub fn stage_from_board(params: &StageParams) -> Affine3A {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::missing_assert_message, reason = "a test that fails shows the line")]
+    #![allow(
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
     use super::*;
 
     #[test]
     fn grey_is_linear() {
         let [red, _, _, alpha] = linear(0xBC_BC_BC);
-        assert!((red - 0.503).abs() < 1e-3 && alpha == 1.0, "sRGB 188 is half of white's light");
+        assert!(
+            (red - 0.503).abs() < 1e-3 && alpha == 1.0,
+            "sRGB 188 is half of white's light"
+        );
     }
 
     #[test]
     fn a_turned_platform_turns_the_sketch_about_its_root() {
-        let placement = Placement { position: Vec3::new(0.1, 0.9, -0.5), yaw_deg: 90.0, scale: 0.5 };
+        let placement = Placement {
+            position: Vec3::new(0.1, 0.9, -0.5),
+            yaw_deg: 90.0,
+            scale: 0.5,
+        };
         let at = stage_from_sketch(&placement).transform_point3(Vec3::new(0.2, 0.4, 0.0));
         // A quarter turn about +Y takes +X to −Z.
         assert!(at.distance(Vec3::new(0.1, 1.1, -0.6)) < 1e-6, "{at}");
@@ -247,11 +295,18 @@ mod tests {
     fn furniture_stands_on_the_floor_and_shows_the_rim() {
         let (params, palette) = (StageParams::default(), Palette::default());
         for (y, expected) in [(0.9, 4), (0.0, 2), (-1.0, 2)] {
-            let placement = Placement { position: Vec3::new(0.0, y, 0.0), ..Placement::default() };
+            let placement = Placement {
+                position: Vec3::new(0.0, y, 0.0),
+                ..Placement::default()
+            };
             let mut plates = Vec::new();
             furniture(&placement, true, &params, &palette, &mut plates);
             assert_eq!(plates.len(), expected, "{y}");
-            assert!(plates.iter().any(|plate| plate.color == palette.rim_hovered));
+            assert!(
+                plates
+                    .iter()
+                    .any(|plate| plate.color == palette.rim_hovered)
+            );
             for plate in plates.iter().skip(2) {
                 let foot = plate.world_from_plate.transform_point3(Vec3::NEG_Y).y;
                 assert!(foot.abs() < 1e-6, "{foot}");

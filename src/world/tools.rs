@@ -11,17 +11,16 @@
 //! returns to where it was: an accident must not become an edit. A controller that loses tracking
 //! drops what it holds where it was last seen, because that is where the person put it.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
-use crate::sketch::{BOUNDS, NodeRef, Sketch, SketchError, point, predict_segments};
+use crate::sketch::{BOUNDS, NodeRef, SketchError, point, predict_segments};
 
 use super::{
-    document::{Document, Edit, Placement},
+    document::{Document, Edit},
     grip::PlatformGrip,
     hands::{Buttons, Edge, Edges, HandParams, Sample, sample},
     history::History,
+    hold::Held,
     hover::{self, HoverParams, Pointer},
     input::{HandInput, Input},
     miniature::Miniature,
@@ -95,7 +94,10 @@ pub struct DrawParams {
 
 impl Default for DrawParams {
     fn default() -> Self {
-        Self { reach: 0.5, max_segments: 2_000_000 }
+        Self {
+            reach: 0.5,
+            max_segments: 2_000_000,
+        }
     }
 }
 
@@ -136,33 +138,29 @@ pub(super) struct Ghost {
     pub(super) to: Vec3,
 }
 
-/// What `Tools::shown` was made from: unchanged, it need not be made again.
-#[derive(Debug)]
-struct Held {
-    /// The sketch without what is held.
-    sketch: Arc<Sketch>,
-    /// The nodes in the hands and where they are, metres in the sketch.
-    nodes: [Option<(NodeRef, Vec3)>; 2],
-}
-
 /// See the module.
 #[derive(Debug)]
 pub(super) struct Tools {
-    params: ToolParams,
-    stage: StageParams,
-    palette: Palette,
+    pub(super) params: ToolParams,
+    pub(super) stage: StageParams,
+    pub(super) palette: Palette,
     pub(super) hands: [Hand; 2],
-    platform: Option<PlatformGrip>,
+    pub(super) platform: Option<PlatformGrip>,
     /// The document with what the hands hold.
     pub(super) shown: Document,
-    held: Option<Held>,
+    pub(super) held: Option<Held>,
     pub(super) miniature: Miniature,
     pub(super) haptics: Vec<Haptic>,
     message: Option<String>,
 }
 
 impl Tools {
-    pub(super) fn new(document: &Document, params: ToolParams, stage: StageParams, palette: Palette) -> Self {
+    pub(super) fn new(
+        document: &Document,
+        params: ToolParams,
+        stage: StageParams,
+        palette: Palette,
+    ) -> Self {
         let mut miniature = Miniature::default();
         miniature.follow(document, &stage, &palette);
         Self {
@@ -225,7 +223,12 @@ impl Tools {
 
     /// What a hand is at. A hand that holds something is at nothing else; what another hand holds is out of reach.
     fn find(&self, hand: usize) -> Hover {
-        let Hand { sample: Some(sample), hold: Hold::Nothing, .. } = self.hands[hand] else {
+        let Hand {
+            sample: Some(sample),
+            hold: Hold::Nothing,
+            ..
+        } = self.hands[hand]
+        else {
             return Hover::Nothing;
         };
         let pointer = Pointer {
@@ -237,22 +240,35 @@ impl Tools {
         let params = &self.params.hover;
         let taken = |at: NodeRef| self.hands.iter().any(|other| other.hold == Hold::Node(at));
         let free = self.miniature.nodes.iter().filter(|node| !taken(node.at));
-        let hit = hover::ball(free.clone().map(|node| node.position), self.stage.node_radius, &pointer, params);
+        let hit = hover::ball(
+            free.clone().map(|node| node.position),
+            self.stage.node_radius,
+            &pointer,
+            params,
+        );
         let node = hit.and_then(|hit| free.clone().nth(hit.index).map(|node| (node.at, hit)));
         let rim = hover::ring(&rim(&self.shown.platform, &self.stage), &pointer, params);
         match (node, rim) {
             (Some((at, hit)), rim) if hit.touched || rim.is_none_or(|rim| hit.along <= rim) => {
-                Hover::Node { at, along: hit.along }
+                Hover::Node {
+                    at,
+                    along: hit.along,
+                }
             }
             (_, Some(along)) => Hover::Rim { along },
-            (Some((at, hit)), None) => Hover::Node { at, along: hit.along },
+            (Some((at, hit)), None) => Hover::Node {
+                at,
+                along: hit.along,
+            },
             (None, None) => Hover::Nothing,
         }
     }
 
     /// A short tick when a node comes under the hand, unless the hand was told something stronger.
     fn tick(&mut self, hand: usize, before: Hover) {
-        let Hover::Node { at, .. } = self.hands[hand].hover else { return };
+        let Hover::Node { at, .. } = self.hands[hand].hover else {
+            return;
+        };
         let was_there = matches!(before, Hover::Node { at: before, .. } if before == at);
         let told = self.haptics.iter().any(|haptic| haptic.hand == hand);
         if !was_there && !told {
@@ -281,68 +297,49 @@ impl Tools {
         }
     }
 
-    fn grip(&mut self, hand: usize, history: &History) {
-        match self.hands[hand].hover {
-            Hover::Node { at: NodeRef::ROOT, .. } => self.refuse(hand, SketchError::Root.to_string()),
-            Hover::Node { at, .. } => {
-                self.hands[hand].hold = Hold::Node(at);
-                self.pulse(hand, self.params.haptics.choose);
-            }
-            Hover::Rim { .. } => {
-                self.hands[hand].hold = Hold::Platform;
-                self.grip_anew();
-                self.pulse(hand, self.params.haptics.choose);
-            }
-            Hover::Nothing => return,
-        }
-        self.show(history);
-    }
-
-    /// Lets go of what a hand holds, where it is now.
-    fn release(&mut self, hand: usize, history: &mut History) {
-        let Hand { sample: Some(sample), hold, .. } = self.hands[hand] else { return };
-        match hold {
-            Hold::Nothing => return,
-            Hold::Node(at) => {
-                let to = self.miniature.sketch_from_stage.transform_point3(sample.tip);
-                self.hands[hand].hold = Hold::Nothing;
-                self.apply(hand, Edit::MoveNode { at, to }, self.params.haptics.choose, history);
-            }
-            Hold::Platform => {
-                let to = self.held_placement();
-                self.hands[hand].hold = Hold::Nothing;
-                if self.hands.iter().any(|other| other.hold == Hold::Platform) {
-                    // The other hand carries on from here; one grip is one action.
-                    self.shown.platform = to;
-                    self.grip_anew();
-                } else {
-                    self.platform = None;
-                    self.apply(hand, Edit::SetPlatform { to }, self.params.haptics.choose, history);
-                }
-            }
-        }
-        self.show(history);
-    }
-
     fn pull(&mut self, hand: usize, history: &mut History) {
-        let Hand { sample: Some(sample), hold, hover, .. } = self.hands[hand] else { return };
+        let Hand {
+            sample: Some(sample),
+            hold,
+            hover,
+            ..
+        } = self.hands[hand]
+        else {
+            return;
+        };
         match (hold, hover) {
             (Hold::Platform, _) => {}
             (Hold::Node(at), _) => {
                 self.hands[hand].hold = Hold::Nothing;
-                self.apply(hand, Edit::DeleteNode { at }, self.params.haptics.delete, history);
+                self.apply(
+                    hand,
+                    Edit::DeleteNode { at },
+                    self.params.haptics.delete,
+                    history,
+                );
             }
             (Hold::Nothing, Hover::Node { at, .. }) => {
                 let branches_at_root = at == NodeRef::ROOT && !self.shown.sketch.is_apex(at);
                 if branches_at_root {
                     self.refuse(hand, SketchError::BranchAtRoot.to_string());
                 } else {
-                    self.apply(hand, Edit::Select { at }, self.params.haptics.choose, history);
+                    self.apply(
+                        hand,
+                        Edit::Select { at },
+                        self.params.haptics.choose,
+                        history,
+                    );
                 }
             }
-            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. }) => match self.next_segment(&sample) {
+            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. }) => match self.next_segment(&sample)
+            {
                 Some((_, to)) => {
-                    self.apply(hand, Edit::AddSegment { to }, self.params.haptics.create, history);
+                    self.apply(
+                        hand,
+                        Edit::AddSegment { to },
+                        self.params.haptics.create,
+                        history,
+                    );
                 }
                 None => {
                     let reach = self.params.draw.reach;
@@ -360,7 +357,10 @@ impl Tools {
         let step = document.step.saturating_add(1);
         let most = self.params.draw.max_segments;
         if document.sketch.is_empty() {
-            return self.refuse(hand, "Nothing to grow yet: pull the trigger to draw the trunk.".into());
+            return self.refuse(
+                hand,
+                "Nothing to grow yet: pull the trigger to draw the trunk.".into(),
+            );
         }
         let segments = predict_segments(&document.sketch, step);
         if segments > most && step <= BOUNDS.step {
@@ -369,12 +369,22 @@ impl Tools {
                 format!("Step {step} would have {} segments, more than {most}: this tree is full-grown.", count(segments)),
             );
         }
-        self.apply(hand, Edit::SetStep { step }, self.params.haptics.grow, history);
+        self.apply(
+            hand,
+            Edit::SetStep { step },
+            self.params.haptics.grow,
+            history,
+        );
     }
 
     fn step_back(&mut self, hand: usize, history: &mut History) {
         match history.committed().step.checked_sub(1) {
-            Some(step) => self.apply(hand, Edit::SetStep { step }, self.params.haptics.grow, history),
+            Some(step) => self.apply(
+                hand,
+                Edit::SetStep { step },
+                self.params.haptics.grow,
+                history,
+            ),
             None => self.refuse(hand, "This is step 0, the root alone.".into()),
         }
     }
@@ -395,16 +405,14 @@ impl Tools {
         }
     }
 
-    /// Puts what the hands hold back where it was.
-    pub(super) fn let_go(&mut self) {
-        for hand in &mut self.hands {
-            hand.hold = Hold::Nothing;
-        }
-        self.platform = None;
-    }
-
     /// Applies an edit; says why where it is refused.
-    fn apply(&mut self, hand: usize, edit: Edit, haptic: [f32; 2], history: &mut History) {
+    pub(super) fn apply(
+        &mut self,
+        hand: usize,
+        edit: Edit,
+        haptic: [f32; 2],
+        history: &mut History,
+    ) {
         match history.apply(edit) {
             Ok(()) => self.pulse(hand, haptic),
             Err(error) => self.refuse(hand, error.to_string()),
@@ -413,88 +421,39 @@ impl Tools {
         self.show(history);
     }
 
-    /// Hands let go of nodes that are no more.
-    pub(super) fn check_holds(&mut self, history: &History) {
-        let sketch = &history.committed().sketch;
-        for hand in &mut self.hands {
-            if let Hold::Node(at) = hand.hold
-                && sketch.apex(at.letter).is_none_or(|apex| at.node > apex.node)
-            {
-                hand.hold = Hold::Nothing;
-            }
-        }
-    }
-
-    fn refuse(&mut self, hand: usize, message: String) {
+    pub(super) fn refuse(&mut self, hand: usize, message: String) {
         self.message = Some(message);
         self.pulse(hand, self.params.haptics.limit);
     }
 
-    fn pulse(&mut self, hand: usize, [seconds, amplitude]: [f32; 2]) {
-        self.haptics.push(Haptic { hand, seconds, amplitude });
-    }
-
-    /// Makes `shown` and the miniature follow the history and the hands.
-    pub(super) fn show(&mut self, history: &History) {
-        let committed = history.committed();
-        let platform = if self.platform.is_some() { self.held_placement() } else { committed.platform };
-        if platform != self.shown.platform {
-            self.shown.platform = platform;
-            self.miniature.follow(&self.shown, &self.stage, &self.palette);
-        }
-        let to_sketch = self.miniature.sketch_from_stage;
-        let nodes = self.hands.map(|hand| match (hand.hold, hand.sample) {
-            (Hold::Node(at), Some(sample)) => Some((at, point(to_sketch.transform_point3(sample.tip)))),
-            _ => None,
+    pub(super) fn pulse(&mut self, hand: usize, [seconds, amplitude]: [f32; 2]) {
+        self.haptics.push(Haptic {
+            hand,
+            seconds,
+            amplitude,
         });
-        let same = |held: &Held| held.nodes == nodes && Arc::ptr_eq(&held.sketch, &committed.sketch);
-        if !self.held.as_ref().is_some_and(same) {
-            self.shown.sketch = Arc::clone(&committed.sketch);
-            for (at, to) in nodes.into_iter().flatten() {
-                // A place where the node cannot be: it is seen where it was.
-                if let Ok(moved) = self.shown.sketch.move_node(at, to) {
-                    self.shown.sketch = Arc::new(moved);
-                }
-            }
-            self.held = Some(Held { sketch: Arc::clone(&committed.sketch), nodes });
-        }
-        self.shown.step = committed.step;
-        self.shown.selected = committed.selected;
-        self.miniature.follow(&self.shown, &self.stage, &self.palette);
-    }
-
-    /// Begins the platform's grip anew, from where it is seen now, with the hands that hold it.
-    fn grip_anew(&mut self) {
-        let poses = self.platform_poses();
-        self.platform = Some(PlatformGrip::new(self.shown.platform, poses));
-    }
-
-    /// The poses of the hands that hold the platform.
-    fn platform_poses(&self) -> [Option<super::input::Pose>; 2] {
-        self.hands.map(|hand| match hand {
-            Hand { hold: Hold::Platform, sample: Some(sample), .. } => Some(sample.grip),
-            _ => None,
-        })
-    }
-
-    /// Where the hands hold the platform now.
-    fn held_placement(&self) -> Placement {
-        match &self.platform {
-            Some(grip) => grip.placement(self.platform_poses(), &self.params.grip),
-            None => self.shown.platform,
-        }
     }
 
     /// Start of the next segment on the stage and its end in the sketch; `None` where it cannot be drawn.
     fn next_segment(&self, sample: &Sample) -> Option<(Vec3, Vec3)> {
         let from = self.miniature.position(self.shown.selected)?;
-        let to = point(self.miniature.sketch_from_stage.transform_point3(sample.tip));
+        let to = point(
+            self.miniature
+                .sketch_from_stage
+                .transform_point3(sample.tip),
+        );
         (from.distance(sample.tip) <= self.params.draw.reach).then_some((from, to))
     }
 
     /// What the trigger of this hand would draw.
     pub(super) fn ghost(&self, hand: usize) -> Option<Ghost> {
-        let Hand { sample: Some(sample), hold: Hold::Nothing, hover, .. } = self.hands[hand] else {
+        let Hand {
+            sample: Some(sample),
+            hold: Hold::Nothing,
+            hover,
+            ..
+        } = self.hands[hand]
+        else {
             return None;
         };
         let selected = self.shown.selected;
@@ -510,5 +469,9 @@ impl Tools {
 
 /// A count as people say it: exact where it is known.
 fn count(segments: u64) -> String {
-    if segments == u64::MAX { "countless".into() } else { segments.to_string() }
+    if segments == u64::MAX {
+        "countless".into()
+    } else {
+        segments.to_string()
+    }
 }

@@ -48,7 +48,10 @@ pub struct Person {
 
 pub fn resting(hand: usize) -> HandInput {
     let x = if hand == LEFT { -0.25 } else { 0.25 };
-    let pose = Pose { orientation: Quat::IDENTITY, position: Vec3::new(x, 0.4, 0.3) };
+    let pose = Pose {
+        orientation: Quat::IDENTITY,
+        position: Vec3::new(x, 0.4, 0.3),
+    };
     HandInput {
         tracked: true,
         aim: pose,
@@ -65,7 +68,10 @@ pub fn start() -> Input {
     Input {
         time: 0.0,
         focused: true,
-        head: Pose { orientation: Quat::IDENTITY, position: Vec3::new(0.0, 1.6, 0.0) },
+        head: Pose {
+            orientation: Quat::IDENTITY,
+            position: Vec3::new(0.0, 1.6, 0.0),
+        },
         hands: [resting(LEFT), resting(RIGHT)],
     }
 }
@@ -108,7 +114,8 @@ impl Person {
         self.input.time += 1.0 / 72.0;
         self.frames.push(self.input);
         self.haptics.clear();
-        self.haptics.extend_from_slice(self.world.update(&self.input));
+        self.haptics
+            .extend_from_slice(self.world.update(&self.input));
         serve(&mut self.world);
     }
 
@@ -116,7 +123,10 @@ impl Person {
     pub fn aim(&mut self, hand: usize, tip: Vec3, direction: Vec3) {
         let orientation = Quat::from_rotation_arc(Vec3::NEG_Z, direction.normalize());
         let position = tip - orientation * Vec3::NEG_Z * HandParams::default().tip;
-        let pose = Pose { orientation, position };
+        let pose = Pose {
+            orientation,
+            position,
+        };
         self.input.hands[hand].aim = pose;
         self.input.hands[hand].grip = pose;
     }
@@ -179,7 +189,11 @@ impl Person {
     }
 
     pub fn in_sketch(&self, letter: Letter, node: u32) -> Vec3 {
-        self.world.document().sketch.position(NodeRef::new(letter, node)).unwrap()
+        self.world
+            .document()
+            .sketch
+            .position(NodeRef::new(letter, node))
+            .unwrap()
     }
 
     /// Draws segments to places of the sketch, then takes the hand away.
@@ -214,6 +228,10 @@ impl Person {
 
     /// Strongest vibration of a hand in the last frame.
     pub fn felt(&self, hand: usize) -> f32 {
-        self.haptics.iter().filter(|haptic| haptic.hand == hand).map(|haptic| haptic.seconds).fold(0.0, f32::max)
+        self.haptics
+            .iter()
+            .filter(|haptic| haptic.hand == hand)
+            .map(|haptic| haptic.seconds)
+            .fold(0.0, f32::max)
     }
 }
