@@ -48,13 +48,8 @@ fn board_vertex(
     return out;
 }
 
-struct Covered {
-    @location(0) color: vec4f,
-    @builtin(sample_mask) mask: u32,
-}
-
 @fragment
-fn board_fragment(point: Point, @builtin(front_facing) front: bool) -> Covered {
+fn board_fragment(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let s = solids[point.instance];
     let size = s.kind.xy;
     // Distance to the rounded edge, in pixels: the mask smooths it.
@@ -72,8 +67,5 @@ fn board_fragment(point: Point, @builtin(front_facing) front: bool) -> Covered {
     }
     let border = smoothstep(-0.004 - pixel, -0.004, edge);
     color = mix(color, vec3f(0.10, 0.13, 0.14), border * 0.8);
-    var out: Covered;
-    out.color = vec4f(air(color, offset), 1.0);
-    out.mask = coverage(clamp(0.5 - edge / pixel, 0.0, 1.0), point.position.xy);
-    return out;
+    return vec4f(air(color, offset), coverage(clamp(0.5 - edge / pixel, 0.0, 1.0), point.position.xy));
 }

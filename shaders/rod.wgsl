@@ -59,16 +59,8 @@ fn rod_fragment(point: Point) -> @location(0) vec4f {
     return vec4f(shade(point), 1.0);
 }
 
-struct Covered {
-    @location(0) color: vec4f,
-    @builtin(sample_mask) mask: u32,
-}
-
 // Ghosts cover some samples only: nothing needs sorting, and overlaps do not add up.
 @fragment
-fn ghost_fragment(point: Point) -> Covered {
-    var out: Covered;
-    out.color = vec4f(shade(point), 1.0);
-    out.mask = coverage(point.color.a, point.position.xy);
-    return out;
+fn ghost_fragment(point: Point) -> @location(0) vec4f {
+    return vec4f(shade(point), coverage(point.color.a, point.position.xy));
 }

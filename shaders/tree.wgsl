@@ -154,13 +154,8 @@ fn furrows(around: vec2f, along: f32) -> f32 {
     return clamp(ridge * ridge * 0.75 + fine * 0.35, 0.0, 1.0);
 }
 
-struct Covered {
-    @location(0) color: vec4f,
-    @builtin(sample_mask) mask: u32,
-}
-
 @fragment
-fn tree_fragment(point: Point) -> Covered {
+fn tree_fragment(point: Point) -> @location(0) vec4f {
     let radius = max(point.bark.y, 1e-5);
     let around = point.around / max(length(point.around), 1e-3);
     let smooth_normal = normalize(point.normal);
@@ -189,8 +184,5 @@ fn tree_fragment(point: Point) -> Covered {
     let sunny = sunlight(point.world, smooth_normal);
     // Furrows lie in their own shade.
     let color = lit(albedo, normal, -normalize(offset), sunny) * (0.72 + 0.28 * height);
-    var out: Covered;
-    out.color = vec4f(air(color, offset), 1.0);
-    out.mask = coverage(point.bark.z, point.position.xy);
-    return out;
+    return vec4f(air(color, offset), coverage(point.bark.z, point.position.xy));
 }

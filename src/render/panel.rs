@@ -120,6 +120,7 @@ impl Panel {
                 cull: vk::CullModeFlags::NONE,
                 depth_compare: None,
                 depth_write: false,
+                covered: false,
                 blend: Some(blend),
                 samples: vk::SampleCountFlags::TYPE_1,
                 view_mask: 0,

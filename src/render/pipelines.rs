@@ -77,6 +77,8 @@ pub(crate) struct PipelineDesc<'a> {
     pub(crate) cull: vk::CullModeFlags,
     pub(crate) depth_compare: Option<vk::CompareOp>,
     pub(crate) depth_write: bool,
+    /// Alpha says how many samples are covered, and is not written.
+    pub(crate) covered: bool,
     pub(crate) blend: Option<vk::PipelineColorBlendAttachmentState>,
     pub(crate) samples: vk::SampleCountFlags,
     pub(crate) view_mask: u32,
@@ -132,13 +134,17 @@ impl Pipeline {
             .cull_mode(desc.cull)
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
             .line_width(1.0);
-        let multisample = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(desc.samples);
+        let multisample = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(desc.samples)
+            .alpha_to_coverage_enable(desc.covered);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
             .depth_test_enable(desc.depth_compare.is_some())
             .depth_write_enable(desc.depth_write)
             .depth_compare_op(desc.depth_compare.unwrap_or(vk::CompareOp::ALWAYS));
+        let rgb = vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B;
+        let written = if desc.covered { rgb } else { vk::ColorComponentFlags::RGBA };
         let attachments =
-            [desc.blend.unwrap_or_else(|| vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA))];
+            [desc.blend.unwrap_or_else(|| vk::PipelineColorBlendAttachmentState::default().color_write_mask(written))];
         let mut blend = vk::PipelineColorBlendStateCreateInfo::default();
         let dynamic =
             vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
@@ -227,6 +233,7 @@ impl Pipelines {
             // Depth is reversed: greater is nearer. The sky, at 0, fills what is still clear.
             depth_compare: Some(vk::CompareOp::GREATER_OR_EQUAL),
             depth_write: false,
+            covered: false,
             blend: None,
             samples: SAMPLES,
             view_mask: formats.view_mask,
@@ -242,6 +249,7 @@ impl Pipelines {
             spirv: shaders::tree::SPIRV,
             vertex: shaders::tree::TUBE_VERTEX,
             fragment: Some(shaders::tree::TREE_FRAGMENT),
+            covered: true,
             ..solid
         };
         let rods = PipelineDesc {
@@ -268,6 +276,7 @@ impl Pipelines {
                 name: "the shadow's pipeline",
                 vertex: shaders::tree::SHADOW_VERTEX,
                 fragment: None,
+                covered: false,
                 cull: vk::CullModeFlags::NONE,
                 depth_compare: Some(vk::CompareOp::LESS),
                 samples: vk::SampleCountFlags::TYPE_1,
@@ -279,6 +288,7 @@ impl Pipelines {
             ghosts: pipeline(PipelineDesc {
                 name: "the ghosts' pipeline",
                 fragment: Some(shaders::rod::GHOST_FRAGMENT),
+                covered: true,
                 ..rods
             })?,
             solids: pipeline(PipelineDesc {
@@ -297,6 +307,7 @@ impl Pipelines {
                     spirv: shaders::board::SPIRV,
                     vertex: shaders::board::BOARD_VERTEX,
                     fragment: Some(shaders::board::BOARD_FRAGMENT),
+                    covered: true,
                     cull: vk::CullModeFlags::NONE,
                     ..solid
                 },

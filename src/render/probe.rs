@@ -76,6 +76,7 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
         cull: vk::CullModeFlags::NONE,
         depth_compare: Some(vk::CompareOp::GREATER),
         depth_write: true,
+        covered: false,
         blend: None,
         samples: SAMPLES,
         view_mask: 0b11,

@@ -72,7 +72,7 @@ impl TreeUpload {
 
     pub(crate) fn with_scratch(gpu: &Gpu, placed: &PlacedTree, scratch: &mut Scratch) -> Result<Self, RenderError> {
         scratch.builder.build(&placed.tree, &placed.radius_before, placed.newest, &mut scratch.segments);
-        Self::cut(gpu, &scratch.segments, placed.revision, &mut scratch.caps)
+        Self::cut(gpu, &scratch.segments, placed.revision, &mut scratch.caps, CHUNK_BYTES)
     }
 
     /// The same from segments made elsewhere.
@@ -80,11 +80,25 @@ impl TreeUpload {
     /// # Errors
     /// [`RenderError::OutOfMemory`].
     pub fn from_segments(gpu: &Gpu, segments: &[TubeSegment], revision: u64) -> Result<Self, RenderError> {
-        Self::cut(gpu, segments, revision, &mut Vec::new())
+        Self::in_chunks(gpu, segments, revision, CHUNK_BYTES)
     }
 
-    fn cut(gpu: &Gpu, segments: &[TubeSegment], revision: u64, caps: &mut Vec<u32>) -> Result<Self, RenderError> {
-        let range = CHUNK_BYTES.min(u64::from(gpu.limits.max_storage_buffer_range));
+    /// The same in chunks of at most so many bytes (and no more than the device allows).
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`].
+    pub fn in_chunks(gpu: &Gpu, segments: &[TubeSegment], revision: u64, chunk_bytes: u64) -> Result<Self, RenderError> {
+        Self::cut(gpu, segments, revision, &mut Vec::new(), chunk_bytes)
+    }
+
+    fn cut(
+        gpu: &Gpu,
+        segments: &[TubeSegment],
+        revision: u64,
+        caps: &mut Vec<u32>,
+        chunk_bytes: u64,
+    ) -> Result<Self, RenderError> {
+        let range = chunk_bytes.min(u64::from(gpu.limits.max_storage_buffer_range));
         let record = size_of::<TubeSegment>() as u64;
         let batches = (range / record / u64::from(BATCH)).max(1);
         let most = usize::try_from(batches * u64::from(BATCH)).unwrap_or(usize::MAX);
