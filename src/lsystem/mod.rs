@@ -1,1 +1,41 @@
-//! The room `lsystem`.
+//! Grammar text → checked rules → derivation on packed modules → turtle → [`crate::tree::Tree`].
+//!
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//! use ramus::lsystem::{Grammar, Limits, TurtleParams, interpret};
+//!
+//! let grammar = Grammar::parse("axiom A(0) B\nA(x) > B -> A(x) A(x+1)\n", "growth.lsys").unwrap();
+//! let cancel = AtomicBool::new(false);
+//! let string = grammar.derive(3, &Limits::default(), &cancel).unwrap();
+//! assert_eq!(string.to_text(&grammar), "A(0)A(1)A(2)A(3)B");
+//! let tree = interpret(&grammar, &string, &TurtleParams::default(), &cancel).unwrap();
+//! assert_eq!(tree.parent.len(), 1); // nothing drawn: A and B are no symbols of the turtle
+//! ```
+//!
+//! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context`,
+//! `turtle` draws it, `report` says what `ramus derive` prints.
+
+mod context;
+mod derive;
+mod error;
+mod expression;
+mod grammar;
+mod names;
+mod number;
+mod parse;
+mod random;
+pub mod report;
+mod rules;
+mod shape;
+mod source;
+mod string;
+pub mod turtle;
+
+pub use derive::Limits;
+pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
+pub use grammar::Grammar;
+pub use names::Symbol;
+pub use shape::shape_frames;
+pub use string::{Module, ModuleString};
+pub use turtle::{TurtleParams, interpret};

@@ -17,10 +17,13 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 pub mod change;
+pub mod grammar;
+pub mod grow;
 pub mod letter;
 pub mod predict;
 pub mod quantize;
 
+pub use grow::{GROW, GrowParams, Grown, grow, grow_within, sketch_nodes};
 pub use letter::{Letter, UnknownLetter};
 pub use predict::predict_segments;
 pub use quantize::{angle_deg, coordinate, point};

@@ -4,7 +4,7 @@
 //! what a hand can hold still, both give the same document and so the same file, byte for byte.
 //! Rounding twice changes nothing, and −0 becomes 0, because the two are written differently.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Steps of the grid in a metre.
 const PER_METRE: f64 = 1e4;
@@ -29,6 +29,12 @@ pub fn point(metres: Vec3) -> Vec3 {
         coordinate(metres.y),
         coordinate(metres.z),
     )
+}
+
+/// A point of the grid in f64, where 0.3 is 0.3 and not the f32 beside it.
+#[must_use]
+pub fn exact(metres: Vec3) -> DVec3 {
+    (metres.as_dvec3() * PER_METRE).round() / PER_METRE
 }
 
 /// An angle in degrees on the grid of 0.001°.

@@ -89,6 +89,9 @@ pub enum TreeError {
         /// Corners of each ring.
         sides: u32,
     },
+    /// Positions and radii that leave f32 when they are added.
+    #[error("the tree is so large that 32-bit coordinates cannot hold its surface: scale it down")]
+    TooWide,
     /// The bark texture could not be encoded (a fault of the program).
     #[error("the bark texture could not be encoded as PNG ({0}): please report this")]
     Texture(String),

@@ -31,7 +31,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use super::growth::{clamp_growth, grow, grow_point};
 use super::tubes::{CAPPED, GROWING, STARTS, TubeSegment, unpack_frame};
@@ -102,10 +102,10 @@ struct Circle {
 
 impl Circle {
     fn new(sides: u32) -> Self {
-        #[allow(clippy::cast_precision_loss, reason = "at most 64")]
+        // In f64, so that f32 has the same bits on every machine, whatever the last digit of its sine.
         let corner = |s: u32| {
-            let (sin, cos) = (TAU * s as f32 / sides as f32).sin_cos();
-            Vec3::new(cos, 0.0, sin)
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(s) / f64::from(sides)).sin_cos();
+            DVec3::new(cos, 0.0, sin).as_vec3()
         };
         Self {
             sides,
@@ -130,6 +130,21 @@ struct Ring {
 }
 
 impl TubeMesh {
+    /// Smallest and largest coordinates; both 0 for an empty mesh.
+    pub fn bounds(&self) -> ([f32; 3], [f32; 3]) {
+        let first = self
+            .positions
+            .first()
+            .copied()
+            .map_or(Vec3::ZERO, Vec3::from);
+        let (low, high) = self
+            .positions
+            .iter()
+            .map(|&p| Vec3::from(p))
+            .fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+        (low.to_array(), high.to_array())
+    }
+
     fn add_segment(&mut self, segment: &TubeSegment, growth: f32, circle: &Circle) {
         let center = |point: [f32; 3]| match segment.flags & GROWING {
             0 => Vec3::from(point),

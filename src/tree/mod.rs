@@ -12,8 +12,12 @@
 use glam::Vec3;
 
 pub mod axes;
+pub mod bark;
 mod error;
+pub mod export;
+pub mod file;
 pub mod growth;
+pub mod import;
 pub mod mesh;
 pub mod radii;
 pub mod tubes;
@@ -195,3 +199,6 @@ impl Tree {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -77,12 +77,8 @@ impl RadiusParams {
 
     /// Radius in metres below so many tips.
     pub fn radius(&self, tips: u32) -> f32 {
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "a count above 16 million tips may lose its last digit"
-        )]
-        let tips = tips as f32;
-        // Square root is correctly rounded on every machine; powf is not, and costs more.
+        let tips = f64::from(tips);
+        // Square root is exact to the last digit; powf costs more and is not, but in f64 that does not reach f32.
         #[allow(
             clippy::float_cmp,
             reason = "2 exactly is the default and the fast way"
@@ -90,9 +86,14 @@ impl RadiusParams {
         let thickness = if self.exponent == 2.0 {
             tips.sqrt()
         } else {
-            tips.powf(1.0 / self.exponent)
+            tips.powf(1.0 / f64::from(self.exponent))
         };
-        self.tip_radius * thickness
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "rounded to f32 once, at the end"
+        )]
+        let radius = (f64::from(self.tip_radius) * thickness) as f32;
+        radius
     }
 }
 

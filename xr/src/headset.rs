@@ -17,19 +17,47 @@ pub enum Tick {
     Exit,
 }
 
-/// The runtime's images for both eyes: arrays of two layers, left eye first.
-#[derive(Clone, Debug)]
+/// The runtime's images for both eyes: arrays of two layers, left eye first. Only a headset makes one, so whoever
+/// draws may rely on its images: they live as long as the headset.
+#[derive(Debug)]
 pub struct Swapchain {
-    /// Colour images (two layers each).
-    pub color: Vec<vk::Image>,
+    pub(crate) color: Vec<vk::Image>,
+    pub(crate) color_format: vk::Format,
+    pub(crate) depth: Vec<vk::Image>,
+    pub(crate) depth_format: vk::Format,
+    pub(crate) extent: vk::Extent2D,
+}
+
+impl Swapchain {
+    /// Colour images (two layers each; attachment, transfer source and destination).
+    #[must_use]
+    pub fn color(&self) -> &[vk::Image] {
+        &self.color
+    }
+
     /// Colour format, an 8-bit sRGB one.
-    pub color_format: vk::Format,
-    /// Depth images (two layers each), empty where the runtime takes no depth layer.
-    pub depth: Vec<vk::Image>,
+    #[must_use]
+    pub fn color_format(&self) -> vk::Format {
+        self.color_format
+    }
+
+    /// Depth images (as the colour's), empty where the runtime takes no depth layer.
+    #[must_use]
+    pub fn depth(&self) -> &[vk::Image] {
+        &self.depth
+    }
+
     /// Depth format, `UNDEFINED` where there are no depth images.
-    pub depth_format: vk::Format,
+    #[must_use]
+    pub fn depth_format(&self) -> vk::Format {
+        self.depth_format
+    }
+
     /// Width and height of one eye in pixels.
-    pub extent: vk::Extent2D,
+    #[must_use]
+    pub fn extent(&self) -> vk::Extent2D {
+        self.extent
+    }
 }
 
 /// Which swapchain images to draw into this frame.
@@ -90,4 +118,43 @@ pub trait Headset {
     fn vibrate(&mut self, pulse: Pulse);
     /// Asks the session to end in good order; [`Tick::Exit`] follows.
     fn request_exit(&mut self);
+}
+
+/// A headset that is chosen while the program runs can be recorded and played as any other.
+impl<H: Headset + ?Sized> Headset for Box<H> {
+    fn describe(&self) -> String {
+        (**self).describe()
+    }
+
+    fn extent(&self) -> vk::Extent2D {
+        (**self).extent()
+    }
+
+    fn swapchain(&self) -> Option<&Swapchain> {
+        (**self).swapchain()
+    }
+
+    fn wait(&mut self) -> Result<Tick, HeadsetError> {
+        (**self).wait()
+    }
+
+    fn begin(&mut self) -> Result<Option<Acquired>, HeadsetError> {
+        (**self).begin()
+    }
+
+    fn views(&mut self) -> Result<[View; 2], HeadsetError> {
+        (**self).views()
+    }
+
+    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
+        (**self).end(rendered)
+    }
+
+    fn vibrate(&mut self, pulse: Pulse) {
+        (**self).vibrate(pulse);
+    }
+
+    fn request_exit(&mut self) {
+        (**self).request_exit();
+    }
 }

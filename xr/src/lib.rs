@@ -12,6 +12,7 @@ pub mod openxr;
 pub mod record;
 pub mod session;
 pub mod simulated;
+pub mod vulkan;
 
 pub use frame::{Fov, Frame, Hand, Pose, Pulse, View};
 pub use headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};

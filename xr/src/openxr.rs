@@ -20,6 +20,7 @@
 
 mod call;
 mod connect;
+mod frames;
 mod headset;
 mod input;
 mod space;
@@ -27,6 +28,6 @@ mod swapchain;
 mod system;
 mod view;
 
-pub use connect::{ConnectError, connect};
+pub use connect::{ConnectError, connect, quiet_loader};
 pub use headset::OpenXrHeadset;
 pub use system::{StartParams, System, VulkanHandles};

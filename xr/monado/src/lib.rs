@@ -1,6 +1,7 @@
 //! The real-runtime test stage: Monado, an OpenXR runtime that nobody here wrote, started for a test
 //! with its null compositor and its remote driver, whose headset and controllers a test moves packet by packet.
 //!
+//! - [`remote`] moves its headset and controllers, and [`feed`] plays a whole session through it.
 //! - [`stage`] brings a test to where Monado is: the test runs again inside `enter.sh`.
 //! - [`service`] starts, ends and kills the runtime and says how a program finds it.
 //! - [`verdict`] reads outputs for what the runtime and the validation layers found wrong.
@@ -11,6 +12,8 @@
 
 #![forbid(unsafe_code)]
 
+pub mod feed;
+pub mod remote;
 pub mod service;
 pub mod stage;
 pub mod verdict;

@@ -68,14 +68,16 @@ pub fn is_inside() -> bool {
 }
 
 /// Runs `body` where Monado is; `test` is the full name of the calling test within its binary
-/// (`module::name`, or just the name in a file of `tests/`).
+/// (`module::name`, or just the name in a file of `tests/`). Gives what the test printed inside, so that what the
+/// runtime's library and the layers said in the test's own process can be judged ([`crate::verdict`]); nothing when
+/// already inside or skipped.
 ///
 /// # Errors
 /// [`StageError`] when the test failed inside, did not run, or could not run in CI.
-pub fn run(test: &str, body: impl FnOnce()) -> Result<(), StageError> {
+pub fn run(test: &str, body: impl FnOnce()) -> Result<String, StageError> {
     if is_inside() {
         body();
-        return Ok(());
+        return Ok(String::new());
     }
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("enter.sh");
     let binary = env::current_exe().map_err(|source| StageError::Start {
@@ -100,7 +102,7 @@ pub fn run(test: &str, body: impl FnOnce()) -> Result<(), StageError> {
             return Err(StageError::NoRuntime);
         }
         println!("skipped: {}", text.trim());
-        return Ok(());
+        return Ok(String::new());
     }
     if !output.status.success() {
         return Err(StageError::Failed {
@@ -116,5 +118,5 @@ pub fn run(test: &str, body: impl FnOnce()) -> Result<(), StageError> {
         });
     }
     print!("{text}");
-    Ok(())
+    Ok(text)
 }

@@ -57,6 +57,19 @@ pub enum ConnectError {
 /// Our name in the runtime's settings.
 const APPLICATION: &str = "Ramus";
 
+/// Keeps the OpenXR loader from writing its own lines to the error output when there is no runtime: the program says
+/// it in one sentence. What a person has set in `XR_LOADER_DEBUG` stays.
+///
+/// # Safety
+/// Changes the environment: call it first thing in `main`, before any other thread runs.
+pub unsafe fn quiet_loader() {
+    const VARIABLE: &str = "XR_LOADER_DEBUG";
+    if std::env::var_os(VARIABLE).is_none() {
+        // SAFETY: the caller vouches for no other thread.
+        unsafe { std::env::set_var(VARIABLE, "none") };
+    }
+}
+
 /// Reaches the active runtime and its headset. `version` is the application's, as one number.
 ///
 /// # Errors

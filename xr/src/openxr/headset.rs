@@ -1,22 +1,23 @@
 //! The running session: events, frames, layers.
 
-use std::ptr;
 use std::thread::sleep;
 use std::time::Duration;
 
 use ::openxr as xr;
 use ash::vk::{self, Handle as _};
 
-use super::call::{Called as _, check};
+use super::call::Called as _;
 use super::connect::{ConnectError, refused};
+use super::frames;
 use super::input::Input;
 use super::space::{Stage, locate, raw_from_pose};
 use super::swapchain::{Chain, choose_formats};
 use super::system::{STEREO, StartParams, System, VulkanHandles};
-use super::view::{locate_views, raw_from_fov};
+use super::view::locate_views;
 use crate::frame::{Frame, Hand, Pose, Pulse, View};
 use crate::headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};
 use crate::lifecycle::{Demand, FrameCall, FrameClock, Lifecycle, Stage as FrameStage, State};
+use crate::vulkan::VulkanDevice;
 
 /// How long `wait` rests while no session runs, so that a loop around it does not spin.
 const IDLE_PAUSE: Duration = Duration::from_millis(10);
@@ -51,9 +52,24 @@ pub struct OpenXrHeadset {
     /// When the stage's origin will move.
     recentred_at: Option<xr::Time>,
     exit: bool,
+    /// The device, where it is the headset's to keep alive; dropped last.
+    device: Option<Box<dyn VulkanDevice>>,
+}
+
+impl Drop for OpenXrHeadset {
+    fn drop(&mut self) {
+        if let Some(device) = &self.device {
+            device.wait_idle();
+        }
+    }
 }
 
 impl OpenXrHeadset {
+    /// Keeps the device alive for as long as the session.
+    pub(super) fn keep(&mut self, device: Box<dyn VulkanDevice>) {
+        self.device = Some(device);
+    }
+
     /// # Safety
     /// As [`System::start`].
     pub(super) unsafe fn new(
@@ -91,12 +107,14 @@ impl OpenXrHeadset {
             color_format,
             xr::SwapchainUsageFlags::COLOR_ATTACHMENT
                 | xr::SwapchainUsageFlags::TRANSFER_SRC
+                | xr::SwapchainUsageFlags::TRANSFER_DST
                 | xr::SwapchainUsageFlags::SAMPLED,
             extent,
         )?;
         let depth = depth_format.and_then(|format| {
             let usage = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT
-                | xr::SwapchainUsageFlags::TRANSFER_SRC;
+                | xr::SwapchainUsageFlags::TRANSFER_SRC
+                | xr::SwapchainUsageFlags::TRANSFER_DST;
             // A picture without depth is better than none.
             Chain::new(&session, format, usage, extent)
                 .inspect_err(|error| tracing::warn!("no depth layer: {error}"))
@@ -138,6 +156,7 @@ impl OpenXrHeadset {
             head_pose: start.head,
             recentred_at: None,
             exit: false,
+            device: None,
         })
     }
 
@@ -234,89 +253,40 @@ impl OpenXrHeadset {
 
     fn wait_frame(&mut self) -> Result<(), HeadsetError> {
         self.allow(FrameCall::Wait)?;
-        let mut state = xr::sys::FrameState {
-            ty: xr::sys::FrameState::TYPE,
-            next: ptr::null_mut(),
-            predicted_display_time: xr::Time::from_nanos(0),
-            predicted_display_period: xr::Duration::from_nanos(0),
-            should_render: xr::sys::FALSE,
-        };
-        // SAFETY: the session is alive and the struct initialised; null asks for no options.
-        let code = unsafe {
-            (self.instance.fp().wait_frame)(self.session.as_raw(), ptr::null(), &mut state)
-        };
-        check("xrWaitFrame", code)?;
+        let (display_time, should_render) = frames::wait(&self.session)?;
         self.lifecycle.done(FrameCall::Wait);
-        self.display_time = state.predicted_display_time;
-        self.should_render = state.should_render.into();
+        self.display_time = display_time;
+        self.should_render = should_render;
         self.located = false;
         Ok(())
     }
 
     fn begin_frame(&mut self) -> Result<(), HeadsetError> {
         self.allow(FrameCall::Begin)?;
-        // SAFETY: the session is alive; null asks for no options. The queue is not in use: this thread is the only one.
-        let code = unsafe { (self.instance.fp().begin_frame)(self.session.as_raw(), ptr::null()) };
-        check("xrBeginFrame", code)?;
+        frames::begin(&self.session)?;
         self.lifecycle.done(FrameCall::Begin);
         Ok(())
     }
 
     /// Ends the frame, with the picture or without.
     fn end_frame(&mut self, picture: bool) -> Result<(), HeadsetError> {
-        let part = |chain: &Chain, eye| chain.part(eye, self.images.extent);
-        // Depth is reversed and reaches to infinity: 0 is infinitely far (the runtime's "near" for minDepth), 1 is
-        // the near plane. XR_KHR_composition_layer_depth says it so: nearZ > farZ means reversed.
-        let depth = self.depth.as_ref().map(|chain| {
-            [0, 1].map(|eye| xr::sys::CompositionLayerDepthInfoKHR {
-                ty: xr::sys::CompositionLayerDepthInfoKHR::TYPE,
-                next: ptr::null(),
-                sub_image: part(chain, eye),
-                min_depth: 0.0,
-                max_depth: 1.0,
-                near_z: f32::INFINITY,
-                far_z: self.near,
-            })
+        let picture = picture.then_some(frames::Picture {
+            space: &self.stage.space,
+            views: &self.views,
+            color: &self.color,
+            depth: self.depth.as_ref(),
+            extent: self.images.extent,
+            near: self.near,
         });
-        let mut views = [0, 1].map(|eye| xr::sys::CompositionLayerProjectionView {
-            ty: xr::sys::CompositionLayerProjectionView::TYPE,
-            next: ptr::null(),
-            pose: raw_from_pose(self.views[eye].pose),
-            fov: raw_from_fov(self.views[eye].fov),
-            sub_image: part(&self.color, if eye == 0 { 0 } else { 1 }),
-        });
-        if let Some(depth) = &depth {
-            for (view, depth) in views.iter_mut().zip(depth) {
-                view.next = ptr::from_ref(depth).cast();
-            }
-        }
-        let projection = xr::sys::CompositionLayerProjection {
-            ty: xr::sys::CompositionLayerProjection::TYPE,
-            next: ptr::null(),
-            layer_flags: xr::CompositionLayerFlags::EMPTY,
-            space: self.stage.space.as_raw(),
-            view_count: 2,
-            views: views.as_ptr(),
-        };
-        let layers: [*const xr::sys::CompositionLayerBaseHeader; 1] =
-            [ptr::from_ref(&projection).cast()];
-        let info = xr::sys::FrameEndInfo {
-            ty: xr::sys::FrameEndInfo::TYPE,
-            next: ptr::null(),
-            display_time: self.display_time,
-            environment_blend_mode: self.blend,
-            layer_count: u32::from(picture),
-            layers: if picture {
-                layers.as_ptr()
-            } else {
-                ptr::null()
-            },
-        };
-        // SAFETY: session, swapchains and space are alive; every struct is initialised and outlives the call.
-        let code = unsafe { (self.instance.fp().end_frame)(self.session.as_raw(), &info) };
+        let ended = frames::end(
+            &self.session,
+            self.display_time,
+            self.blend,
+            picture.as_ref(),
+        );
         // Whatever came of it, the frame is over.
         self.lifecycle.done(FrameCall::End);
-        check("xrEndFrame", code).map(|_| ())
+        ended
     }
 
     fn allow(&self, call: FrameCall) -> Result<(), HeadsetError> {

@@ -7,6 +7,7 @@ use ash::vk::{self, Handle as _};
 
 use super::connect::{ConnectError, refused};
 use super::headset::OpenXrHeadset;
+use crate::vulkan::VulkanDevice;
 
 /// The one view configuration that Ramus draws.
 pub(super) const STEREO: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
@@ -241,6 +242,23 @@ impl System {
         self.vulkan_versions()?;
         // SAFETY: the caller vouches for the handles.
         unsafe { OpenXrHeadset::new(self, vulkan, params) }
+    }
+}
+
+impl System {
+    /// Starts the session on a device that the headset keeps alive, and makes its images.
+    ///
+    /// # Errors
+    /// [`ConnectError`] when the runtime refuses.
+    pub fn start_on(
+        self,
+        device: Box<dyn VulkanDevice>,
+        params: StartParams,
+    ) -> Result<OpenXrHeadset, ConnectError> {
+        // SAFETY: the implementor vouches for the handles; the headset holds the device until it is dropped itself.
+        let mut headset = unsafe { self.start(device.handles(), params) }?;
+        headset.keep(device);
+        Ok(headset)
     }
 }
 

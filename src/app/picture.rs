@@ -1,0 +1,207 @@
+//! Pictures of the workshop: the renderer, the board's layout, and uploads of large trees.
+
+use ash::vk;
+use image::{RgbaImage, imageops};
+use ramus_xr::{Acquired, Swapchain, View};
+
+use crate::app::worker::Worker;
+use crate::render::{
+    DrawReport, Eye, Fov, Gpu, Multiview, Offscreen, Pose, RenderError, Renderer, RendererParams,
+    StereoImage, StereoMode, Target, TreeState, TreeUpload, probe,
+};
+use crate::ui::BoardUi;
+use crate::world::scene::{PlacedTree, Scene};
+
+/// Where frames go.
+enum Images {
+    /// Our own, for pictures without a headset.
+    Own(Box<Offscreen>),
+    /// The runtime's.
+    Runtime { color: Vec<StereoImage>, depth: Vec<StereoImage> },
+}
+
+type Upload = Result<TreeUpload, RenderError>;
+
+/// Draws the workshop for both eyes.
+pub struct Picture {
+    // Images before the device that they belong to.
+    images: Images,
+    renderer: Renderer,
+    board: BoardUi,
+    uploads: Worker<(Gpu, PlacedTree), Upload>,
+    /// Revision of the tree that is being prepared on the worker.
+    preparing: Option<u64>,
+    gpu: Gpu,
+}
+
+/// Which eyes a headset's views are.
+fn eyes(views: &[View; 2]) -> [Eye; 2] {
+    views.map(|view| Eye {
+        world_from_eye: Pose { orientation: view.pose.orientation, position: view.pose.position },
+        fov: Fov {
+            left: view.fov.left,
+            right: view.fov.right,
+            up: view.fov.up,
+            down: view.fov.down,
+        },
+    })
+}
+
+/// How this device draws both eyes, found by trying; a broken multiview is told once.
+///
+/// # Errors
+/// Where the device fails in the attempt.
+pub fn stereo_mode(gpu: &Gpu) -> Result<StereoMode, RenderError> {
+    let found = probe::multiview(gpu)?;
+    if found == Multiview::Broken {
+        tracing::warn!(
+            "the driver {} draws multiview wrongly; each eye is drawn in a pass of its own (`ramus doctor` says how to mend it)",
+            gpu.info().driver
+        );
+    }
+    Ok(found.mode(gpu))
+}
+
+impl Picture {
+    /// Pictures without a headset, of so many pixels an eye.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device cannot draw them.
+    pub fn offscreen(gpu: &Gpu, width: u32, height: u32) -> Result<Self, RenderError> {
+        let images = Images::Own(Box::new(Offscreen::new(gpu, vk::Extent2D { width, height })?));
+        Self::new(gpu, RendererParams::new(width, height, stereo_mode(gpu)?), images)
+    }
+
+    /// Pictures in a runtime's images.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device cannot draw into them.
+    pub fn in_headset(gpu: &Gpu, swapchain: &Swapchain) -> Result<Self, RenderError> {
+        let vk::Extent2D { width, height } = swapchain.extent();
+        let mut params = RendererParams::new(width, height, stereo_mode(gpu)?);
+        params.color_format = swapchain.color_format();
+        if !swapchain.depth().is_empty() {
+            params.depth_format = swapchain.depth_format();
+        }
+        let (color, depth) = StereoImage::of_swapchain(gpu, swapchain)?;
+        Self::new(gpu, params, Images::Runtime { color, depth })
+    }
+
+    fn new(gpu: &Gpu, params: RendererParams, images: Images) -> Result<Self, RenderError> {
+        let uploads = Worker::start("ramus-upload", |(gpu, placed): &(Gpu, PlacedTree), _| {
+            TreeUpload::new(gpu, placed)
+        })
+        .map_err(|error| RenderError::Unsupported(format!("no thread for uploads: {error}")))?;
+        Ok(Self {
+            images,
+            renderer: Renderer::new(gpu, &params)?,
+            board: BoardUi::default(),
+            uploads,
+            preparing: None,
+            gpu: gpu.clone(),
+        })
+    }
+
+    /// Draws a frame; `acquired` names the runtime's images.
+    ///
+    /// # Errors
+    /// [`RenderError`]; after `DeviceLost` everything must be made anew.
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        views: &[View; 2],
+        acquired: Option<Acquired>,
+    ) -> Result<DrawReport, RenderError> {
+        self.take_upload()?;
+        if let Some(board) = &scene.board
+            && let Some(mut painted) = self.board.lay_out(board)
+        {
+            self.renderer.paint_panel(
+                &painted.primitives,
+                &mut painted.textures,
+                painted.size_px,
+                painted.pixels_per_point,
+            )?;
+        }
+        let target = self.images.target(acquired)?;
+        let report = self.renderer.draw(scene, &eyes(views), &target)?;
+        if let (TreeState::Wanted(revision), Some(placed)) = (report.tree, &scene.tree)
+            && self.preparing != Some(revision)
+        {
+            self.preparing = Some(revision);
+            self.uploads.ask((self.gpu.clone(), placed.clone()));
+        }
+        Ok(report)
+    }
+
+    /// Draws until the scene's own tree is in the picture, however large it is.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn draw_whole(
+        &mut self,
+        scene: &Scene,
+        views: &[View; 2],
+        acquired: Option<Acquired>,
+    ) -> Result<DrawReport, RenderError> {
+        loop {
+            let report = self.draw(scene, views, acquired)?;
+            match report.tree {
+                TreeState::None | TreeState::Shown => return Ok(report),
+                TreeState::Copying => {}
+                TreeState::Wanted(_) => {
+                    if let Some(upload) = self.uploads.wait() {
+                        self.renderer.set_tree(upload?);
+                        self.preparing = None;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Waits for the last draw and reads what both eyes see (of the runtime's images: those that `acquired` names).
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device fails.
+    pub fn read(&self, acquired: Option<Acquired>) -> Result<[RgbaImage; 2], RenderError> {
+        let target = self.images.target(acquired)?;
+        crate::render::read_color(&self.gpu, target.color)
+    }
+
+    fn take_upload(&mut self) -> Result<(), RenderError> {
+        if let Some(upload) = self.uploads.poll() {
+            self.renderer.set_tree(upload?);
+            self.preparing = None;
+        }
+        Ok(())
+    }
+}
+
+impl Images {
+    fn target(&self, acquired: Option<Acquired>) -> Result<Target<'_>, RenderError> {
+        match (self, acquired) {
+            (Self::Own(offscreen), _) => Ok(offscreen.target()),
+            (Self::Runtime { color, depth }, Some(acquired)) => {
+                let missing = || {
+                    RenderError::Unsupported("the runtime named an image that it does not have".to_owned())
+                };
+                Ok(Target {
+                    color: color.get(acquired.color).ok_or_else(missing)?,
+                    depth: acquired.depth.and_then(|index| depth.get(index)),
+                })
+            }
+            (Self::Runtime { .. }, None) => {
+                Err(RenderError::Unsupported("the runtime gave no image to draw into".to_owned()))
+            }
+        }
+    }
+}
+
+/// Both eyes beside each other, left eye on the left: a stereo picture as one image.
+#[must_use]
+pub fn side_by_side([left, right]: &[RgbaImage; 2]) -> RgbaImage {
+    let mut both = RgbaImage::new(left.width() + right.width(), left.height().max(right.height()));
+    imageops::replace(&mut both, left, 0, 0);
+    imageops::replace(&mut both, right, i64::from(left.width()), 0);
+    both
+}

@@ -1,0 +1,110 @@
+//! The frame loop: wait, input, world, draw, submit, on whatever headset there is.
+
+use std::time::Duration;
+
+use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Tick};
+
+use crate::app::picture::Picture;
+use crate::app::workshop::Workshop;
+use crate::render::RenderError;
+
+/// How long the loop rests while the runtime shows us nothing.
+const IDLE_PAUSE: Duration = Duration::from_millis(10);
+
+/// Why a session ended before its end.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionEnd {
+    /// The headset.
+    #[error(transparent)]
+    Headset(#[from] HeadsetError),
+    /// The picture.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Whoever watches.
+    #[error("{0:#}")]
+    Watcher(#[from] anyhow::Error),
+}
+
+/// Somebody who watches a session: keeps pictures, counts frames, asks it to end.
+pub trait Watcher {
+    /// Whether this frame must be drawn; on a headset every frame is.
+    fn wants(&mut self, _workshop: &Workshop, _frame: &Frame) -> bool {
+        true
+    }
+
+    /// After a frame was drawn and before it is shown: its picture can be read.
+    ///
+    /// # Errors
+    /// Whatever it fails in; the session ends then.
+    fn drawn(
+        &mut self,
+        _workshop: &Workshop,
+        _picture: &Picture,
+        _acquired: Option<Acquired>,
+    ) -> anyhow::Result<()> {
+        Ok(())
+    }
+
+    /// After each frame.
+    fn ended(&mut self, _headset: &mut dyn Headset) {}
+}
+
+/// Nobody.
+pub struct Nobody;
+
+impl Watcher for Nobody {}
+
+/// Runs a session to its end. Without a picture nothing is drawn and frames are ended empty.
+///
+/// # Errors
+/// [`SessionEnd`]; the workshop is as it was after the last whole frame and can be saved.
+pub fn run(
+    headset: &mut dyn Headset,
+    workshop: &mut Workshop,
+    mut picture: Option<&mut Picture>,
+    watcher: &mut dyn Watcher,
+) -> Result<(), SessionEnd> {
+    loop {
+        match headset.wait()? {
+            Tick::Exit => return Ok(()),
+            Tick::Idle => std::thread::sleep(IDLE_PAUSE),
+            Tick::Frame(frame) => {
+                one_frame(headset, workshop, picture.as_deref_mut(), watcher, &frame)?;
+                watcher.ended(headset);
+            }
+        }
+    }
+}
+
+fn one_frame(
+    headset: &mut dyn Headset,
+    workshop: &mut Workshop,
+    picture: Option<&mut Picture>,
+    watcher: &mut dyn Watcher,
+    frame: &Frame,
+) -> Result<(), SessionEnd> {
+    for pulse in workshop.update(frame) {
+        headset.vibrate(*pulse);
+    }
+    let acquired = headset.begin()?;
+    // Images that were acquired are released by `end`; with none of the runtime's, ours are drawn into on demand.
+    let ready = frame.should_render && (acquired.is_some() || headset.swapchain().is_none());
+    let rendered = match picture {
+        Some(picture) if ready && watcher.wants(workshop, frame) => {
+            let views = headset.views()?;
+            let whole = acquired.is_none();
+            let scene = workshop.scene();
+            if whole {
+                // Nobody waits for a picture without a headset: it is drawn when all of it is there.
+                picture.draw_whole(scene, &views, acquired)?;
+            } else {
+                picture.draw(scene, &views, acquired)?;
+            }
+            watcher.drawn(workshop, picture, acquired)?;
+            true
+        }
+        _ => false,
+    };
+    headset.end(rendered)?;
+    Ok(())
+}

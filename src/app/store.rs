@@ -1,0 +1,589 @@
+//! The project on disk: opened, recovered, journalled while the session runs, saved at its end.
+//!
+//! Beside `tree.ramus` lies `tree.ramus.journal` while a session is open: every finished action is
+//! appended to it at once (a write to the page cache, microseconds), and a worker forces it to the
+//! disk. A killed session loses nothing but what was not finished; the next start repeats the
+//! journal on the project. Saving writes the project whole and starts the journal anew; closing
+//! takes the journal away. The journal is locked, so that two sessions never write one project.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use crate::app::worker::Worker;
+use crate::tree::{TreeError, file::write_atomically};
+use crate::world::document::Document;
+use crate::world::history::{Action, History};
+use crate::world::journal::{self, Journal, JournalError};
+use crate::world::project::{self, ProjectError};
+
+/// Larger files are no projects or journals; they are not even read.
+const MAX_FILE_BYTES: u64 = 512 << 20;
+
+/// Why a project cannot be opened or kept.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// The project file is broken.
+    #[error("{path}: {source}", path = path.display())]
+    Project {
+        /// What is wrong.
+        source: ProjectError,
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file cannot be read.
+    #[error("cannot read {path}: {source}", path = path.display())]
+    Read {
+        /// What the system said.
+        source: io::Error,
+        /// The file.
+        path: PathBuf,
+    },
+    /// The journal cannot be written, so edits would not be safe.
+    #[error("cannot keep a journal at {path} ({source}): choose a project in a folder that you may write to and that has room", path = path.display())]
+    Journal {
+        /// What the system said.
+        source: io::Error,
+        /// The journal.
+        path: PathBuf,
+    },
+    /// Another session has the project open.
+    #[error("another Ramus has {path} open: end it first, or choose another project", path = path.display())]
+    Busy {
+        /// The project.
+        path: PathBuf,
+    },
+    /// The journal was written by a later program.
+    #[error("{path}: {source}", path = path.display())]
+    Recover {
+        /// What is wrong.
+        source: JournalError,
+        /// The journal.
+        path: PathBuf,
+    },
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] TreeError),
+}
+
+/// An opened project.
+pub struct Opened {
+    /// Where it is kept.
+    pub store: Store,
+    /// What was in it, with what could be recovered.
+    pub history: History,
+    /// What the person should know: what was recovered, what was put aside.
+    pub message: Option<String>,
+}
+
+/// Keeps one project and its journal.
+pub struct Store {
+    project: PathBuf,
+    journal_path: PathBuf,
+    file: Arc<File>,
+    journal: Journal,
+    /// How long the journal is where it is surely whole.
+    whole_bytes: u64,
+    /// Lines that could not be written yet (a full disk); they are tried again with the next.
+    unwritten: Vec<u8>,
+    sync: Worker<Arc<File>, io::Result<()>>,
+}
+
+/// `tree.ramus` → `tree.ramus.journal`, and the like.
+fn beside(project: &Path, suffix: &str) -> PathBuf {
+    let mut name = project.as_os_str().to_owned();
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
+/// The first of `tree.ramus.SUFFIX`, `tree.ramus.SUFFIX.2`, … that is not there yet.
+fn free_name(project: &Path, suffix: &str) -> PathBuf {
+    let mut path = beside(project, suffix);
+    let mut number = 2;
+    while path.exists() {
+        path = beside(project, &format!("{suffix}.{number}"));
+        number += 1;
+    }
+    path
+}
+
+fn read(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+    let failed = |source| StoreError::Read {
+        source,
+        path: path.to_owned(),
+    };
+    let file = match File::open(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        opened => opened.map_err(failed)?,
+    };
+    let mut bytes = Vec::new();
+    let read = file
+        .take(MAX_FILE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
+    if read as u64 > MAX_FILE_BYTES {
+        return Err(failed(io::Error::other(
+            "it is larger than 512 MiB, which no project is",
+        )));
+    }
+    Ok(Some(bytes))
+}
+
+/// Reads a project file that need not be kept open.
+///
+/// # Errors
+/// Where it is missing, cannot be read or is broken.
+pub fn read_project(path: &Path) -> Result<Document, StoreError> {
+    let bytes = read(path)?.ok_or_else(|| StoreError::Read {
+        source: io::ErrorKind::NotFound.into(),
+        path: path.to_owned(),
+    })?;
+    project::from_bytes(&bytes).map_err(|source| StoreError::Project {
+        source,
+        path: path.to_owned(),
+    })
+}
+
+/// What a journal left behind by a killed session gave.
+struct Left {
+    history: History,
+    journal: Option<(Journal, u64)>,
+    message: Option<String>,
+}
+
+impl Store {
+    /// Opens a project, or begins one where there is none, and recovers what a killed session left.
+    ///
+    /// # Errors
+    /// [`StoreError`]; no file is changed then.
+    pub fn open(project: &Path) -> Result<Opened, StoreError> {
+        let document = match read(project)? {
+            None => Document::default(),
+            Some(bytes) => project::from_bytes(&bytes).map_err(|source| StoreError::Project {
+                source,
+                path: project.to_owned(),
+            })?,
+        };
+        let journal_path = beside(project, ".journal");
+        let file = Self::lock(project, &journal_path)?;
+        let left = Self::recover(project, &journal_path, document)?;
+        Self::keep(project, journal_path, file, left)
+    }
+
+    /// Begins a new project whatever is at `project`, which stays until the first save. Work that a
+    /// killed session left in its journal is saved beside it.
+    ///
+    /// # Errors
+    /// [`StoreError`]; no file is changed then.
+    pub fn begin(project: &Path) -> Result<Opened, StoreError> {
+        let journal_path = beside(project, ".journal");
+        let file = Self::lock(project, &journal_path)?;
+        let mut message = None;
+        if file.metadata().is_ok_and(|data| data.len() > 0) {
+            let base = read(project)?.and_then(|bytes| project::from_bytes(&bytes).ok());
+            let left = Self::recover(project, &journal_path, base.unwrap_or_default())?;
+            message = left.message;
+            if left.history.undo_count() + left.history.redo_count() > 0 {
+                let aside = free_name(project, ".recovered.ramus");
+                write_atomically(&aside, &project::to_bytes(left.history.committed()))?;
+                message = Some(format!(
+                    "an earlier session ended abruptly; its work was saved as {}",
+                    aside.display()
+                ));
+            }
+        }
+        let left = Left {
+            history: History::default(),
+            journal: None,
+            message,
+        };
+        Self::keep(project, journal_path, file, left)
+    }
+
+    fn lock(project: &Path, journal_path: &Path) -> Result<File, StoreError> {
+        let failed = |source| StoreError::Journal {
+            source,
+            path: journal_path.to_owned(),
+        };
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(journal_path)
+            .map_err(failed)?;
+        match file.try_lock() {
+            Ok(()) => Ok(file),
+            Err(TryLockError::WouldBlock) => Err(StoreError::Busy {
+                path: project.to_owned(),
+            }),
+            Err(TryLockError::Error(source)) => Err(failed(source)),
+        }
+    }
+
+    /// Reads what is in the journal; whatever cannot be used is put aside, never thrown away.
+    fn recover(project: &Path, journal_path: &Path, base: Document) -> Result<Left, StoreError> {
+        let bytes = read(journal_path)?.unwrap_or_default();
+        let fresh = |message| Left {
+            history: History::new(base.clone()),
+            journal: None,
+            message,
+        };
+        let put_aside = |why: &str| {
+            let aside = free_name(project, ".journal.damaged");
+            write_atomically(&aside, &bytes)?;
+            Ok::<_, StoreError>(format!(
+                "{why}; the journal was kept as {}",
+                aside.display()
+            ))
+        };
+        let decoded = match journal::decode(&bytes) {
+            Ok(decoded) => decoded,
+            Err(JournalError::Empty) => return Ok(fresh(None)),
+            Err(source @ JournalError::Version(_)) => {
+                return Err(StoreError::Recover {
+                    source,
+                    path: journal_path.to_owned(),
+                });
+            }
+            Err(error) => return Ok(fresh(Some(put_aside(&error.to_string())?))),
+        };
+        // A session that began anew has its journal start from nothing, whatever the project file holds.
+        let empty = Document::default();
+        let base = if decoded.base == journal::base_hash(&empty) {
+            empty
+        } else {
+            base.clone()
+        };
+        let recovered = match journal::replay(&base, &decoded) {
+            Ok(recovered) => recovered,
+            // The session was killed between saving and starting the journal anew: all is in the project.
+            Err(JournalError::OtherBase) if decoded.actions.is_empty() => return Ok(fresh(None)),
+            Err(error) => return Ok(fresh(Some(put_aside(&error.to_string())?))),
+        };
+        let message = match recovered.message {
+            Some(why) if matches!(decoded.damage, Some(journal::Damage::Torn { .. })) => Some(why),
+            Some(why) => Some(put_aside(&why)?),
+            None if recovered.actions > 0 => Some(format!(
+                "recovered {} actions of a session that ended abruptly",
+                recovered.actions
+            )),
+            None => None,
+        };
+        // Going on in the same journal needs all its actions to have been repeated.
+        let whole = recovered.actions == decoded.actions.len();
+        let journal = whole.then_some((decoded.journal, decoded.whole_bytes as u64));
+        Ok(Left {
+            history: recovered.history,
+            journal,
+            message,
+        })
+    }
+
+    fn keep(
+        project: &Path,
+        journal_path: PathBuf,
+        file: File,
+        left: Left,
+    ) -> Result<Opened, StoreError> {
+        let failed = |source| StoreError::Journal {
+            source,
+            path: journal_path.clone(),
+        };
+        let sync = Worker::start("ramus-sync", |file: &Arc<File>, _: &AtomicBool| {
+            file.sync_data()
+        })
+        .map_err(failed)?;
+        let (journal, whole_bytes) = left.journal.unwrap_or_else(|| {
+            let (journal, _) = Journal::begin(left.history.committed());
+            (journal, 0)
+        });
+        let mut store = Self {
+            project: project.to_owned(),
+            journal_path: journal_path.clone(),
+            file: Arc::new(file),
+            journal,
+            whole_bytes,
+            unwritten: Vec::new(),
+            sync,
+        };
+        if whole_bytes == 0 {
+            // What could not be repeated lies in a file of its own; what could is saved before the journal starts anew.
+            let recovered = left.history.undo_count() + left.history.redo_count() > 0;
+            if recovered {
+                write_atomically(project, &project::to_bytes(left.history.committed()))?;
+            }
+            store
+                .start_journal(left.history.committed())
+                .map_err(failed)?;
+        } else {
+            store.file.set_len(whole_bytes).map_err(failed)?;
+        }
+        Ok(Opened {
+            store,
+            history: left.history,
+            message: left.message,
+        })
+    }
+
+    /// The project's path.
+    #[must_use]
+    pub fn project(&self) -> &Path {
+        &self.project
+    }
+
+    /// Appends finished actions to the journal.
+    ///
+    /// # Errors
+    /// Where the system refuses; the actions are kept and tried again with the next call.
+    pub fn append(&mut self, actions: &[Action]) -> Result<(), StoreError> {
+        for action in actions {
+            self.unwritten
+                .extend_from_slice(self.journal.line(action).as_bytes());
+        }
+        if self.unwritten.is_empty() {
+            return Ok(());
+        }
+        self.write_out().map_err(|source| StoreError::Journal {
+            source,
+            path: self.journal_path.clone(),
+        })
+    }
+
+    /// What the worker that forces the journal to the disk complained of, if anything.
+    ///
+    /// # Errors
+    /// Where forcing failed: the disk is full or gone.
+    pub fn check(&mut self) -> Result<(), StoreError> {
+        match self.sync.poll() {
+            Some(Err(source)) => Err(StoreError::Journal {
+                source,
+                path: self.journal_path.clone(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Saves the project whole and starts the journal anew from it.
+    ///
+    /// # Errors
+    /// Where the project cannot be written; project and journal are as they were then.
+    pub fn save(&mut self, document: &Document) -> Result<(), StoreError> {
+        write_atomically(&self.project, &project::to_bytes(document))?;
+        self.start_journal(document)
+            .map_err(|source| StoreError::Journal {
+                source,
+                path: self.journal_path.clone(),
+            })
+    }
+
+    /// Saves and takes the journal away: the session ended in good order.
+    ///
+    /// # Errors
+    /// Where the project cannot be written; the journal stays then, and holds everything.
+    pub fn close(mut self, document: &Document) -> Result<(), StoreError> {
+        self.save(document)?;
+        // A journal that cannot be removed holds nothing: it was just started anew.
+        let _ = std::fs::remove_file(&self.journal_path);
+        Ok(())
+    }
+
+    fn start_journal(&mut self, base: &Document) -> io::Result<()> {
+        let (journal, header) = Journal::begin(base);
+        self.journal = journal;
+        self.unwritten = header.into_bytes();
+        self.whole_bytes = 0;
+        self.file.set_len(0)?;
+        self.write_out()
+    }
+
+    /// Writes what is due after the last whole line; a half-written line of an earlier try is cut off first.
+    fn write_out(&mut self) -> io::Result<()> {
+        let mut file = &*self.file;
+        file.set_len(self.whole_bytes)?;
+        file.seek(SeekFrom::Start(self.whole_bytes))?;
+        file.write_all(&self.unwritten)?;
+        self.whole_bytes += self.unwritten.len() as u64;
+        self.unwritten.clear();
+        self.sync.ask(Arc::clone(&self.file));
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, clippy::unwrap_used, reason = "tests")]
+    use std::fs;
+
+    use glam::Vec3;
+
+    use super::*;
+    use crate::world::document::Edit;
+
+    fn draw(opened: &mut Opened, heights: &[f32]) {
+        for &height in heights {
+            opened
+                .history
+                .apply(Edit::AddSegment {
+                    to: Vec3::new(0.0, height, 0.0),
+                })
+                .unwrap();
+            let log = opened.history.take_log();
+            opened.store.append(&log).unwrap();
+        }
+    }
+
+    fn folder() -> tempfile::TempDir {
+        tempfile::tempdir().unwrap()
+    }
+
+    /// Ends a session as `kill -9` does: nothing more is written, the lock goes.
+    fn kill(opened: Opened) -> Document {
+        opened.history.committed().clone()
+    }
+
+    #[test]
+    fn a_closed_project_opens_as_it_was_and_leaves_no_journal() {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        let mut opened = Store::open(&path).unwrap();
+        draw(&mut opened, &[0.1, 0.2, 0.3]);
+        let document = opened.history.committed().clone();
+        opened.store.close(&document).unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        let again = Store::open(&path).unwrap();
+        assert_eq!(*again.history.committed(), document);
+        assert_eq!(again.message, None);
+    }
+
+    #[test]
+    fn a_killed_session_is_recovered_with_its_undo_history() {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        let mut opened = Store::open(&path).unwrap();
+        draw(&mut opened, &[0.1, 0.2]);
+        opened
+            .store
+            .save(&opened.history.committed().clone())
+            .unwrap();
+        draw(&mut opened, &[0.3, 0.4]);
+        let document = kill(opened);
+        let mut again = Store::open(&path).unwrap();
+        assert_eq!(*again.history.committed(), document);
+        assert!(
+            again
+                .message
+                .as_ref()
+                .unwrap()
+                .contains("recovered 2 actions")
+        );
+        assert_eq!(again.history.undo_count(), 2);
+        // The recovered session goes on in the same journal.
+        draw(&mut again, &[0.5]);
+        let document = kill(again);
+        assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
+    }
+
+    #[test]
+    fn a_journal_cut_anywhere_gives_a_prefix_of_the_work() {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        let mut opened = Store::open(&path).unwrap();
+        draw(&mut opened, &[0.1, 0.2, 0.3]);
+        kill(opened);
+        let journal = fs::read(beside(&path, ".journal")).unwrap();
+        let mut most = 0;
+        for cut in 0..=journal.len() {
+            let elsewhere = folder.path().join(format!("cut{cut}.ramus"));
+            fs::write(beside(&elsewhere, ".journal"), &journal[..cut]).unwrap();
+            let opened = Store::open(&elsewhere).unwrap();
+            let segments = opened.history.committed().sketch.segments().count();
+            assert!(segments >= most, "more of the journal never gives less");
+            most = segments;
+        }
+        assert_eq!(most, 3);
+    }
+
+    #[test]
+    fn damage_and_strangers_are_put_aside_and_nothing_is_thrown_away() {
+        let strange =
+            b"{\"format\":\"ramus-journal\",\"version\":1,\"base\":\"0123456789abcdef\"}\n";
+        for (name, bytes) in [
+            ("noise", &b"\x00\xff noise\nmore\n"[..]),
+            ("other base", &[&strange[..], b"{}\n"].concat()),
+        ] {
+            let folder = folder();
+            let path = folder.path().join("tree.ramus");
+            fs::write(beside(&path, ".journal"), bytes).unwrap();
+            let opened = Store::open(&path).unwrap();
+            if opened.message.is_some() {
+                assert_eq!(
+                    fs::read(beside(&path, ".journal.damaged")).unwrap(),
+                    bytes,
+                    "{name}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn beginning_anew_saves_what_a_killed_session_left() {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        let mut opened = Store::begin(&path).unwrap();
+        draw(&mut opened, &[0.1, 0.2]);
+        let document = kill(opened);
+        let opened = Store::begin(&path).unwrap();
+        assert!(opened.history.committed().sketch.is_empty());
+        let aside = beside(&path, ".recovered.ramus");
+        assert!(opened.message.as_ref().unwrap().contains("recovered.ramus"));
+        assert_eq!(read_project(&aside).unwrap(), document);
+    }
+
+    #[test]
+    fn a_new_session_on_an_old_project_is_recovered_when_killed() {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        let mut opened = Store::begin(&path).unwrap();
+        draw(&mut opened, &[0.9]);
+        let old = opened.history.committed().clone();
+        opened.store.close(&old).unwrap();
+        let mut opened = Store::begin(&path).unwrap();
+        draw(&mut opened, &[0.1, 0.2]);
+        let document = kill(opened);
+        assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
+    }
+
+    #[test]
+    fn two_sessions_never_share_a_project() {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        let first = Store::open(&path).unwrap();
+        assert!(matches!(Store::open(&path), Err(StoreError::Busy { .. })));
+        drop(first);
+        assert!(Store::open(&path).is_ok());
+    }
+
+    #[test]
+    fn what_cannot_be_opened_says_so_and_stays() {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        for broken in [&b"not a project"[..], b"{", b"", b"\xff\xfe\x00"] {
+            fs::write(&path, broken).unwrap();
+            let Err(error) = Store::open(&path) else {
+                panic!("opened {broken:?}")
+            };
+            assert!(error.to_string().contains("tree.ramus"), "{error}");
+            assert_eq!(fs::read(&path).unwrap(), broken);
+        }
+        let Err(error) = Store::open(&folder.path().join("none/tree.ramus")) else {
+            panic!("opened")
+        };
+        assert!(
+            error.to_string().contains("folder that you may write to"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,185 @@
+//! The session without its headset and its picture: world, project on disk, growing trees.
+//!
+//! A frame's order: input to the world, its edits to the journal, its request for a tree to
+//! [`sketch::grow`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
+//! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
+
+use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+
+use ramus_xr::{Frame, Pulse};
+
+use crate::app::convert::input_from_frame;
+use crate::app::store::{Opened, Store, StoreError};
+use crate::app::worker::Worker;
+use crate::sketch::{self, Grown, Sketch};
+use crate::world::World;
+use crate::world::document::Document;
+use crate::world::scene::Scene;
+
+/// How the workshop works.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorkshopParams {
+    /// Trees with no more segments than this grow within the frame.
+    pub at_once: u64,
+}
+
+impl Default for WorkshopParams {
+    /// 100,000 segments, as the specification of the sketch asks.
+    fn default() -> Self {
+        Self { at_once: 100_000 }
+    }
+}
+
+/// A tree to grow on the worker, and what became of it.
+type Wanted = (u64, Arc<Sketch>, u32);
+type Ready = (u64, Result<Grown, String>);
+
+/// World, project and trees of one session.
+pub struct Workshop {
+    world: World,
+    store: Option<Store>,
+    params: WorkshopParams,
+    worker: Worker<Wanted, Ready>,
+    /// The request that is being worked on, so that it is asked for once.
+    growing: Option<u64>,
+    scene: Scene,
+    pulses: Vec<Pulse>,
+}
+
+fn grow(wanted: &Wanted, cancel: &AtomicBool) -> Ready {
+    let (id, sketch, step) = wanted;
+    (*id, sketch::grow(sketch, *step, cancel).map_err(|error| error.to_string()))
+}
+
+impl Workshop {
+    /// A session on an opened project.
+    ///
+    /// # Errors
+    /// Where the system gives no thread for the worker.
+    pub fn new(opened: Opened, params: WorkshopParams) -> std::io::Result<Self> {
+        let mut world = World::new(opened.history);
+        if let Some(message) = opened.message {
+            world.show_message(message);
+        }
+        Self::with_world(world, Some(opened.store), params)
+    }
+
+    /// A session that keeps nothing on disk.
+    ///
+    /// # Errors
+    /// Where the system gives no thread for the worker.
+    pub fn unsaved(world: World) -> std::io::Result<Self> {
+        Self::with_world(world, None, WorkshopParams::default())
+    }
+
+    fn with_world(
+        world: World,
+        store: Option<Store>,
+        params: WorkshopParams,
+    ) -> std::io::Result<Self> {
+        Ok(Self {
+            world,
+            store,
+            params,
+            worker: Worker::start("ramus-grow", grow)?,
+            growing: None,
+            scene: Scene::default(),
+            pulses: Vec::new(),
+        })
+    }
+
+    /// Takes one frame of input and brings everything up to it; gives the vibrations to send.
+    pub fn update(&mut self, frame: &Frame) -> &[Pulse] {
+        self.pulses.clear();
+        let haptics = self.world.update(&input_from_frame(frame));
+        self.pulses.extend(haptics.iter().map(|haptic| Pulse {
+            hand: haptic.hand,
+            duration: haptic.seconds,
+            amplitude: haptic.amplitude,
+        }));
+        self.keep_journal();
+        self.grow_tree();
+        &self.pulses
+    }
+
+    /// What is to be seen now.
+    pub fn scene(&mut self) -> &Scene {
+        self.world.scene(&mut self.scene);
+        &self.scene
+    }
+
+    /// The world, to ask it.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The document as it would be saved.
+    #[must_use]
+    pub fn document(&self) -> &Document {
+        self.world.document()
+    }
+
+    /// Waits for a tree that is growing on the worker, if any.
+    pub fn finish_tree(&mut self) {
+        if self.growing.is_some()
+            && let Some((id, grown)) = self.worker.wait()
+        {
+            self.growing = None;
+            self.world.set_tree(id, grown);
+        }
+    }
+
+    /// Saves the project and starts its journal anew.
+    ///
+    /// # Errors
+    /// Where it cannot be written; the journal still holds everything.
+    pub fn save(&mut self) -> Result<(), StoreError> {
+        match &mut self.store {
+            Some(store) => store.save(self.world.document()),
+            None => Ok(()),
+        }
+    }
+
+    /// Saves the project and ends the session; gives the world back for exports.
+    ///
+    /// # Errors
+    /// Where the project cannot be written; the journal still holds everything.
+    pub fn close(mut self) -> Result<World, StoreError> {
+        if let Some(store) = self.store.take() {
+            store.close(self.world.document())?;
+        }
+        Ok(self.world)
+    }
+
+    fn keep_journal(&mut self) {
+        let actions = self.world.take_edits();
+        let Some(store) = &mut self.store else { return };
+        // A warm frame without edits neither writes nor allocates.
+        let kept = if actions.is_empty() { store.check() } else { store.append(&actions) };
+        if let Err(error) = kept {
+            self.world.show_message(format!("{error}. Your work is kept in memory and written with the next edit."));
+        }
+    }
+
+    fn grow_tree(&mut self) {
+        if let Some((id, grown)) = self.worker.poll() {
+            self.growing = None;
+            self.world.set_tree(id, grown);
+        }
+        let Some(request) = self.world.tree_request() else { return };
+        if self.growing == Some(request.id) {
+            return;
+        }
+        let wanted = (request.id, Arc::clone(&request.sketch), request.step);
+        if sketch::predict_segments(&wanted.1, wanted.2) <= self.params.at_once {
+            let (id, grown) = grow(&wanted, &AtomicBool::new(false));
+            self.growing = None;
+            self.world.set_tree(id, grown);
+        } else {
+            self.growing = Some(wanted.0);
+            self.worker.ask(wanted);
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! What can go wrong in a grammar's text and in its derivation, each in one sentence.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use super::string::ModuleString;
+
+/// Errors reported for one text; later ones are only counted.
+pub(crate) const MAX_ERRORS: usize = 20;
+/// Characters of a source line shown under an error, so that a million-character line stays readable.
+const SHOWN_CHARS: usize = 100;
+
+/// One fault in a grammar's text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GrammarError {
+    /// Name of the file, as given to `Grammar::parse` or in an `include`.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// What was found, what was expected and, for names, the nearest known one.
+    pub message: String,
+    /// The line (a part of it where it is long).
+    pub excerpt: String,
+    /// Characters of `excerpt` before the caret.
+    pub caret: usize,
+}
+
+impl GrammarError {
+    /// An error at the byte `at` of `text`.
+    pub(crate) fn new(file: &str, text: &str, at: usize, message: String) -> Self {
+        let mut at = at.min(text.len());
+        while !text.is_char_boundary(at) {
+            at -= 1;
+        }
+        let (before, after) = text.split_at(at);
+        let start = before.rfind('\n').map_or(0, |i| i + 1);
+        let end = after.find(['\n', '\r']).map_or(text.len(), |i| at + i);
+        let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
+        let column = before.get(start..).unwrap_or("").chars().count() + 1;
+        let skip = if column > SHOWN_CHARS * 2 / 3 {
+            column - SHOWN_CHARS / 2
+        } else {
+            0
+        };
+        let shown: String = text
+            .get(start..end)
+            .unwrap_or("")
+            .chars()
+            .skip(skip)
+            .take(SHOWN_CHARS)
+            .map(|c| if c.is_control() { ' ' } else { c })
+            .collect();
+        Self {
+            file: file.to_owned(),
+            line,
+            column,
+            message,
+            excerpt: shown,
+            caret: column - 1 - skip,
+        }
+    }
+}
+
+impl fmt::Display for GrammarError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}:{}:{}: {}",
+            self.file, self.line, self.column, self.message
+        )?;
+        writeln!(f, "    {}", self.excerpt)?;
+        write!(f, "    {:width$}^", "", width = self.caret)
+    }
+}
+
+/// All faults found in a grammar's text, in the order of the text; never empty.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Error)]
+pub struct GrammarErrors {
+    /// The first twenty faults.
+    pub errors: Vec<GrammarError>,
+    /// How many more there were.
+    pub more: usize,
+}
+
+impl GrammarErrors {
+    pub(crate) fn push(&mut self, error: GrammarError) {
+        if self.errors.len() < MAX_ERRORS {
+            self.errors.push(error);
+        } else {
+            self.more += 1;
+        }
+    }
+}
+
+impl fmt::Display for GrammarErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, error) in self.errors.iter().enumerate() {
+            if i > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{error}")?;
+        }
+        if self.more > 0 {
+            write!(f, "\nand {} more", self.more)?;
+        }
+        Ok(())
+    }
+}
+
+/// Why a derivation or a drawing stopped.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DeriveProblem {
+    /// The next string would pass a limit.
+    #[error(
+        "step {step} would make {modules} modules in {bytes} bytes, past the limit of {limit}; take fewer steps or raise it"
+    )]
+    Limit {
+        /// The step that was not made.
+        step: u32,
+        /// Modules it would have made.
+        modules: u64,
+        /// Bytes it needs, the string before it included.
+        bytes: u64,
+        /// The limit, with its unit.
+        limit: String,
+    },
+    /// The machine did not give the memory.
+    #[error("step {step} needs {bytes} bytes, which this machine does not give; take fewer steps")]
+    Memory {
+        /// The step that was not made.
+        step: u32,
+        /// Bytes asked for.
+        bytes: u64,
+    },
+    /// The caller's flag was set.
+    #[error("cancelled in step {step}")]
+    Cancelled {
+        /// The step that was not finished.
+        step: u32,
+    },
+    /// An expression had no usable value.
+    #[error("step {step}, production `{production}` ({location}), module {position}: {problem}")]
+    Value {
+        /// The step that was not finished.
+        step: u32,
+        /// The production's text.
+        production: String,
+        /// Its file and line.
+        location: String,
+        /// Index of the rewritten module.
+        position: u64,
+        /// What went wrong.
+        problem: ValueProblem,
+    },
+    /// A decomposition went on past its depth.
+    #[error(
+        "step {step}: decomposition has not ended after {depth} rounds, last by `{production}` ({location}); it may be cyclic, else raise its depth"
+    )]
+    Decomposition {
+        /// The step that was not finished.
+        step: u32,
+        /// Rounds made.
+        depth: u32,
+        /// A production that still applied.
+        production: String,
+        /// Its file and line.
+        location: String,
+    },
+    /// Brackets nest deeper than the turtle's stack may grow.
+    #[error(
+        "module {position}: brackets nest deeper than {depth}; the turtle's limit can be raised"
+    )]
+    TooDeep {
+        /// Index of the bracket.
+        position: u64,
+        /// The limit.
+        depth: usize,
+    },
+    /// A position or width cannot be held in metres as f32.
+    #[error(
+        "module {position} (`{module}`): the turtle has left the range of numbers; make lengths smaller"
+    )]
+    TooFar {
+        /// Index of the module.
+        position: u64,
+        /// Its name.
+        module: String,
+    },
+    /// More nodes than a `Tree` can index.
+    #[error(
+        "the drawing has more than {limit} segments; take fewer steps or raise the turtle's limit"
+    )]
+    TooManyNodes {
+        /// The limit.
+        limit: u64,
+    },
+}
+
+/// Why an expression has no usable value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum ValueProblem {
+    /// `x / 0` or `x % 0`.
+    #[error("division by zero")]
+    DivisionByZero,
+    /// Such as `sqrt(-1)`.
+    #[error("a value is not a number (as the root of -1 would be)")]
+    NotANumber,
+    /// Beyond the range of f64, or `log(0)`.
+    #[error("a value is larger than a number can be")]
+    Overflow,
+    /// A random draw with parameters that describe no distribution.
+    #[error(
+        "a random draw has impossible parameters (a spread below 0, bounds the wrong way round, a mean of lognormal not above 0, a chance outside 0 to 1)"
+    )]
+    BadDraw,
+    /// A weight below zero, or all of them zero.
+    #[error("the weights of the matching productions are negative or all zero")]
+    BadWeight,
+}
+
+/// A derivation's or drawing's end before its time, with what was whole by then.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{problem}")]
+pub struct DeriveError {
+    /// What happened.
+    pub problem: Box<DeriveProblem>,
+    /// The string after the last whole step, and that step.
+    pub last: Option<Box<(u32, ModuleString)>>,
+}
+
+impl From<DeriveProblem> for DeriveError {
+    fn from(problem: DeriveProblem) -> Self {
+        Self {
+            problem: Box::new(problem),
+            last: None,
+        }
+    }
+}
+
+impl DeriveError {
+    /// True where the caller's flag ended it.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        matches!(*self.problem, DeriveProblem::Cancelled { .. })
+    }
+}
+
+/// The name in `known` nearest to `name`, if any is near enough to be meant.
+pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let wanted: Vec<char> = name.chars().take(40).collect();
+    let mut best = None;
+    let mut best_distance = 1 + wanted.len().div_ceil(3);
+    for candidate in known.take(10_000) {
+        let distance = edit_distance(&wanted, candidate);
+        if distance < best_distance {
+            best_distance = distance;
+            best = Some(candidate);
+        }
+    }
+    best
+}
+
+/// Levenshtein distance, letter case counting as half a change rounded up only when nothing else differs.
+fn edit_distance(wanted: &[char], candidate: &str) -> usize {
+    let mut row: Vec<usize> = (0..=wanted.len()).collect();
+    for (i, c) in candidate.chars().take(40).enumerate() {
+        let mut diagonal = i;
+        if let Some(first) = row.first_mut() {
+            *first = i + 1;
+        }
+        let mut left = i + 1;
+        for (w, cell) in wanted.iter().zip(row.iter_mut().skip(1)) {
+            let value = (diagonal + usize::from(c != *w))
+                .min(left + 1)
+                .min(*cell + 1);
+            diagonal = *cell;
+            *cell = value;
+            left = value;
+        }
+    }
+    row.last().copied().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests may fail by panic")]
+    use super::*;
+
+    #[test]
+    fn caret_stands_under_the_fault() {
+        let error = GrammarError::new(
+            "a.lsys",
+            "axiom A\nA -> F(é, xx)\n",
+            8 + 11,
+            "unknown".into(),
+        );
+        assert_eq!(
+            (error.line, error.column, error.caret),
+            (2, 11, 10),
+            "byte 11 is the 11th character: é has two bytes"
+        );
+        assert_eq!(
+            error.to_string(),
+            "a.lsys:2:11: unknown\n    A -> F(é, xx)\n              ^",
+            "layout"
+        );
+    }
+
+    #[test]
+    fn long_lines_are_cut_round_the_fault() {
+        let text = "x".repeat(1_000_000);
+        let error = GrammarError::new("a", &text, 500_000, String::new());
+        assert!(error.excerpt.len() <= SHOWN_CHARS, "window");
+        assert_eq!(error.column, 500_001, "column");
+        assert!(error.caret < SHOWN_CHARS, "caret inside");
+        let end = GrammarError::new("a", &text, 5_000_000, String::new());
+        assert_eq!(end.column, 1_000_001, "past the end is the end");
+    }
+
+    #[test]
+    fn nearest_names() {
+        let known = ["axiom", "angle", "ignore", "r2"];
+        for (name, expected) in [
+            ("axoim", Some("axiom")),
+            ("angel", Some("angle")),
+            ("r3", Some("r2")),
+            ("zebra", None),
+        ] {
+            assert_eq!(nearest(name, known.iter().copied()), expected, "{name}");
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! What `ramus derive` prints: the object of `--json` and the table of `--print counts`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::grammar::{Grammar, Role};
+use super::number::write_general;
+use super::string::ModuleString;
+use crate::tree::{NO_PARENT, Tree};
+
+/// Smallest box round all nodes, metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bounds {
+    /// Least x, y, z.
+    pub min: [f32; 3],
+    /// Greatest x, y, z.
+    pub max: [f32; 3],
+}
+
+/// Format `ramus-derive/1`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// `ramus-derive/1`.
+    pub format: &'static str,
+    /// Steps derived.
+    pub steps: u32,
+    /// Modules, brackets included.
+    pub modules: u64,
+    /// Modules of each name.
+    pub counts: BTreeMap<String, u64>,
+    /// Deepest bracket.
+    pub max_depth: u64,
+    /// FNV-1a of the symbol names alone, 16 hexadecimal digits.
+    pub fnv1a64: String,
+    /// Sum of each parameter over all modules of a name: `F.0` is the first of all `F`.
+    pub param_sums: BTreeMap<String, f64>,
+    /// Segments drawn.
+    pub segments: u64,
+    /// Box round what was drawn.
+    pub bounds: Bounds,
+    /// Milliseconds that the derivation took.
+    pub derive_ms: f64,
+    /// Milliseconds that the drawing took.
+    pub turtle_ms: f64,
+}
+
+/// A sum that keeps what rounding loses (Neumaier 1974).
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    sum: f64,
+    lost: f64,
+}
+
+impl Sum {
+    fn add(&mut self, value: f64) {
+        let sum = self.sum + value;
+        self.lost += if self.sum.abs() >= value.abs() {
+            (self.sum - sum) + value
+        } else {
+            (value - sum) + self.sum
+        };
+        self.sum = sum;
+    }
+}
+
+/// FNV-1a, 64 bits.
+#[derive(Clone, Copy)]
+struct Fnv(u64);
+
+impl Fnv {
+    fn add(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
+
+impl Report {
+    /// Counts a string and its tree; the times are the caller's.
+    #[must_use]
+    pub fn new(
+        grammar: &Grammar,
+        string: &ModuleString,
+        tree: &Tree,
+        steps: u32,
+        derive_ms: f64,
+        turtle_ms: f64,
+    ) -> Self {
+        let symbols = grammar.names.symbols().len();
+        let mut by_symbol = vec![0_u64; symbols];
+        let mut sums: Vec<Vec<Sum>> = grammar
+            .arity
+            .iter()
+            .map(|a| vec![Sum::default(); usize::from(*a)])
+            .collect();
+        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
+        let (mut depth, mut max_depth) = (0_u64, 0);
+        for module in string.iter() {
+            let index = usize::from(module.symbol);
+            if let Some(count) = by_symbol.get_mut(index) {
+                *count += 1;
+            }
+            for (sum, value) in sums
+                .get_mut(index)
+                .into_iter()
+                .flatten()
+                .zip(module.parameters)
+            {
+                sum.add(*value);
+            }
+            hash.add(grammar.name(module.symbol).as_bytes());
+            match grammar.role(module.symbol) {
+                Role::Open => {
+                    depth += 1;
+                    max_depth = max_depth.max(depth);
+                }
+                Role::Close => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+        }
+        // Symbols of one name with different numbers of parameters are one entry.
+        let mut counts: BTreeMap<String, u64> = BTreeMap::new();
+        let mut by_name: BTreeMap<String, Sum> = BTreeMap::new();
+        for ((symbol, count), parameters) in (0..).zip(&by_symbol).zip(&sums) {
+            if *count == 0 {
+                continue;
+            }
+            let name = grammar.name(symbol);
+            *counts.entry(name.to_owned()).or_default() += count;
+            for (i, part) in parameters.iter().enumerate() {
+                let total = by_name.entry(format!("{name}.{i}")).or_default();
+                total.add(part.sum);
+                total.add(part.lost);
+            }
+        }
+        Self {
+            format: "ramus-derive/1",
+            steps,
+            modules: string.len() as u64,
+            counts,
+            max_depth,
+            fnv1a64: format!("{:016x}", hash.0),
+            param_sums: by_name
+                .into_iter()
+                .map(|(name, sum)| (name, sum.sum + sum.lost))
+                .collect(),
+            segments: tree.parent.iter().filter(|p| **p != NO_PARENT).count() as u64,
+            bounds: bounds(tree),
+            derive_ms,
+            turtle_ms,
+        }
+    }
+
+    /// One object on one line, without a line end.
+    ///
+    /// # Errors
+    /// None that a report can cause; serialisation is fallible by type only.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string(self)
+    }
+
+    /// `--print counts`: a line for each name, its count and its parameters' sums.
+    #[must_use]
+    pub fn counts_text(&self) -> String {
+        let mut text = String::new();
+        for (name, count) in &self.counts {
+            let _ = write!(text, "{name} {count}");
+            let sums = (0..).map_while(|i| self.param_sums.get(&format!("{name}.{i}")));
+            for (i, sum) in sums.enumerate() {
+                let _ = write!(text, "{}", if i == 0 { " sums " } else { " " });
+                write_general(&mut text, *sum);
+            }
+            text.push('\n');
+        }
+        let _ = writeln!(
+            text,
+            "modules {}, segments {}, depth {}",
+            self.modules, self.segments, self.max_depth
+        );
+        text
+    }
+}
+
+fn bounds(tree: &Tree) -> Bounds {
+    let mut nodes = tree.position.iter();
+    let first = nodes.next().copied().unwrap_or_default();
+    let (min, max) = nodes.fold((first, first), |(min, max), p| (min.min(*p), max.max(*p)));
+    Bounds {
+        min: min.to_array(),
+        max: max.to_array(),
+    }
+}

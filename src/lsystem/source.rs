@@ -1,0 +1,321 @@
+//! The text of a grammar cut into statements, and a cursor that reads one of them.
+//!
+//! A statement is a line; an indented line that has no arrow and does not begin with a
+//! keyword continues the line before (so does a line that begins with `]`). Statements carry
+//! byte ranges into their file, so every error can point at its place.
+
+use super::error::{GrammarError, GrammarErrors};
+
+/// Bytes of grammar text accepted in all, includes counted.
+pub(crate) const MAX_SOURCE_BYTES: usize = 256 << 20;
+
+/// The words that begin a statement.
+pub(crate) const KEYWORDS: [&str; 17] = [
+    "angle",
+    "axiom",
+    "consider",
+    "const",
+    "context",
+    "decompose",
+    "dialect",
+    "ignore",
+    "include",
+    "interpret",
+    "module",
+    "order",
+    "seed",
+    "shape",
+    "steps",
+    "tropism",
+    "wrap",
+];
+
+/// One file's text.
+#[derive(Debug)]
+pub(crate) struct Source {
+    pub(crate) name: String,
+    pub(crate) text: String,
+}
+
+/// Which block a statement stands in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Block {
+    Main,
+    Decompose,
+    Interpret,
+}
+
+/// One statement: its keyword (empty: a production) and the rest of its text.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Statement {
+    pub(crate) file: usize,
+    /// The keyword, or nothing for a production.
+    pub(crate) keyword: &'static str,
+    /// First byte, the keyword included.
+    pub(crate) start: usize,
+    /// First byte after the keyword.
+    pub(crate) body: usize,
+    pub(crate) end: usize,
+    pub(crate) block: Block,
+}
+
+/// Where the keyword at the beginning of `line` ends, if it begins with one.
+fn keyword_of(line: &str) -> Option<&'static str> {
+    let length = line
+        .find(|c: char| !c.is_ascii_lowercase())
+        .unwrap_or(line.len());
+    let (word, rest) = line.split_at(length);
+    let ends = rest
+        .chars()
+        .next()
+        .is_none_or(|c| c.is_whitespace() || matches!(c, '{' | '"' | '#'));
+    if ends {
+        KEYWORDS.iter().copied().find(|k| *k == word)
+    } else {
+        None
+    }
+}
+
+/// The line without its comment.
+fn code_of(line: &str) -> &str {
+    line.split('#').next().unwrap_or("")
+}
+
+/// Cuts a file into statements and tells them by keyword and block.
+pub(crate) fn statements(
+    file: usize,
+    source: &Source,
+    errors: &mut GrammarErrors,
+) -> Vec<Statement> {
+    let mut found: Vec<Statement> = Vec::new();
+    let mut block = Block::Main;
+    let mut block_at = 0;
+    let mut at = 0;
+    for line in source.text.split_inclusive('\n') {
+        let line_start = at;
+        at += line.len();
+        let code = code_of(line);
+        let trimmed = code.trim();
+        if trimmed.is_empty() {
+            continue;
+        }
+        let indent = code.len() - code.trim_start().len();
+        let start = line_start + indent;
+        let end = start + trimmed.len();
+        if block != Block::Main && trimmed == "}" {
+            block = Block::Main;
+            continue;
+        }
+        let keyword = keyword_of(trimmed);
+        let continues = (indent > 0 || trimmed.starts_with(']'))
+            && keyword.is_none()
+            && !trimmed.contains("->");
+        if continues
+            && let Some(last) = found.last_mut()
+            && last.block == block
+        {
+            last.end = end;
+            continue;
+        }
+        let keyword = keyword.unwrap_or("");
+        found.push(Statement {
+            file,
+            keyword,
+            start,
+            body: start + keyword.len(),
+            end,
+            block,
+        });
+        if matches!(keyword, "decompose" | "interpret") {
+            if block != Block::Main {
+                errors.push(GrammarError::new(
+                    &source.name,
+                    &source.text,
+                    start,
+                    format!(
+                        "`{keyword}` inside another block; expected `}}` on its own line first"
+                    ),
+                ));
+            } else if trimmed.ends_with('{') {
+                block = if keyword == "decompose" {
+                    Block::Decompose
+                } else {
+                    Block::Interpret
+                };
+                block_at = start;
+            }
+        }
+    }
+    if block != Block::Main {
+        errors.push(GrammarError::new(
+            &source.name,
+            &source.text,
+            block_at,
+            "this block is not closed; expected `}` on its own line".into(),
+        ));
+    }
+    found
+}
+
+/// Reads a stretch of one file, character by character.
+#[derive(Clone, Debug)]
+pub(crate) struct Cursor<'a> {
+    source: &'a Source,
+    pos: usize,
+    end: usize,
+}
+
+impl<'a> Cursor<'a> {
+    pub(crate) fn new(source: &'a Source, start: usize, end: usize) -> Self {
+        Self {
+            source,
+            pos: start,
+            end,
+        }
+    }
+
+    pub(crate) fn pos(&self) -> usize {
+        self.pos
+    }
+
+    /// The text not yet read.
+    pub(crate) fn rest(&self) -> &'a str {
+        self.source.text.get(self.pos..self.end).unwrap_or("")
+    }
+
+    pub(crate) fn between(&self, start: usize, end: usize) -> &'a str {
+        self.source.text.get(start..end).unwrap_or("")
+    }
+
+    pub(crate) fn peek(&self) -> Option<char> {
+        self.rest().chars().next()
+    }
+
+    pub(crate) fn bump(&mut self) -> Option<char> {
+        let c = self.peek()?;
+        self.pos += c.len_utf8();
+        Some(c)
+    }
+
+    pub(crate) fn advance(&mut self, bytes: usize) {
+        self.pos = (self.pos + bytes).min(self.end);
+    }
+
+    /// Skips blanks, line ends and comments.
+    pub(crate) fn skip_blank(&mut self) {
+        while let Some(c) = self.peek() {
+            if c == '#' {
+                let rest = self.rest();
+                self.advance(rest.find('\n').unwrap_or(rest.len()));
+            } else if c.is_whitespace() || c == '\u{feff}' {
+                self.bump();
+            } else {
+                break;
+            }
+        }
+    }
+
+    /// Skips blanks and tells whether nothing is left.
+    pub(crate) fn at_end(&mut self) -> bool {
+        self.skip_blank();
+        self.pos >= self.end
+    }
+
+    /// Skips blanks, then `token` if it stands there.
+    pub(crate) fn take(&mut self, token: &str) -> bool {
+        self.skip_blank();
+        let here = self.rest().starts_with(token);
+        if here {
+            self.advance(token.len());
+        }
+        here
+    }
+
+    /// Skips blanks, then reads an identifier (letters, digits, `_`, subscripts; not beginning with a digit).
+    pub(crate) fn identifier(&mut self) -> Option<&'a str> {
+        self.skip_blank();
+        let rest = self.rest();
+        let first = rest.chars().next()?;
+        if !(first.is_alphabetic() || first == '_') {
+            return None;
+        }
+        let length = rest
+            .find(|c: char| !(c.is_alphanumeric() || c == '_'))
+            .unwrap_or(rest.len());
+        self.advance(length);
+        rest.get(..length)
+    }
+
+    /// What stands here, for a message.
+    pub(crate) fn found(&mut self) -> String {
+        self.skip_blank();
+        let rest = self.rest();
+        let Some(first) = rest.chars().next() else {
+            return "the end of the line".into();
+        };
+        if first.is_alphanumeric() || first == '_' {
+            let word: String = rest
+                .chars()
+                .take_while(|c| c.is_alphanumeric() || matches!(c, '_' | '.'))
+                .take(40)
+                .collect();
+            return format!("`{word}`");
+        }
+        if first.is_control() {
+            return format!("the control character U+{:04X}", u32::from(first));
+        }
+        format!("`{first}`")
+    }
+
+    /// An error at byte `at`.
+    pub(crate) fn error_at(&self, at: usize, message: String) -> GrammarError {
+        GrammarError::new(&self.source.name, &self.source.text, at, message)
+    }
+
+    /// An error here: what was found and what was expected.
+    pub(crate) fn expected(&mut self, what: &str) -> GrammarError {
+        let found = self.found();
+        self.error_at(self.pos, format!("found {found}; expected {what}"))
+    }
+
+    /// Takes `token` or says that it is missing.
+    pub(crate) fn expect(&mut self, token: &str) -> Result<(), GrammarError> {
+        if self.take(token) {
+            Ok(())
+        } else {
+            Err(self.expected(&format!("`{token}`")))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests may fail by panic")]
+    use super::*;
+
+    #[test]
+    fn statements_continue_over_indented_lines() {
+        let source = Source {
+            name: "t".into(),
+            text: "# c\naxiom A # x\n  B\nA -> F\n   [A]\ndecompose {\n  A -> B\n}\nshape A = [\n (0 1 0)\n]\n".into(),
+        };
+        let mut errors = GrammarErrors::default();
+        let found = statements(0, &source, &mut errors);
+        let shown: Vec<(&str, &str, Block)> = found
+            .iter()
+            .map(|s| (s.keyword, source.text.get(s.body..s.end).unwrap(), s.block))
+            .collect();
+        assert_eq!(
+            shown,
+            [
+                ("axiom", " A # x\n  B", Block::Main),
+                ("", "A -> F\n   [A]", Block::Main),
+                ("decompose", " {", Block::Main),
+                ("", "A -> B", Block::Decompose),
+                ("shape", " A = [\n (0 1 0)\n]", Block::Main),
+            ],
+            "statements"
+        );
+        assert!(errors.errors.is_empty(), "no errors");
+    }
+}

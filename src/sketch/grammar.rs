@@ -1,0 +1,305 @@
+//! The sketch as an L-system that a person can read, edit and save.
+//!
+//! The rules are those of the thesis, written out for the letters there are, with X, Y letters:
+//!
+//! 1. growth: `X(x) > B -> X(x) X(x+1)`;
+//! 2. branching: `X(x) > X(y)` gets a branch `[ /(divergence·k) Y(0) B ]` behind every n-th segment.
+//!
+//! Where branches of several rates sit on one letter, each has a helper module `Y_on_X`, which a
+//! decomposition rule turns into the branch or into nothing, in the order drawn; so one production a letter is
+//! enough and no combination of rates needs its own. A letter with a depth limit has the depth of
+//! its nesting as second parameter.
+//!
+//! The polylines follow as shapes: at full size, each branch in the frame of the segment it
+//! sits on, so that its first copy (k = 0) stands exactly where it was drawn. The text needs nothing
+//! else: `ramus derive` makes the same branching from it.
+
+use std::fmt::Write as _;
+
+use glam::{DQuat, DVec3, Vec3};
+
+use super::{Letter, Sketch, Stroke, Wrap, quantize};
+use crate::lsystem::shape_frames;
+
+/// Decimals of a displacement: 1 nm, so that a thousand segments end where they were drawn.
+const DECIMALS: usize = 9;
+/// Displacements on one line of a shape.
+const PER_LINE: usize = 4;
+
+/// A branch letter on a letter, as rule 2 sees it.
+struct Branching<'a> {
+    parent: &'a Stroke,
+    child: &'a Stroke,
+    /// A copy sits at every `rate`-th node.
+    rate: u32,
+}
+
+impl Sketch {
+    /// The grammar of this sketch, in the language of `docs/src/language.md`.
+    #[must_use]
+    pub fn grammar_text(&self) -> String {
+        let mut text =
+            String::from("# A sketch, written by Ramus: A is the trunk, B a growing end.\n");
+        if self.is_empty() {
+            text.push_str("# Nothing is drawn yet.\naxiom B\n");
+            return text;
+        }
+        let branchings: Vec<Vec<Branching<'_>>> = self
+            .strokes
+            .iter()
+            .map(|stroke| self.branchings_on(stroke))
+            .collect();
+        self.push_declarations(&mut text, &branchings);
+        let trunk = self
+            .strokes
+            .first()
+            .map_or("A(0)".to_owned(), |trunk| first_module(trunk));
+        let _ = writeln!(text, "\naxiom {trunk} B");
+        text.push_str("\n# Growth: an end moves on by one segment.\n");
+        for stroke in &self.strokes {
+            let (name, here, next) = (stroke.letter, parameters(stroke), next_parameters(stroke));
+            let _ = writeln!(text, "{name}({here}) > B -> {name}({here}) {name}({next})");
+        }
+        if branchings.iter().any(|on| !on.is_empty()) {
+            text.push_str("\n# Branching: the first one stands where it was drawn, each further one is turned about its parent.\n");
+        }
+        branchings
+            .iter()
+            .filter(|on| !on.is_empty())
+            .for_each(|on| push_branching(&mut text, on));
+        let decomposed: Vec<&Branching<'_>> = branchings
+            .iter()
+            .filter(|on| !is_direct(on))
+            .flatten()
+            .collect();
+        if !decomposed.is_empty() {
+            text.push_str("\ndecompose {\n");
+            for branching in decomposed {
+                let (helper, here) = (branching.helper(), parameters(branching.parent));
+                let (condition, bracket) = (branching.condition(), branching.bracket());
+                let _ = writeln!(text, "  {helper}({here}) : {condition} -> {bracket}");
+                let _ = writeln!(text, "  {helper}({here}) -> *");
+            }
+            text.push_str("}\n");
+        }
+        self.push_shapes(&mut text);
+        text
+    }
+
+    /// The branches on a letter, in the order drawn; its copies of itself count as drawn with it.
+    fn branchings_on<'a>(&'a self, parent: &'a Stroke) -> Vec<Branching<'a>> {
+        let rate_of = |child: &Stroke| -> Option<u32> {
+            if child.letter == parent.letter {
+                return depth_limit(child)
+                    .is_none_or(|limit| limit > 0)
+                    .then_some(child.self_similar?.rate);
+            }
+            child
+                .attachment
+                .filter(|at| at.letter == parent.letter)
+                .map(|at| at.node)
+        };
+        let branching = |child: &'a Stroke| {
+            Some(Branching {
+                parent,
+                child,
+                rate: rate_of(child)?,
+            })
+        };
+        self.strokes
+            .iter()
+            .filter_map(|child| branching(child))
+            .collect()
+    }
+
+    fn push_declarations(&self, text: &mut String, branchings: &[Vec<Branching<'_>>]) {
+        let _ = writeln!(
+            text,
+            "# Lengths are metres at full size: {} times the sketch.",
+            self.scale
+        );
+        let _ = writeln!(text, "const divergence = {}", self.divergence_deg);
+        text.push_str("context literal\n");
+        text.push_str(match self.wrap {
+            Wrap::CarryHeading => "wrap carry\n",
+            Wrap::Restart => "wrap restart\n",
+        });
+        for stroke in self.strokes.iter().filter(|stroke| stroke.letter.is_word()) {
+            let _ = writeln!(text, "module {}({})", stroke.letter, parameters(stroke));
+        }
+        for branching in branchings.iter().filter(|on| !is_direct(on)).flatten() {
+            let _ = writeln!(
+                text,
+                "module {}({})",
+                branching.helper(),
+                parameters(branching.parent)
+            );
+        }
+    }
+
+    fn push_shapes(&self, text: &mut String) {
+        text.push_str("\n# The strokes: one displacement (x y z) a segment; a branch is given in its parent segment's frame.\n");
+        for (letter, displacements) in self.dictionary() {
+            let _ = write!(text, "shape {letter} = [");
+            for (index, [x, y, z]) in displacements.iter().map(DVec3::to_array).enumerate() {
+                let gap = if index == 0 {
+                    ""
+                } else if index % PER_LINE == 0 {
+                    "\n  "
+                } else {
+                    " "
+                };
+                let _ = write!(text, "{gap}({} {} {})", number(x), number(y), number(z));
+            }
+            text.push_str("]\n");
+        }
+    }
+
+    /// The displacements of each letter at full size, in the frame of the segment it sits on, rounded
+    /// to what the grammar says.
+    fn dictionary(&self) -> Vec<(Letter, Vec<DVec3>)> {
+        let scale = quantize::exact(Vec3::splat(self.scale)).x;
+        let mut entries = Vec::with_capacity(self.strokes.len());
+        // The frame along each segment of each stroke, in the sketch's axes.
+        let mut frames: Vec<Vec<DQuat>> = Vec::with_capacity(self.strokes.len());
+        for stroke in &self.strokes {
+            let base = stroke.attachment.and_then(|at| {
+                let on_parent = frames.get(self.index_of(at.letter)?)?;
+                on_parent.get(at.node.checked_sub(1)? as usize).copied()
+            });
+            let base = base.unwrap_or(DQuat::IDENTITY);
+            let base_from_sketch = base.inverse();
+            let mut below = DVec3::ZERO;
+            let mut displacements = Vec::with_capacity(stroke.points.len());
+            for point in stroke.points.iter().copied().map(quantize::exact) {
+                displacements.push(rounded(base_from_sketch * (point - below) * scale));
+                below = point;
+            }
+            let own = shape_frames(&displacements);
+            frames.push(
+                own.into_iter()
+                    .map(|frame| (base * frame).normalize())
+                    .collect(),
+            );
+            entries.push((stroke.letter, displacements));
+        }
+        entries
+    }
+}
+
+impl Branching<'_> {
+    fn helper(&self) -> String {
+        format!("{}_on_{}", self.child.letter, self.parent.letter)
+    }
+
+    fn is_copy(&self) -> bool {
+        self.child.letter == self.parent.letter
+    }
+
+    /// When the segment of `parameters` carries this branch.
+    fn condition(&self) -> String {
+        let at_node = format!("(x+1) % {} == 0", self.rate);
+        match depth_limit(self.child).filter(|_| self.is_copy()) {
+            Some(limit) => format!("{at_node} && d < {limit}"),
+            None => at_node,
+        }
+    }
+
+    /// The branch itself.
+    fn bracket(&self) -> String {
+        let first = if self.is_copy() && depth_limit(self.child).is_some() {
+            format!("{}(0, d+1)", self.child.letter)
+        } else {
+            first_module(self.child)
+        };
+        format!("[ /(divergence * ((x+1)/{} - 1)) {first} B ]", self.rate)
+    }
+}
+
+/// Whether one production without helper modules says it all: every branch at the same segments.
+fn is_direct(on: &[Branching<'_>]) -> bool {
+    on.windows(2)
+        .all(|pair| pair[0].condition() == pair[1].condition())
+}
+
+fn push_branching(text: &mut String, on: &[Branching<'_>]) {
+    let Some(first) = on.first() else { return };
+    let (name, here) = (first.parent.letter, parameters(first.parent));
+    let above = if depth_limit(first.parent).is_some() {
+        "y, e"
+    } else {
+        "y"
+    };
+    let direct = is_direct(on);
+    let mut conditions: Vec<String> = Vec::new();
+    for condition in on.iter().map(Branching::condition) {
+        if !conditions.contains(&condition) {
+            conditions.push(condition);
+        }
+    }
+    let _ = write!(
+        text,
+        "{name}({here}) > {name}({above}) : {}",
+        conditions.join(" || ")
+    );
+    let _ = write!(text, " -> {name}({here})");
+    for branching in on {
+        let _ = match direct {
+            true => write!(text, " {}", branching.bracket()),
+            false => write!(text, " {}({here})", branching.helper()),
+        };
+    }
+    text.push('\n');
+}
+
+fn depth_limit(stroke: &Stroke) -> Option<u32> {
+    stroke.self_similar?.depth_limit
+}
+
+/// A letter's formal parameters: the segment, and the depth of its nesting where that is limited.
+fn parameters(stroke: &Stroke) -> &'static str {
+    if depth_limit(stroke).is_some() {
+        "x, d"
+    } else {
+        "x"
+    }
+}
+
+fn next_parameters(stroke: &Stroke) -> &'static str {
+    if depth_limit(stroke).is_some() {
+        "x+1, d"
+    } else {
+        "x+1"
+    }
+}
+
+/// The module that a line of this letter begins with.
+fn first_module(stroke: &Stroke) -> String {
+    let zero = if depth_limit(stroke).is_some() {
+        "0, 0"
+    } else {
+        "0"
+    };
+    format!("{}({zero})", stroke.letter)
+}
+
+/// What reading the grammar's text will give, so that frames are computed from the same numbers.
+fn rounded(displacement: DVec3) -> DVec3 {
+    let through_text = |value: f64| number(value).parse().unwrap_or(value);
+    DVec3::new(
+        through_text(displacement.x),
+        through_text(displacement.y),
+        through_text(displacement.z),
+    )
+}
+
+/// A number with as many decimals as it needs, at most [`DECIMALS`].
+fn number(value: f64) -> String {
+    let fixed = format!("{value:.DECIMALS$}");
+    let short = fixed.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" {
+        "0".to_owned()
+    } else {
+        short.to_owned()
+    }
+}

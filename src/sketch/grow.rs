@@ -1,0 +1,181 @@
+//! From sketch to tree: grammar text → derivation → turtle → da Vinci's radii.
+//!
+//! A pure function of sketch and step. It goes through the grammar's text on purpose: what a person
+//! reads and may edit is exactly what grows. The engine's birth 0 (the axiom) is step 1 here,
+//! because step 0 shows the root alone.
+
+use std::sync::atomic::AtomicBool;
+
+use super::{BOUNDS, Letter, NodeRef, Sketch, SketchError, predict_segments};
+use crate::{
+    lsystem::{Grammar, Limits, TurtleParams, interpret},
+    tree::{
+        NO_PARENT, Tree,
+        radii::{RadiusParams, da_vinci},
+    },
+};
+
+/// Bounds of growing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GrowParams {
+    /// Segments beyond which a step is refused, before anything is derived.
+    pub segments: u64,
+    /// Longest text of the string, in bytes; beyond it the text is cut.
+    pub string_bytes: usize,
+}
+
+/// What the workshop grows with: 20 million segments are some 2 GiB of tree and tubes.
+pub const GROW: GrowParams = GrowParams {
+    segments: 20_000_000,
+    string_bytes: 4096,
+};
+
+/// Modules (ends, brackets, rolls, helpers) that may come with one segment.
+const MODULES_PER_SEGMENT: u64 = 8;
+
+/// A grown sketch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Grown {
+    /// The tree at full size, its root at the origin; `birth` counts growth steps.
+    pub tree: Tree,
+    /// Radius of each node one step earlier.
+    pub radius_before: Vec<f32>,
+    /// The string, cut to a bound.
+    pub string: String,
+    /// The step shown: segments with this birth are new.
+    pub newest: u32,
+    /// Modules of the whole string.
+    pub modules: usize,
+}
+
+/// Grows a sketch to a step with the bounds of [`GROW`].
+///
+/// # Errors
+/// Where the step is too far, the tree would be too large, or `cancel` was set meanwhile.
+pub fn grow(sketch: &Sketch, step: u32, cancel: &AtomicBool) -> Result<Grown, SketchError> {
+    grow_within(sketch, step, &GROW, cancel)
+}
+
+/// Grows a sketch to a step within given bounds.
+///
+/// # Errors
+/// As [`grow`].
+pub fn grow_within(
+    sketch: &Sketch,
+    step: u32,
+    params: &GrowParams,
+    cancel: &AtomicBool,
+) -> Result<Grown, SketchError> {
+    if step > BOUNDS.step {
+        return Err(SketchError::StepTooFar {
+            found: step,
+            most: BOUNDS.step,
+        });
+    }
+    let segments = predict_segments(sketch, step);
+    if segments > params.segments {
+        return Err(SketchError::TooLarge {
+            step,
+            segments,
+            most: params.segments,
+        });
+    }
+    if step == 0 || sketch.is_empty() {
+        return Ok(root_alone(sketch, step));
+    }
+    let refused = |problem: &dyn std::fmt::Display| SketchError::Grow(problem.to_string());
+    let text = sketch.grammar_text();
+    let grammar = Grammar::parse(&text, "the sketch").map_err(|errors| refused(&errors))?;
+    let modules = segments
+        .saturating_add(1)
+        .saturating_mul(MODULES_PER_SEGMENT);
+    let limits = Limits {
+        modules,
+        ..Limits::default()
+    };
+    let string = grammar
+        .derive(step - 1, &limits, cancel)
+        .map_err(|error| refused(&error))?;
+    let turtle = TurtleParams::default();
+    let mut tree =
+        interpret(&grammar, &string, &turtle, cancel).map_err(|error| refused(&error))?;
+    for (birth, parent) in tree.birth.iter_mut().zip(&tree.parent) {
+        *birth = if *parent == NO_PARENT {
+            0
+        } else {
+            birth.saturating_add(1)
+        };
+    }
+    let radius_before = da_vinci(&mut tree, &radius_params(sketch), step);
+    Ok(Grown {
+        tree,
+        radius_before,
+        string: string.to_text_within(&grammar, params.string_bytes),
+        newest: step,
+        modules: string.len(),
+    })
+}
+
+fn radius_params(sketch: &Sketch) -> RadiusParams {
+    RadiusParams {
+        tip_radius: sketch.tip_radius,
+        exponent: sketch.radius_exponent,
+    }
+}
+
+fn root_alone(sketch: &Sketch, step: u32) -> Grown {
+    let tree = Tree {
+        parent: vec![NO_PARENT],
+        position: vec![glam::Vec3::ZERO],
+        radius: vec![sketch.tip_radius],
+        letter: vec![0],
+        order: vec![0],
+        birth: vec![0],
+        letters: vec![Letter::TRUNK.to_string()],
+    };
+    Grown {
+        tree,
+        radius_before: vec![sketch.tip_radius],
+        string: String::new(),
+        newest: step,
+        modules: 0,
+    }
+}
+
+/// The sketch's node that each node of a grown tree repeats, for marks: on the line of a letter the
+/// segments count up from 0 and wrap at the stroke's end. The root repeats the sketch's root.
+#[must_use]
+pub fn sketch_nodes(sketch: &Sketch, tree: &Tree) -> Vec<NodeRef> {
+    let strokes: Vec<Option<(Letter, u32)>> = tree
+        .letters
+        .iter()
+        .map(|name| {
+            let letter = name.parse().ok()?;
+            Some((letter, sketch.stroke(letter)?.segments().max(1)))
+        })
+        .collect();
+    // The segment's number on its line, not yet wrapped.
+    let mut number = vec![0_u32; tree.parent.len()];
+    let mut nodes = Vec::with_capacity(tree.parent.len());
+    for (index, &parent) in tree.parent.iter().enumerate() {
+        let stroke = tree
+            .letter
+            .get(index)
+            .and_then(|&letter| *strokes.get(usize::from(letter))?);
+        let (Some((letter, length)), true) = (stroke, parent != NO_PARENT) else {
+            nodes.push(NodeRef::ROOT);
+            continue;
+        };
+        let parent = parent as usize;
+        let same_line = tree.parent.get(parent).is_some_and(|&up| up != NO_PARENT)
+            && tree.order.get(parent) == tree.order.get(index);
+        let here = if same_line {
+            number.get(parent).map_or(0, |n| n.saturating_add(1))
+        } else {
+            0
+        };
+        number[index] = here;
+        nodes.push(NodeRef::new(letter, here % length + 1));
+    }
+    nodes
+}

@@ -1,0 +1,119 @@
+//! glTF 2.0 in its binary form: one mesh with normals, texture coordinates and a bark material.
+//!
+//! Metres, Y up, right-handed: glTF's own convention and ours, so nothing is turned. The texture is embedded.
+//! Specification: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html> (§4.4 for the chunks).
+
+use bytemuck::cast_slice;
+use serde_json::json;
+
+use super::{ExportParams, surface};
+use crate::tree::{Tree, TreeError, bark};
+
+/// glTF's number for f32.
+const FLOAT: u32 = 5126;
+/// glTF's number for u32.
+const UNSIGNED_INT: u32 = 5125;
+/// glTF's number for a buffer of vertices.
+const ARRAY_BUFFER: u32 = 34962;
+/// glTF's number for a buffer of indices.
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+/// Position, normal, texture coordinates and (about six to each) indices.
+const VERTEX_BYTES: u64 = 12 + 12 + 8 + 6 * 4;
+
+/// The tree as a GLB file.
+///
+/// # Errors
+/// A tree that breaks an invariant, has no segment or is too large for the format; sides outside 3 to 64.
+pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
+    let mesh = surface(tree, params, "GLB", VERTEX_BYTES)?;
+    let texture = bark::png(&bark::BarkParams::default())?;
+    let (low, high) = mesh.bounds();
+
+    let parts: [(&[u8], Option<u32>); 5] = [
+        (cast_slice(&mesh.positions), Some(ARRAY_BUFFER)),
+        (cast_slice(&mesh.normals), Some(ARRAY_BUFFER)),
+        (cast_slice(&mesh.uvs), Some(ARRAY_BUFFER)),
+        (cast_slice(&mesh.indices), Some(ELEMENT_ARRAY_BUFFER)),
+        (&texture, None),
+    ];
+    let mut binary = Vec::with_capacity(parts.iter().map(|(bytes, _)| bytes.len() + 3).sum());
+    let mut views = Vec::new();
+    for (bytes, target) in parts {
+        let mut view =
+            json!({ "buffer": 0, "byteOffset": binary.len(), "byteLength": bytes.len() });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        views.push(view);
+        binary.extend_from_slice(bytes);
+        pad(&mut binary, 0);
+    }
+
+    let vertices = mesh.positions.len();
+    let document = json!({
+        "asset": { "version": "2.0", "generator": concat!("Ramus ", env!("CARGO_PKG_VERSION")) },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "name": "tree", "mesh": 0 }],
+        "meshes": [{
+            "name": "tree",
+            "primitives": [{
+                "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2 },
+                "indices": 3,
+                "material": 0,
+            }],
+            "extras": { "segments": tree.segment_count(), "nodes": tree.len() },
+        }],
+        "materials": [{
+            "name": "bark",
+            "pbrMetallicRoughness": {
+                "baseColorTexture": { "index": 0 },
+                "metallicFactor": 0.0,
+                "roughnessFactor": 0.9,
+            },
+        }],
+        "textures": [{ "sampler": 0, "source": 0 }],
+        // Linear with mipmaps, repeating.
+        "samplers": [{ "magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497 }],
+        "images": [{ "name": "bark", "bufferView": 4, "mimeType": "image/png" }],
+        "accessors": [
+            { "bufferView": 0, "componentType": FLOAT, "count": vertices, "type": "VEC3", "min": low, "max": high },
+            { "bufferView": 1, "componentType": FLOAT, "count": vertices, "type": "VEC3" },
+            { "bufferView": 2, "componentType": FLOAT, "count": vertices, "type": "VEC2" },
+            { "bufferView": 3, "componentType": UNSIGNED_INT, "count": mesh.indices.len(), "type": "SCALAR" },
+        ],
+        "bufferViews": views,
+        "buffers": [{ "byteLength": binary.len() }],
+    });
+    let mut text = document.to_string().into_bytes();
+    pad(&mut text, b' ');
+
+    let too_large = || TreeError::TooLarge {
+        format: "GLB",
+        segments: tree.segment_count(),
+        sides: params.sides,
+    };
+    let length = |bytes: usize| u32::try_from(bytes).map_err(|_| too_large());
+    let total = length(12 + 8 + text.len() + 8 + binary.len())?;
+    let mut file = Vec::with_capacity(total as usize);
+    for word in [
+        u32::from_le_bytes(*b"glTF"),
+        2,
+        total,
+        length(text.len())?,
+        u32::from_le_bytes(*b"JSON"),
+    ] {
+        file.extend_from_slice(&word.to_le_bytes());
+    }
+    file.extend_from_slice(&text);
+    for word in [length(binary.len())?, u32::from_le_bytes(*b"BIN\0")] {
+        file.extend_from_slice(&word.to_le_bytes());
+    }
+    file.extend_from_slice(&binary);
+    Ok(file)
+}
+
+/// Fills up to a multiple of four bytes.
+fn pad(bytes: &mut Vec<u8>, filler: u8) {
+    bytes.resize(bytes.len().next_multiple_of(4), filler);
+}

@@ -1,0 +1,256 @@
+//! Files written whole or not at all.
+//!
+//! The bytes go to a new file in the same folder, are forced to the disk, and take the target's name in one step; then the
+//! folder's entry is forced too. Whatever fails on the way, and wherever the power goes, the path holds
+//! either the old file or the new one, and no litter stays behind.
+
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::TreeError;
+
+/// Writes `bytes` to `path`, replacing a file that is there only once the new one is whole.
+///
+/// A symbolic link is followed, so that the file it points to is replaced; permissions of an old file are kept. Must not
+/// be called from the frame loop: forcing to disk takes milliseconds and more.
+///
+/// # Errors
+/// [`TreeError::Write`], which says what to do; the old file is unchanged then.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), TreeError> {
+    try_write(path, bytes).map_err(|error| TreeError::Write {
+        problem: explain(path, &error),
+        path: path.to_owned(),
+    })
+}
+
+fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if path.is_dir() {
+        return Err(ErrorKind::IsADirectory.into());
+    }
+    let folder = folder_of(&path);
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".ramus-").suffix(".tmp");
+    let old = fs::metadata(&path).ok().map(|data| data.permissions());
+    #[cfg(unix)]
+    let ordinary = std::os::unix::fs::PermissionsExt::from_mode(0o666); // Less what the umask takes away.
+    #[cfg(unix)]
+    builder.permissions(ordinary);
+    let mut file = builder.tempfile_in(&folder)?;
+    file.write_all(bytes)?;
+    if let Some(old) = old {
+        if old.readonly() {
+            return Err(io::Error::new(
+                ErrorKind::PermissionDenied,
+                "the file is write-protected",
+            ));
+        }
+        file.as_file().set_permissions(old)?;
+    }
+    file.as_file().sync_all()?;
+    file.persist(&path).map_err(|failed| failed.error)?;
+    // The name itself is safe once the folder is; where a folder cannot be forced (Windows), the system does it in its time.
+    if let Ok(folder) = File::open(&folder) {
+        let _ = folder.sync_all();
+    }
+    Ok(())
+}
+
+/// The folder that holds a path.
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// What went wrong and how to mend it, without the path (which the error adds at its end).
+fn explain(path: &Path, error: &io::Error) -> String {
+    let folder_missing = !folder_of(path).is_dir();
+    match error.kind() {
+        ErrorKind::StorageFull => "the disk is full: free some space or choose another disk".into(),
+        ErrorKind::QuotaExceeded => "your quota on this disk is used up: free some space or choose another disk".into(),
+        ErrorKind::FileTooLarge => "the file is larger than this disk or your limits allow: choose another disk".into(),
+        ErrorKind::ReadOnlyFilesystem => "this disk can only be read: choose another folder".into(),
+        ErrorKind::PermissionDenied => {
+            "you may not write here: choose another folder, or make the folder and the file writable".into()
+        }
+        ErrorKind::IsADirectory => "a folder has this name: choose another file name".into(),
+        ErrorKind::NotADirectory => "a part of the path is a file, not a folder: choose another folder".into(),
+        ErrorKind::InvalidFilename => "the file name is too long or not allowed here: choose another".into(),
+        ErrorKind::NotFound if folder_missing => "the folder does not exist: make it first or choose another".into(),
+        _ => format!("the file could not be written ({error}): try again, or choose another folder"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
+
+    use super::*;
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn new_and_old_files_are_written_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ärger tree.ramus");
+        for bytes in [&b"first"[..], b"", &[7; 100_000]] {
+            write_atomically(&path, bytes).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), bytes);
+        }
+        assert_eq!(names_in(folder.path()), ["ärger tree.ramus"], "no litter");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_and_links_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let [real, link, plain] = ["real", "link", "plain"].map(|name| folder.path().join(name));
+        fs::write(&real, "old").unwrap();
+        fs::set_permissions(&real, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        write_atomically(&link, b"new").unwrap();
+        assert_eq!(fs::read(&real).unwrap(), b"new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        assert_eq!(mode(&real), 0o640);
+        write_atomically(&plain, b"new").unwrap();
+        fs::write(&real, "").unwrap();
+        let other = folder.path().join("other");
+        fs::write(&other, "made the usual way").unwrap();
+        assert_eq!(
+            mode(&plain),
+            mode(&other),
+            "readable by whom the umask lets read"
+        );
+    }
+
+    #[test]
+    fn what_is_in_the_way_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, "old").unwrap();
+        let table = [
+            (
+                folder.path().join("missing/tree.glb"),
+                "folder does not exist",
+            ),
+            (folder.path().to_owned(), "a folder has this name"),
+            (file.join("tree.glb"), "not a folder"),
+            (folder.path().join("x".repeat(300)), "file name is too long"),
+        ];
+        for (path, expected) in table {
+            let message = write_atomically(&path, b"new").unwrap_err().to_string();
+            assert!(
+                message.contains(expected) && message.ends_with(&path.display().to_string()),
+                "{message}"
+            );
+        }
+        assert_eq!(fs::read(&file).unwrap(), b"old");
+        assert_eq!(names_in(folder.path()), ["file"]);
+    }
+
+    #[test]
+    fn a_write_protected_file_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("kept");
+        fs::write(&path, "old").unwrap();
+        let mut permissions = fs::metadata(&path).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&path, permissions).unwrap();
+        let message = write_atomically(&path, b"new").unwrap_err().to_string();
+        assert!(
+            message.contains("writable") && message.contains("unchanged"),
+            "{message}"
+        );
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names_in(folder.path()), ["kept"]);
+    }
+
+    #[test]
+    fn every_kind_of_failure_has_a_sentence() {
+        use ErrorKind as Kind;
+        let path = std::env::temp_dir().join("tree.glb");
+        for (kind, expected) in [
+            (Kind::StorageFull, "disk is full"),
+            (Kind::QuotaExceeded, "quota"),
+            (Kind::FileTooLarge, "larger than"),
+            (Kind::ReadOnlyFilesystem, "only be read"),
+            (Kind::PermissionDenied, "may not write"),
+            (Kind::Interrupted, "try again"),
+        ] {
+            let problem = explain(&path, &kind.into());
+            assert!(
+                problem.contains(expected) && problem.contains(": "),
+                "{problem}"
+            );
+        }
+    }
+
+    /// A real full disk and a real read-only one: this very test again, in a name space of its own with a disk of 64 KiB.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn full_and_read_only_disks_keep_the_old_file() {
+        const DISK: &str = "RAMUS_TEST_SMALL_DISK";
+        if let Some(disk) = std::env::var_os(DISK) {
+            on_a_small_disk(Path::new(&disk));
+            return;
+        }
+        let disk = tempfile::tempdir().unwrap();
+        let run = |script: &str| {
+            let test = "tree::file::tests::full_and_read_only_disks_keep_the_old_file";
+            std::process::Command::new("unshare")
+                .args(["--user", "--map-root-user", "--mount", "sh", "-c", script])
+                .arg(std::env::current_exe().unwrap())
+                .args(["--exact", test, "--nocapture"])
+                .env(DISK, disk.path())
+                .output()
+        };
+        let mount = format!("mount -t tmpfs -o size=64k none \"${DISK}\"");
+        if !run(&mount).is_ok_and(|done| done.status.success()) {
+            println!(
+                "skipped: this system lets the test mount no disk of its own (unshare, mount)"
+            );
+            return;
+        }
+        let done = run(&format!("{mount} && exec \"$0\" \"$@\"")).unwrap();
+        let text = String::from_utf8_lossy(&done.stdout);
+        assert!(
+            done.status.success() && text.contains("1 passed"),
+            "{text}{}",
+            String::from_utf8_lossy(&done.stderr)
+        );
+    }
+
+    #[cfg(target_os = "linux")]
+    fn on_a_small_disk(disk: &Path) {
+        let path = disk.join("tree.glb");
+        write_atomically(&path, &[1; 10_000]).unwrap();
+        let message = write_atomically(&path, &[2; 100_000])
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains("disk is full"), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), [1; 10_000]);
+        assert_eq!(names_in(disk), ["tree.glb"]);
+
+        let done = std::process::Command::new("mount")
+            .args(["-o", "remount,ro"])
+            .arg(disk)
+            .status()
+            .unwrap();
+        assert!(done.success());
+        let message = write_atomically(&path, &[3; 10]).unwrap_err().to_string();
+        assert!(message.contains("only be read"), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), [1; 10_000]);
+    }
+}

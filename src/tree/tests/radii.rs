@@ -1,0 +1,137 @@
+//! Da Vinci's rule at every node, now and one step earlier.
+
+use proptest::prelude::*;
+
+use super::{any_tree, between, fork};
+use crate::tree::axes::Children;
+use crate::tree::radii::{RadiusParams, da_vinci};
+use crate::tree::{NO_PARENT, Tree};
+
+/// The tree of nodes with `birth < newest`, and for each of its nodes the index in the whole tree.
+pub(super) fn earlier(tree: &Tree, newest: u32) -> (Tree, Vec<usize>) {
+    let mut old = Tree {
+        letters: tree.letters.clone(),
+        ..Tree::default()
+    };
+    let mut index = vec![NO_PARENT; tree.len()];
+    let mut kept = Vec::new();
+    for node in 0..tree.len() {
+        let parent = tree.parent[node];
+        if parent != NO_PARENT && tree.birth[node] >= newest {
+            continue;
+        }
+        index[node] = old.push(crate::tree::Node {
+            parent: if parent == NO_PARENT {
+                NO_PARENT
+            } else {
+                index[parent as usize]
+            },
+            position: tree.position[node],
+            radius: tree.radius[node],
+            letter: tree.letter[node],
+            order: tree.order[node],
+            birth: tree.birth[node],
+        });
+        kept.push(node);
+    }
+    old.validate().unwrap();
+    (old, kept)
+}
+
+#[test]
+fn a_fork_has_the_sum_of_its_branches() {
+    let mut tree = fork();
+    let tip = 0.01_f32;
+    let before = da_vinci(
+        &mut tree,
+        &RadiusParams {
+            tip_radius: tip,
+            exponent: 2.0,
+        },
+        4,
+    );
+    let two = tip * 2.0_f32.sqrt();
+    assert_eq!(tree.radius, [two, two, tip, tip, tip, tip]);
+    assert_eq!(
+        before,
+        [two, two, tip, tip, tip, 0.0],
+        "node 4 was a tip, node 5 was not there"
+    );
+    let before = da_vinci(
+        &mut tree,
+        &RadiusParams {
+            tip_radius: tip,
+            exponent: 2.0,
+        },
+        3,
+    );
+    assert_eq!(before, [tip, tip, tip, 0.0, 0.0, 0.0]);
+    let before = da_vinci(
+        &mut tree,
+        &RadiusParams {
+            tip_radius: tip,
+            exponent: 2.0,
+        },
+        1,
+    );
+    assert_eq!(before, [0.0; 6], "a root alone has no thickness");
+}
+
+#[test]
+fn parameters_outside_their_ranges_are_named_and_clamped() {
+    let good = RadiusParams::default();
+    assert!(good.validate().is_ok());
+    for (tip_radius, exponent, name) in [
+        (0.0, 2.0, "tip radius"),
+        (-1.0, 2.0, "tip radius"),
+        (f32::NAN, 2.0, "tip radius"),
+        (f32::INFINITY, 2.0, "tip radius"),
+        (0.01, 0.0, "exponent"),
+        (0.01, 9.0, "exponent"),
+        (0.01, f32::NAN, "exponent"),
+    ] {
+        let params = RadiusParams {
+            tip_radius,
+            exponent,
+        };
+        let message = params.validate().unwrap_err().to_string();
+        assert!(
+            message.contains(name) && message.contains("between"),
+            "{message}"
+        );
+        assert!(params.clamped().validate().is_ok(), "{params:?}");
+        let mut tree = fork();
+        da_vinci(&mut tree, &params, 4);
+        assert!(
+            tree.radius.iter().all(|r| r.is_finite() && *r > 0.0),
+            "{params:?}"
+        );
+    }
+}
+
+proptest! {
+    #[test]
+    fn cross_sections_add_up_at_every_node(mut tree in any_tree(), exponent in between(1.0, 4.0), tip_radius in between(1e-4, 0.1), newest in 0_u32..40) {
+        let params = RadiusParams { tip_radius, exponent };
+        let before = da_vinci(&mut tree, &params, newest);
+        let children = Children::new(&tree);
+        let power = |radius: f32| f64::from(radius).powf(f64::from(exponent));
+        for node in 0..tree.len() {
+            let own = power(tree.radius[node]);
+            let sum: f64 = children.of(node as u32).iter().map(|&c| power(tree.radius[c as usize])).sum();
+            let expected = if sum == 0.0 { power(tip_radius) } else { sum };
+            prop_assert!((own - expected).abs() <= 2e-5 * expected, "node {node}: {own} and {expected}");
+        }
+
+        // One step earlier: the same rule on the tree that stood then.
+        let (mut old, kept) = earlier(&tree, newest);
+        da_vinci(&mut old, &params, 0);
+        let mut expected = vec![0.0; tree.len()];
+        let has_child: Vec<bool> = (0..old.len()).map(|n| old.parent.contains(&(n as u32))).collect();
+        for (old_node, &node) in kept.iter().enumerate() {
+            let bare_root = old.parent[old_node] == NO_PARENT && !has_child[old_node];
+            expected[node] = if bare_root { 0.0 } else { old.radius[old_node] };
+        }
+        prop_assert_eq!(before, expected);
+    }
+}

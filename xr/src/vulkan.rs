@@ -1,0 +1,116 @@
+//! Vulkan between a headset and whoever draws for it: handles only, nothing of OpenXR.
+//!
+//! `XR_KHR_vulkan_enable2` wants the runtime in between for three calls, and then draws on the application's
+//! device itself. The renderer knows no OpenXR and the application must not vouch for raw
+//! handles, so both sides meet in these traits: [`VulkanHost`] makes the objects (a runtime, or plain Vulkan),
+//! [`VulkanDevice`] is the device that was made, kept alive by the headset that uses it.
+
+use std::error::Error;
+
+use ash::vk;
+
+use crate::openxr::{System, VulkanHandles};
+
+/// Why a host gave no Vulkan object: a sentence for people.
+pub type HostError = Box<dyn Error + Send + Sync>;
+
+/// Makes the Vulkan instance and device, and says which physical device it must be.
+pub trait VulkanHost {
+    /// The Vulkan version to ask for, given the loader's and the one that the program would like.
+    fn api_version(&self, loader: u32, wanted: u32) -> u32 {
+        loader.min(wanted)
+    }
+
+    /// Makes the instance.
+    ///
+    /// # Errors
+    /// [`HostError`] when the host or the driver refuses.
+    ///
+    /// # Safety
+    /// `info` must be valid for `vkCreateInstance`, and `get_instance_proc_addr` the loader's.
+    unsafe fn create_instance(
+        &self,
+        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+        info: &vk::InstanceCreateInfo<'_>,
+    ) -> Result<vk::Instance, HostError>;
+
+    /// Chooses the physical device.
+    ///
+    /// # Errors
+    /// [`HostError`] when there is none.
+    ///
+    /// # Safety
+    /// `instance` must come from this host's `create_instance`.
+    unsafe fn physical_device(
+        &self,
+        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+        instance: vk::Instance,
+    ) -> Result<vk::PhysicalDevice, HostError>;
+
+    /// Makes the device.
+    ///
+    /// # Errors
+    /// [`HostError`] when the host or the driver refuses.
+    ///
+    /// # Safety
+    /// The handles must come from this host, and `info` be valid for `vkCreateDevice`.
+    unsafe fn create_device(
+        &self,
+        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+        instance: vk::Instance,
+        physical_device: vk::PhysicalDevice,
+        info: &vk::DeviceCreateInfo<'_>,
+    ) -> Result<vk::Device, HostError>;
+}
+
+/// A device that a headset may draw on.
+///
+/// # Safety
+/// The handles must be valid, and were made by the host whose headset is started on them, for as long as the value
+/// lives. Nothing may use the queue while the headset's `begin` and `end` run: keep both on one thread.
+pub unsafe trait VulkanDevice {
+    /// The handles.
+    fn handles(&self) -> VulkanHandles;
+
+    /// Waits until the device has nothing to do; called before the headset's images go.
+    fn wait_idle(&self);
+}
+
+impl VulkanHost for System {
+    fn api_version(&self, loader: u32, wanted: u32) -> u32 {
+        // The runtime wants to be asked before the instance is made; where it cannot say, making it will.
+        let highest = self
+            .vulkan_versions()
+            .map_or(wanted, |(_, highest)| highest);
+        loader.min(wanted).min(highest)
+    }
+
+    unsafe fn create_instance(
+        &self,
+        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+        info: &vk::InstanceCreateInfo<'_>,
+    ) -> Result<vk::Instance, HostError> {
+        // SAFETY: the caller vouches for the same.
+        Ok(unsafe { System::create_instance(self, get_instance_proc_addr, info) }?)
+    }
+
+    unsafe fn physical_device(
+        &self,
+        _get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+        instance: vk::Instance,
+    ) -> Result<vk::PhysicalDevice, HostError> {
+        // SAFETY: the caller vouches for the same.
+        Ok(unsafe { self.graphics_device(instance) }?)
+    }
+
+    unsafe fn create_device(
+        &self,
+        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+        _instance: vk::Instance,
+        physical_device: vk::PhysicalDevice,
+        info: &vk::DeviceCreateInfo<'_>,
+    ) -> Result<vk::Device, HostError> {
+        // SAFETY: the caller vouches for the same.
+        Ok(unsafe { System::create_device(self, get_instance_proc_addr, physical_device, info) }?)
+    }
+}
