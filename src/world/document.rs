@@ -252,6 +252,9 @@ pub enum EditError {
     /// Nothing to draw.
     #[error("a stroke needs at least one segment")]
     EmptyStroke,
+    /// A journal's undo or redo without anything to undo or redo.
+    #[error("there is nothing to undo or redo")]
+    NothingToRepeat,
 }
 
 impl Document {
