@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Tick};
+use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Tick, View};
 
 use crate::app::picture::Picture;
 use crate::app::workshop::Workshop;
@@ -43,6 +43,7 @@ pub trait Watcher {
         &mut self,
         _workshop: &Workshop,
         _picture: &Picture,
+        _views: &[View; 2],
         _acquired: Option<Acquired>,
     ) -> anyhow::Result<()> {
         Ok(())
@@ -102,7 +103,7 @@ fn one_frame(
             } else {
                 picture.draw(scene, &views, acquired)?;
             }
-            watcher.drawn(workshop, picture, acquired)?;
+            watcher.drawn(workshop, picture, &views, acquired)?;
             true
         }
         _ => false,
