@@ -4,11 +4,11 @@
 //! changes, because hover asks for every node in every frame. The vectors keep
 //! their capacity, so following a hand allocates nothing here.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use glam::{Affine3A, Vec3};
 
-use crate::sketch::{NodeRef, Sketch};
+use crate::sketch::{Letter, NodeRef, Sketch};
 
 use super::{
     document::{Document, Placement},
@@ -39,7 +39,10 @@ pub(super) struct Miniature {
     of: Option<(Arc<Sketch>, Placement)>,
     pub(super) stage_from_sketch: Affine3A,
     pub(super) sketch_from_stage: Affine3A,
+    /// The root, then each line's nodes 1, 2, ….
     pub(super) nodes: Vec<Node>,
+    /// Each line's share of `nodes`.
+    ranges: Vec<(Letter, Range<usize>)>,
     lines: Vec<Rod>,
     marks: Vec<Mark>,
 }
@@ -67,6 +70,13 @@ impl Miniature {
             at,
             position: stage.transform_point3(position),
         }));
+        self.ranges.clear();
+        let mut next = 1;
+        self.ranges.extend(sketch.strokes.iter().map(|stroke| {
+            let first = next;
+            next += stroke.points.len();
+            (stroke.letter, first..next)
+        }));
         self.lines.clear();
         self.lines
             .extend(sketch.segments().map(|(at, from, to)| Rod {
@@ -82,34 +92,45 @@ impl Miniature {
     /// Marks each attachment, and the nodes where growth will repeat it: every n-th of its line.
     fn mark(&mut self, sketch: &Sketch, palette: &Palette) {
         self.marks.clear();
-        let Self { nodes, marks, .. } = self;
         for stroke in &sketch.strokes {
+            let color = palette.letter(stroke.letter.index());
             let own = stroke
                 .self_similar
-                .map(|own| (NodeRef::new(stroke.letter, own.rate), true));
-            let drawn = stroke.attachment.map(|at| (at, false));
-            for (first, copies) in drawn.into_iter().chain(own) {
-                let on_line = nodes.iter().filter(|node| {
-                    node.at.letter == first.letter
-                        && first.node > 0
-                        && node.at.node > 0
-                        && node.at.node % first.node == 0
-                });
-                marks.extend(on_line.map(|node| Mark {
+                .map(|own| NodeRef::new(stroke.letter, own.rate));
+            let repeats_alone = [false, true];
+            for (first, copy) in [stroke.attachment, own].into_iter().zip(repeats_alone) {
+                let Some(first) = first.filter(|first| first.node > 0) else {
+                    continue;
+                };
+                let on_line = self.on_line(first.letter);
+                let marked = self.nodes.get(on_line).unwrap_or_default().iter();
+                let every = marked
+                    .skip(first.node as usize - 1)
+                    .step_by(first.node as usize);
+                self.marks.extend(every.enumerate().map(|(k, node)| Mark {
                     position: node.position,
-                    color: palette.letter(stroke.letter.index()),
-                    repeat: copies || node.at.node != first.node,
+                    color,
+                    repeat: copy || k > 0,
                 }));
             }
         }
     }
 
-    /// Where a node stands, under any of its names.
+    /// Which of `nodes` are a letter's nodes 1, 2, …: they stand together, in order.
+    fn on_line(&self, letter: Letter) -> Range<usize> {
+        let line = self.ranges.iter().find(|(of, _)| *of == letter);
+        line.map_or(0..0, |(_, range)| range.clone())
+    }
+
+    /// Where a node stands, named as the sketch's own nodes are.
     pub(super) fn position(&self, at: NodeRef) -> Option<Vec3> {
-        self.nodes
-            .iter()
-            .find(|node| node.at == at)
-            .map(|node| node.position)
+        if at == NodeRef::ROOT {
+            return self.nodes.first().map(|root| root.position);
+        }
+        let index = self
+            .on_line(at.letter)
+            .nth(at.node.checked_sub(1)? as usize)?;
+        self.nodes.get(index).map(|node| node.position)
     }
 
     /// Draws lines, nodes and marks; `highlights` are the nodes under the hands.
@@ -164,8 +185,6 @@ mod tests {
         clippy::missing_assert_message,
         reason = "a test that fails shows the line"
     )]
-    use crate::sketch::Letter;
-
     use super::*;
 
     /// A trunk of seven segments with a branch of three at node 2.
@@ -220,6 +239,28 @@ mod tests {
                 "{position}"
             );
             assert_eq!(repeat, wanted_repeat, "{position}");
+        }
+    }
+
+    #[test]
+    fn each_node_is_found_by_its_name() {
+        let (document, mut miniature) = (document(), Miniature::default());
+        miniature.follow(&document, &StageParams::default(), &Palette::default());
+        for node in &miniature.nodes {
+            assert_eq!(
+                miniature.position(node.at),
+                Some(node.position),
+                "{:?}",
+                node.at
+            );
+        }
+        let branch = Letter::from_index(1);
+        for none in [
+            NodeRef::new(Letter::TRUNK, 8),
+            NodeRef::new(branch, 0),
+            NodeRef::new(Letter::from_index(2), 1),
+        ] {
+            assert_eq!(miniature.position(none), None, "{none:?}");
         }
     }
 

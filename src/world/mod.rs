@@ -19,6 +19,7 @@ mod grip;
 mod growth;
 pub mod hands;
 pub mod history;
+mod hold;
 pub mod hover;
 pub mod input;
 pub mod journal;

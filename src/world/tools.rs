@@ -11,17 +11,16 @@
 //! returns to where it was: an accident must not become an edit. A controller that loses tracking
 //! drops what it holds where it was last seen, because that is where the person put it.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
-use crate::sketch::{BOUNDS, NodeRef, Sketch, SketchError, point, predict_segments};
+use crate::sketch::{BOUNDS, NodeRef, SketchError, point, predict_segments};
 
 use super::{
-    document::{Document, Edit, Placement},
+    document::{Document, Edit},
     grip::PlatformGrip,
     hands::{Buttons, Edge, Edges, HandParams, Sample, sample},
     history::History,
+    hold::Held,
     hover::{self, HoverParams, Pointer},
     input::{HandInput, Input},
     miniature::Miniature,
@@ -139,26 +138,17 @@ pub(super) struct Ghost {
     pub(super) to: Vec3,
 }
 
-/// What `Tools::shown` was made from: unchanged, it need not be made again.
-#[derive(Debug)]
-struct Held {
-    /// The sketch without what is held.
-    sketch: Arc<Sketch>,
-    /// The nodes in the hands and where they are, metres in the sketch.
-    nodes: [Option<(NodeRef, Vec3)>; 2],
-}
-
 /// See the module.
 #[derive(Debug)]
 pub(super) struct Tools {
-    params: ToolParams,
-    stage: StageParams,
-    palette: Palette,
+    pub(super) params: ToolParams,
+    pub(super) stage: StageParams,
+    pub(super) palette: Palette,
     pub(super) hands: [Hand; 2],
-    platform: Option<PlatformGrip>,
+    pub(super) platform: Option<PlatformGrip>,
     /// The document with what the hands hold.
     pub(super) shown: Document,
-    held: Option<Held>,
+    pub(super) held: Option<Held>,
     pub(super) miniature: Miniature,
     pub(super) haptics: Vec<Haptic>,
     message: Option<String>,
@@ -307,71 +297,6 @@ impl Tools {
         }
     }
 
-    fn grip(&mut self, hand: usize, history: &History) {
-        match self.hands[hand].hover {
-            Hover::Node {
-                at: NodeRef::ROOT, ..
-            } => self.refuse(hand, SketchError::Root.to_string()),
-            Hover::Node { at, .. } => {
-                self.hands[hand].hold = Hold::Node(at);
-                self.pulse(hand, self.params.haptics.choose);
-            }
-            Hover::Rim { .. } => {
-                self.hands[hand].hold = Hold::Platform;
-                self.grip_anew();
-                self.pulse(hand, self.params.haptics.choose);
-            }
-            Hover::Nothing => return,
-        }
-        self.show(history);
-    }
-
-    /// Lets go of what a hand holds, where it is now.
-    fn release(&mut self, hand: usize, history: &mut History) {
-        let Hand {
-            sample: Some(sample),
-            hold,
-            ..
-        } = self.hands[hand]
-        else {
-            return;
-        };
-        match hold {
-            Hold::Nothing => return,
-            Hold::Node(at) => {
-                let to = self
-                    .miniature
-                    .sketch_from_stage
-                    .transform_point3(sample.tip);
-                self.hands[hand].hold = Hold::Nothing;
-                self.apply(
-                    hand,
-                    Edit::MoveNode { at, to },
-                    self.params.haptics.choose,
-                    history,
-                );
-            }
-            Hold::Platform => {
-                let to = self.held_placement();
-                self.hands[hand].hold = Hold::Nothing;
-                if self.hands.iter().any(|other| other.hold == Hold::Platform) {
-                    // The other hand carries on from here; one grip is one action.
-                    self.shown.platform = to;
-                    self.grip_anew();
-                } else {
-                    self.platform = None;
-                    self.apply(
-                        hand,
-                        Edit::SetPlatform { to },
-                        self.params.haptics.choose,
-                        history,
-                    );
-                }
-            }
-        }
-        self.show(history);
-    }
-
     fn pull(&mut self, hand: usize, history: &mut History) {
         let Hand {
             sample: Some(sample),
@@ -480,16 +405,14 @@ impl Tools {
         }
     }
 
-    /// Puts what the hands hold back where it was.
-    pub(super) fn let_go(&mut self) {
-        for hand in &mut self.hands {
-            hand.hold = Hold::Nothing;
-        }
-        self.platform = None;
-    }
-
     /// Applies an edit; says why where it is refused.
-    fn apply(&mut self, hand: usize, edit: Edit, haptic: [f32; 2], history: &mut History) {
+    pub(super) fn apply(
+        &mut self,
+        hand: usize,
+        edit: Edit,
+        haptic: [f32; 2],
+        history: &mut History,
+    ) {
         match history.apply(edit) {
             Ok(()) => self.pulse(hand, haptic),
             Err(error) => self.refuse(hand, error.to_string()),
@@ -498,98 +421,17 @@ impl Tools {
         self.show(history);
     }
 
-    /// Hands let go of nodes that are no more.
-    pub(super) fn check_holds(&mut self, history: &History) {
-        let sketch = &history.committed().sketch;
-        for hand in &mut self.hands {
-            if let Hold::Node(at) = hand.hold
-                && sketch
-                    .apex(at.letter)
-                    .is_none_or(|apex| at.node > apex.node)
-            {
-                hand.hold = Hold::Nothing;
-            }
-        }
-    }
-
-    fn refuse(&mut self, hand: usize, message: String) {
+    pub(super) fn refuse(&mut self, hand: usize, message: String) {
         self.message = Some(message);
         self.pulse(hand, self.params.haptics.limit);
     }
 
-    fn pulse(&mut self, hand: usize, [seconds, amplitude]: [f32; 2]) {
+    pub(super) fn pulse(&mut self, hand: usize, [seconds, amplitude]: [f32; 2]) {
         self.haptics.push(Haptic {
             hand,
             seconds,
             amplitude,
         });
-    }
-
-    /// Makes `shown` and the miniature follow the history and the hands.
-    pub(super) fn show(&mut self, history: &History) {
-        let committed = history.committed();
-        let platform = if self.platform.is_some() {
-            self.held_placement()
-        } else {
-            committed.platform
-        };
-        if platform != self.shown.platform {
-            self.shown.platform = platform;
-            self.miniature
-                .follow(&self.shown, &self.stage, &self.palette);
-        }
-        let to_sketch = self.miniature.sketch_from_stage;
-        let nodes = self.hands.map(|hand| match (hand.hold, hand.sample) {
-            (Hold::Node(at), Some(sample)) => {
-                Some((at, point(to_sketch.transform_point3(sample.tip))))
-            }
-            _ => None,
-        });
-        let same =
-            |held: &Held| held.nodes == nodes && Arc::ptr_eq(&held.sketch, &committed.sketch);
-        if !self.held.as_ref().is_some_and(same) {
-            self.shown.sketch = Arc::clone(&committed.sketch);
-            for (at, to) in nodes.into_iter().flatten() {
-                // A place where the node cannot be: it is seen where it was.
-                if let Ok(moved) = self.shown.sketch.move_node(at, to) {
-                    self.shown.sketch = Arc::new(moved);
-                }
-            }
-            self.held = Some(Held {
-                sketch: Arc::clone(&committed.sketch),
-                nodes,
-            });
-        }
-        self.shown.step = committed.step;
-        self.shown.selected = committed.selected;
-        self.miniature
-            .follow(&self.shown, &self.stage, &self.palette);
-    }
-
-    /// Begins the platform's grip anew, from where it is seen now, with the hands that hold it.
-    fn grip_anew(&mut self) {
-        let poses = self.platform_poses();
-        self.platform = Some(PlatformGrip::new(self.shown.platform, poses));
-    }
-
-    /// The poses of the hands that hold the platform.
-    fn platform_poses(&self) -> [Option<super::input::Pose>; 2] {
-        self.hands.map(|hand| match hand {
-            Hand {
-                hold: Hold::Platform,
-                sample: Some(sample),
-                ..
-            } => Some(sample.grip),
-            _ => None,
-        })
-    }
-
-    /// Where the hands hold the platform now.
-    fn held_placement(&self) -> Placement {
-        match &self.platform {
-            Some(grip) => grip.placement(self.platform_poses(), &self.params.grip),
-            None => self.shown.platform,
-        }
     }
 
     /// Start of the next segment on the stage and its end in the sketch; `None` where it cannot be drawn.
