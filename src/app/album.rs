@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
-use ramus_xr::{Acquired, Frame, Headset, View};
+use ramus_xr::{Acquired, Frame, Headset};
 
 use crate::app::export;
 use crate::app::picture::{Picture, side_by_side};
@@ -84,7 +84,6 @@ impl Watcher for Album<'_> {
         &mut self,
         workshop: &Workshop,
         picture: &Picture,
-        _views: &[View; 2],
         acquired: Option<Acquired>,
     ) -> Result<()> {
         let key = Self::key(workshop);

@@ -46,16 +46,13 @@ impl Opened {
     /// [`OpenError`].
     pub fn start(system: System) -> Result<Self, OpenError> {
         let gpu = Gpu::new(&system, &GpuParams::from_env())?;
-        let headset = system.start_on(Box::new(gpu.clone()), StartParams { near: render::NEAR })?;
+        let headset =
+            system.start_on(Box::new(gpu.clone()), StartParams { near: render::NEAR })?;
         let Some(swapchain) = headset.swapchain() else {
             return Err(ConnectError::NoFormat.into());
         };
         let picture = Picture::in_headset(&gpu, swapchain)?;
-        Ok(Self {
-            picture,
-            headset,
-            gpu,
-        })
+        Ok(Self { picture, headset, gpu })
     }
 
     /// One line for people: runtime and device.
@@ -64,10 +61,10 @@ impl Opened {
         self.headset.describe()
     }
 
-    /// The device that draws.
+    /// What the validation layers said so far.
     #[must_use]
-    pub fn gpu(&self) -> &Gpu {
-        &self.gpu
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.gpu.messages().list()
     }
 
     /// Runs a session to its end; `wrap` may put a headset around the headset (a recorder, a player).

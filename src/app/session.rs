@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Tick, View};
+use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Tick};
 
 use crate::app::picture::Picture;
 use crate::app::workshop::Workshop;
@@ -43,7 +43,6 @@ pub trait Watcher {
         &mut self,
         _workshop: &Workshop,
         _picture: &Picture,
-        _views: &[View; 2],
         _acquired: Option<Acquired>,
     ) -> anyhow::Result<()> {
         Ok(())
@@ -103,7 +102,7 @@ fn one_frame(
             } else {
                 picture.draw(scene, &views, acquired)?;
             }
-            watcher.drawn(workshop, picture, &views, acquired)?;
+            watcher.drawn(workshop, picture, acquired)?;
             true
         }
         _ => false,

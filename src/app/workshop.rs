@@ -4,8 +4,8 @@
 //! [`sketch::grow`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 use ramus_xr::{Frame, Pulse};
 
@@ -51,10 +51,7 @@ pub struct Workshop {
 
 fn grow(wanted: &Wanted, cancel: &AtomicBool) -> Ready {
     let (id, sketch, step) = wanted;
-    (
-        *id,
-        sketch::grow(sketch, *step, cancel).map_err(|error| error.to_string()),
-    )
+    (*id, sketch::grow(sketch, *step, cancel).map_err(|error| error.to_string()))
 }
 
 impl Workshop {
@@ -176,15 +173,9 @@ impl Workshop {
         self.edits += actions.len() as u64;
         let Some(store) = &mut self.store else { return };
         // A warm frame without edits neither writes nor allocates.
-        let kept = if actions.is_empty() {
-            store.check()
-        } else {
-            store.append(&actions)
-        };
+        let kept = if actions.is_empty() { store.check() } else { store.append(&actions) };
         if let Err(error) = kept {
-            self.world.show_message(format!(
-                "{error}. Your work is kept in memory and written with the next edit."
-            ));
+            self.world.show_message(format!("{error}. Your work is kept in memory and written with the next edit."));
         }
     }
 
@@ -193,9 +184,7 @@ impl Workshop {
             self.growing = self.growing.filter(|&newest| newest != id);
             self.world.set_tree(id, grown);
         }
-        let Some(request) = self.world.tree_request() else {
-            return;
-        };
+        let Some(request) = self.world.tree_request() else { return };
         let wanted = (request.id, Arc::clone(&request.sketch), request.step);
         if sketch::predict_segments(&wanted.1, wanted.2) <= self.params.at_once {
             let (id, grown) = grow(&wanted, &AtomicBool::new(false));
