@@ -51,14 +51,24 @@ const CELL_PX: u32 = 2;
 const CELLS: u32 = SIDE * SIDE;
 
 /// The draws that are tried: cells of one instance, and whether through an index buffer.
-const SHAPES: [(u32, bool); 6] = [(1, true), (8, true), (64, true), (CELLS, true), (CELLS, false), (1, false)];
+const SHAPES: [(u32, bool); 6] = [
+    (1, true),
+    (8, true),
+    (64, true),
+    (CELLS, true),
+    (CELLS, false),
+    (1, false),
+];
 
 /// Draws for two views and compares.
 ///
 /// # Errors
 /// [`RenderError`] when the device fails; a wrong picture is no error.
 pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
-    let extent = vk::Extent2D { width: SIDE * CELL_PX, height: SIDE * CELL_PX };
+    let extent = vk::Extent2D {
+        width: SIDE * CELL_PX,
+        height: SIDE * CELL_PX,
+    };
     let format = vk::Format::R8G8B8A8_UNORM;
     let depth_format = vk::Format::D32_SFLOAT;
     let attachments = Attachments::new(gpu, format, depth_format, extent, false)?;
@@ -84,9 +94,18 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
         depth: depth_format,
     };
     let indexed = Pipeline::new(gpu, &layout, &desc)?;
-    let flat = Pipeline::new(gpu, &layout, &PipelineDesc { vertex: shaders::probe::FLAT_VERTEX, ..desc })?;
+    let flat = Pipeline::new(
+        gpu,
+        &layout,
+        &PipelineDesc {
+            vertex: shaders::probe::FLAT_VERTEX,
+            ..desc
+        },
+    )?;
     let cell = [0_u16, 1, 2, 2, 1, 3];
-    let corners: Vec<u16> = (0..u16::try_from(CELLS).unwrap_or(0)).flat_map(|n| cell.map(|corner| n * 4 + corner)).collect();
+    let corners: Vec<u16> = (0..u16::try_from(CELLS).unwrap_or(0))
+        .flat_map(|n| cell.map(|corner| n * 4 + corner))
+        .collect();
     let mut indices = Buffer::new(
         gpu,
         "the probe's indices",
@@ -99,7 +118,11 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
     for (batch, through_indices) in SHAPES {
         run_now(gpu, |commands| {
             let [color, depth] = attachments.ready();
-            full_barrier(gpu, commands, &[color, depth, discard(target.image, format)]);
+            full_barrier(
+                gpu,
+                commands,
+                &[color, depth, discard(target.image, format)],
+            );
             let many_color = [vk::RenderingAttachmentInfo::default()
                 .image_view(attachments.color_view.handle)
                 .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
@@ -113,7 +136,10 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
                 .image_layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)
                 .load_op(vk::AttachmentLoadOp::CLEAR)
                 .store_op(vk::AttachmentStoreOp::DONT_CARE);
-            let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
+            let area = vk::Rect2D {
+                offset: vk::Offset2D::default(),
+                extent,
+            };
             let info = vk::RenderingInfo::default()
                 .render_area(area)
                 .layer_count(1)
@@ -121,8 +147,12 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
                 .color_attachments(&many_color)
                 .depth_attachment(&many_depth);
             #[allow(clippy::cast_precision_loss, reason = "32 pixels")]
-            let viewport =
-                [vk::Viewport { width: extent.width as f32, height: extent.height as f32, max_depth: 1.0, ..Default::default() }];
+            let viewport = [vk::Viewport {
+                width: extent.width as f32,
+                height: extent.height as f32,
+                max_depth: 1.0,
+                ..Default::default()
+            }];
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
             let numbers = [SIDE, batch];
             let pipeline = if through_indices { &indexed } else { &flat };
@@ -132,10 +162,25 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
                 (gpu.newer.begin_rendering)(commands, &raw const info);
                 device.cmd_set_viewport(commands, 0, &viewport);
                 device.cmd_set_scissor(commands, 0, &[area]);
-                device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline.handle);
-                device.cmd_push_constants(commands, layout.handle, stages, 0, bytemuck::cast_slice(&numbers));
+                device.cmd_bind_pipeline(
+                    commands,
+                    vk::PipelineBindPoint::GRAPHICS,
+                    pipeline.handle,
+                );
+                device.cmd_push_constants(
+                    commands,
+                    layout.handle,
+                    stages,
+                    0,
+                    bytemuck::cast_slice(&numbers),
+                );
                 if through_indices {
-                    device.cmd_bind_index_buffer(commands, indices.handle, 0, vk::IndexType::UINT16);
+                    device.cmd_bind_index_buffer(
+                        commands,
+                        indices.handle,
+                        0,
+                        vk::IndexType::UINT16,
+                    );
                     device.cmd_draw_indexed(commands, 6 * batch, CELLS / batch, 0, 0, 0);
                 } else {
                     device.cmd_draw(commands, 6 * batch, CELLS / batch, 0, 0);
@@ -172,13 +217,21 @@ mod tests {
         let drawn = |mark: [u8; 2]| {
             image::RgbaImage::from_fn(SIDE * CELL_PX, SIDE * CELL_PX, |x, y| {
                 let cell = y / CELL_PX * SIDE + x / CELL_PX;
-                image::Rgba([mark[0], mark[1], u8::try_from(cell % 16 * 17).unwrap_or(0), 255])
+                image::Rgba([
+                    mark[0],
+                    mark[1],
+                    u8::try_from(cell % 16 * 17).unwrap_or(0),
+                    255,
+                ])
             })
         };
         let (left, second) = (drawn([255, 0]), drawn([0, 255]));
         assert!(right(&[left.clone(), second.clone()]));
         assert!(!right(&[second.clone(), left.clone()]), "swapped");
-        assert!(!right(&[second.clone(), second.clone()]), "both in the first layer");
+        assert!(
+            !right(&[second.clone(), second.clone()]),
+            "both in the first layer"
+        );
         let mut hole = second;
         hole.put_pixel(5, 7, image::Rgba([0; 4]));
         assert!(!right(&[left, hole]), "one pixel missing");
