@@ -18,7 +18,7 @@ fn sky(direction: vec3f) -> vec3f {
     color = mix(color, ZENITH, smoothstep(0.12, 0.95, height));
     let toward = max(dot(d, frame.sun.xyz), 0.0);
     // Haze glows around the sun, the more the nearer to the horizon.
-    color += vec3f(0.30, 0.19, 0.08) * pow(toward, 6.0) * (1.0 - 0.7 * height);
+    color += vec3f(0.20, 0.155, 0.09) * pow(toward, 5.0) * (1.0 - 0.6 * height);
     color += vec3f(0.55, 0.44, 0.28) * pow(toward, 90.0);
     color += vec3f(1.0, 0.95, 0.85) * smoothstep(0.9990, 0.9997, toward);
     return color;

@@ -234,10 +234,10 @@ impl<'a> Matcher<'a> {
             match (item, role) {
                 (_, Role::Close) => return false,
                 (_, Role::Ignored) => at += 1,
-                (Pattern::Open { close }, Role::Open) => {
-                    let inner = pattern.get(next + 1..*close).unwrap_or(&[]);
+                (Pattern::Open { inside }, Role::Open) => {
+                    let inner = pattern.get(next + 1..=next + inside).unwrap_or(&[]);
                     if self.right(inner, at + 1, bound) {
-                        next = close + 1;
+                        next += inside + 2;
                     }
                     at = self.partner(at) + 1;
                 }

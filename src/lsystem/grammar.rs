@@ -1,14 +1,13 @@
 //! A checked grammar: everything that derivation and the turtle need, with no text left to look at.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
+use super::code::Expression;
 use super::derive::{self, Limits};
 use super::error::{DeriveError, GrammarErrors};
-use super::expression::Expression;
 use super::names::{Names, Symbol};
 use super::parse;
 use super::shape::Shape;
@@ -75,10 +74,10 @@ pub(crate) enum Pattern {
         /// First slot.
         slot: u16,
     },
-    /// A branch; `close` is the index of its end in the pattern.
+    /// A branch: so many items of the pattern stand in it, then its `Close`.
     Open {
-        /// Index of the `Close` that belongs to it.
-        close: usize,
+        /// Items between this and its `Close`.
+        inside: usize,
     },
     /// End of a branch.
     Close,
@@ -249,17 +248,4 @@ impl Grammar {
             .copied()
             .unwrap_or_default()
     }
-}
-
-/// The folder of a grammar file that exists on this machine.
-pub(crate) fn folder_of(file: &str) -> Option<std::path::PathBuf> {
-    let path = Path::new(file);
-    if !path.is_file() {
-        return None;
-    }
-    let folder = path
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    folder.canonicalize().ok()
 }

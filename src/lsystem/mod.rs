@@ -16,16 +16,19 @@
 //! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context`,
 //! `turtle` draws it, `report` says what `ramus derive` prints.
 
+mod code;
 mod context;
 mod derive;
 mod error;
 mod expression;
 mod grammar;
+mod include;
 mod names;
 mod number;
 mod parse;
 mod random;
 pub mod report;
+mod rewrite;
 mod rules;
 mod shape;
 mod source;

@@ -4,22 +4,21 @@
 //! constants, then everything else. Every statement is tried, so that several faults are told at once.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::error::{GrammarError, GrammarErrors, nearest};
 use super::expression;
-use super::grammar::{Grammar, Order, Role, Rule, RuleSet, folder_of};
+use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
+use super::include::{folder_of, gather};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
 use super::rules;
-use super::shape::{Shape, Wrap};
-use super::source::{Block, Cursor, KEYWORDS, MAX_SOURCE_BYTES, Source, Statement, statements};
+use super::shape::{self, Shape, Wrap};
+use super::source::{Block, Cursor, KEYWORDS, Source, Statement};
 use super::string::ModuleString;
 
-/// Files that may include each other in a chain.
-const MAX_INCLUDE_DEPTH: usize = 16;
 /// Rounds of decomposition where the file states none.
 const DECOMPOSE_DEPTH: u32 = 100;
 /// Rounds of interpretation where the file states none: each module is replaced once, as L-Py does.
@@ -44,6 +43,7 @@ pub(crate) struct Parser {
     angle: Option<f64>,
     tropism: Option<DVec3>,
     shapes: Vec<Shape>,
+    shape_names: BTreeSet<String>,
     wrap: Wrap,
     /// Statements that may stand only once.
     seen: BTreeSet<&'static str>,
@@ -92,109 +92,6 @@ pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> 
         });
     }
     parser.finish(sources.first())
-}
-
-/// Cuts a file and what it includes into statements, in the order of the text.
-fn gather(
-    errors: &mut GrammarErrors,
-    sources: &mut Vec<Source>,
-    all: &mut Vec<Statement>,
-    mut source: Source,
-    folder: Option<&Path>,
-    chain: &mut Vec<PathBuf>,
-) {
-    if let Some(stripped) = source.text.strip_prefix('\u{feff}') {
-        source.text = stripped.to_owned();
-    }
-    let total: usize = sources.iter().map(|s| s.text.len()).sum::<usize>() + source.text.len();
-    if total > MAX_SOURCE_BYTES {
-        let message =
-            format!("this grammar has {total} bytes of text; at most {MAX_SOURCE_BYTES} are read");
-        errors.push(GrammarError::new(&source.name, &source.text, 0, message));
-        return;
-    }
-    let index = sources.len();
-    let found = statements(index, &source, errors);
-    sources.push(source);
-    for statement in found {
-        if statement.keyword != "include" {
-            all.push(statement);
-            continue;
-        }
-        let Some(source) = sources.get(index) else {
-            return;
-        };
-        match included(source, &statement, folder, chain) {
-            Ok((path, included)) => {
-                chain.push(path);
-                gather(errors, sources, all, included, folder, chain);
-                chain.pop();
-            }
-            Err(error) => errors.push(error),
-        }
-    }
-}
-
-/// Reads the file that an `include` names, which must lie in the grammar's folder.
-fn included(
-    source: &Source,
-    statement: &Statement,
-    folder: Option<&Path>,
-    chain: &[PathBuf],
-) -> Result<(PathBuf, Source), GrammarError> {
-    let mut cursor = Cursor::new(source, statement.body, statement.end);
-    if statement.block != Block::Main {
-        return Err(cursor.error_at(
-            statement.start,
-            "`include` inside a block; expected it outside".into(),
-        ));
-    }
-    cursor.expect("\"")?;
-    let start = cursor.pos();
-    let rest = cursor.rest();
-    let Some(length) = rest.find('"') else {
-        return Err(cursor.error_at(start, "this file name is not closed; expected `\"`".into()));
-    };
-    let name = rest.get(..length).unwrap_or("");
-    cursor.advance(length + 1);
-    end(&mut cursor)?;
-    let fail = |message: String| Err(cursor.error_at(start, message));
-    let Some(folder) = folder else {
-        return fail(format!(
-            "cannot include `{name}`: this grammar is not in a file, so it has no folder to read from"
-        ));
-    };
-    if chain.len() >= MAX_INCLUDE_DEPTH {
-        return fail(format!("includes nest deeper than {MAX_INCLUDE_DEPTH}"));
-    }
-    let path = match folder.join(name).canonicalize() {
-        Ok(path) if path.starts_with(folder) => path,
-        Ok(_) => {
-            return fail(format!(
-                "`{name}` is outside the grammar's folder; copy it there"
-            ));
-        }
-        Err(error) => return fail(format!("cannot read `{name}`: {error}")),
-    };
-    if chain.contains(&path) {
-        return fail(format!("`{name}` includes itself"));
-    }
-    let size = path.metadata().map_or(0, |m| m.len());
-    if size > MAX_SOURCE_BYTES as u64 {
-        return fail(format!(
-            "`{name}` has {size} bytes; at most {MAX_SOURCE_BYTES} are read"
-        ));
-    }
-    match std::fs::read_to_string(&path) {
-        Ok(text) => Ok((
-            path,
-            Source {
-                name: name.to_owned(),
-                text,
-            },
-        )),
-        Err(error) => fail(format!("cannot read `{name}`: {error}")),
-    }
 }
 
 /// Nothing may be left of the statement.
@@ -319,6 +216,11 @@ impl Parser {
                 "`{name}` is declared with {} parameter{s}{listed}; found {arity}",
                 declared.len()
             );
+            self.errors.push(cursor.error_at(at, message));
+        }
+        if matches!(name, "?P" | "?H") {
+            let message =
+                format!("the query `{name}` cannot be answered yet; expected another module");
             self.errors.push(cursor.error_at(at, message));
         }
         self.names.intern(name, arity).ok_or_else(|| {
@@ -463,12 +365,22 @@ impl Parser {
             "tropism" => {
                 let mut axis = [0.0; 3];
                 for value in &mut axis {
-                    *value = signed(cursor)?;
+                    *value = expression::signed(cursor)?;
                 }
                 self.tropism = Some(DVec3::from(axis));
                 Ok(())
             }
-            "shape" => self.shape(cursor),
+            "shape" => {
+                cursor.skip_blank();
+                let at = cursor.pos();
+                let shape = shape::read(&self.names, cursor)?;
+                if !self.shape_names.insert(shape.name.clone()) {
+                    let message = format!("the shape `{}` is given twice", shape.name);
+                    return Err(cursor.error_at(at, message));
+                }
+                self.shapes.push(shape);
+                Ok(())
+            }
             "decompose" => {
                 let depth = self.block(cursor, DECOMPOSE_DEPTH)?;
                 self.decompose.get_or_insert_with(|| (Vec::new(), 0)).1 = depth;
@@ -604,60 +516,6 @@ impl Parser {
         Ok(depth)
     }
 
-    /// `shape A = [(x y z r) …]`
-    fn shape(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
-        cursor.skip_blank();
-        let at = cursor.pos();
-        let name = self.names.read(cursor)?;
-        if !name.chars().next().is_some_and(char::is_alphanumeric) {
-            return Err(cursor.error_at(
-                at,
-                format!("`{name}` is a sign of the turtle; expected a letter"),
-            ));
-        }
-        if self.shapes.iter().any(|s| s.name == name) {
-            return Err(cursor.error_at(at, format!("the shape `{name}` is given twice")));
-        }
-        cursor.expect("=")?;
-        cursor.expect("[")?;
-        let mut displacements = Vec::new();
-        while !cursor.take("]") {
-            cursor.expect("(")?;
-            let mut values = Vec::new();
-            while !cursor.take(")") {
-                if values.len() == 4 {
-                    return Err(cursor.expected("`)` after x, y, z and a radius"));
-                }
-                cursor.skip_blank();
-                let at = cursor.pos();
-                let value = signed(cursor)?;
-                if values.len() == 3 && value < 0.0 {
-                    return Err(cursor.error_at(at, "a radius cannot be negative".into()));
-                }
-                values.push(value);
-                cursor.take(",");
-            }
-            match *values.as_slice() {
-                [x, y, z] => displacements.push((DVec3::new(x, y, z), None)),
-                [x, y, z, r] => displacements.push((DVec3::new(x, y, z), Some(r))),
-                _ => {
-                    return Err(
-                        cursor.expected("three numbers x y z, or four with a radius, before `)`")
-                    );
-                }
-            }
-            cursor.take(",");
-        }
-        if displacements.is_empty() {
-            return Err(cursor.error_at(
-                at,
-                format!("the shape `{name}` is empty; expected at least one `(x y z)`"),
-            ));
-        }
-        self.shapes.push(Shape::new(name, &displacements));
-        Ok(())
-    }
-
     fn finish(mut self, first: Option<&Source>) -> Result<Grammar, GrammarErrors> {
         let (file, text) = first.map_or(("", ""), |s| (s.name.as_str(), s.text.as_str()));
         let mut general = |message: &str| {
@@ -742,14 +600,4 @@ impl Parser {
             names: self.names,
         })
     }
-}
-
-/// A number with a sign.
-fn signed(cursor: &mut Cursor<'_>) -> Result<f64, GrammarError> {
-    let negative = cursor.take("-");
-    if !negative {
-        cursor.take("+");
-    }
-    let value = expression::number(cursor)?;
-    Ok(if negative { -value } else { value })
 }

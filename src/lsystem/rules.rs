@@ -1,7 +1,8 @@
 //! Reads one production: `left < predecessor > right : condition -> successor`.
 
+use super::code::Expression;
 use super::error::GrammarError;
-use super::expression::{self, Expression, Scope};
+use super::expression::{self, Scope};
 use super::grammar::{Pattern, Rule};
 use super::parse::{Brackets, Parser, end, parameters};
 use super::source::Cursor;
@@ -213,7 +214,7 @@ fn right_context(
                         format!("branches nest deeper than {MAX_PATTERN_DEPTH} in this context"),
                     ));
                 }
-                pattern.push(Pattern::Open { close: 0 });
+                pattern.push(Pattern::Open { inside: 0 });
             }
             "]" => {
                 let Some((start, _)) = open.pop() else {
@@ -223,8 +224,8 @@ fn right_context(
                     ));
                 };
                 let end = pattern.len();
-                if let Some(Pattern::Open { close }) = pattern.get_mut(start) {
-                    *close = end;
+                if let Some(Pattern::Open { inside }) = pattern.get_mut(start) {
+                    *inside = end - start - 1;
                 }
                 pattern.push(Pattern::Close);
             }

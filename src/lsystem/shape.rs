@@ -11,6 +11,11 @@
 
 use glam::{DQuat, DVec3};
 
+use super::error::GrammarError;
+use super::expression::signed;
+use super::names::Names;
+use super::source::Cursor;
+
 /// Below this, 1 + cos of the angle between two directions counts as 0: they are opposite.
 const OPPOSITE: f64 = 1e-14;
 
@@ -88,12 +93,67 @@ impl Shape {
     }
 }
 
+/// Reads `A = [(x y z r) …]`.
+pub(crate) fn read(names: &Names, cursor: &mut Cursor<'_>) -> Result<Shape, GrammarError> {
+    cursor.skip_blank();
+    let at = cursor.pos();
+    let name = names.read(cursor)?;
+    if !name.chars().next().is_some_and(char::is_alphanumeric) {
+        return Err(cursor.error_at(
+            at,
+            format!("`{name}` is a sign of the turtle; expected a letter"),
+        ));
+    }
+    cursor.expect("=")?;
+    cursor.expect("[")?;
+    let mut displacements = Vec::new();
+    while !cursor.take("]") {
+        cursor.expect("(")?;
+        let mut values = Vec::new();
+        while !cursor.take(")") {
+            if values.len() == 4 {
+                return Err(cursor.expected("`)` after x, y, z and a radius"));
+            }
+            cursor.skip_blank();
+            let at = cursor.pos();
+            let value = signed(cursor)?;
+            if values.len() == 3 && value < 0.0 {
+                return Err(cursor.error_at(at, "a radius cannot be negative".into()));
+            }
+            values.push(value);
+            cursor.take(",");
+        }
+        match *values.as_slice() {
+            [x, y, z] => displacements.push((DVec3::new(x, y, z), None)),
+            [x, y, z, r] => displacements.push((DVec3::new(x, y, z), Some(r))),
+            _ => {
+                return Err(
+                    cursor.expected("three numbers x y z, or four with a radius, before `)`")
+                );
+            }
+        }
+        cursor.take(",");
+    }
+    if displacements.is_empty() {
+        return Err(cursor.error_at(
+            at,
+            format!("the shape `{name}` is empty; expected at least one `(x y z)`"),
+        ));
+    }
+    Ok(Shape::new(name, &displacements))
+}
+
 /// The turtle's frame along each segment of a shape, where the shape begins in the frame 1: what a writer of grammars
 /// needs to say a branch's displacements in the frame of the segment it sits on.
 #[must_use]
 pub fn shape_frames(displacements: &[DVec3]) -> Vec<DQuat> {
-    let without_radii: Vec<(DVec3, Option<f64>)> = displacements.iter().map(|d| (*d, None)).collect();
-    Shape::new("", &without_radii).segments.iter().map(|segment| segment.frame).collect()
+    let without_radii: Vec<(DVec3, Option<f64>)> =
+        displacements.iter().map(|d| (*d, None)).collect();
+    Shape::new("", &without_radii)
+        .segments
+        .iter()
+        .map(|segment| segment.frame)
+        .collect()
 }
 
 /// The smallest rotation that takes the unit vector `from` to `to`; for opposite ones half a turn about `side`, which is

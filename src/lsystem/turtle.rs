@@ -15,7 +15,7 @@ use super::derive::{Limits, interpreted};
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::Grammar;
 use super::names::Symbol;
-use super::shape::{Shape, smallest_rotation};
+use super::shape::Shape;
 use super::string::ModuleString;
 use crate::tree::{NO_PARENT, Tree};
 
@@ -444,10 +444,4 @@ fn narrow(value: f64) -> f32 {
 
 fn narrowed(position: DVec3) -> Vec3 {
     Vec3::new(narrow(position.x), narrow(position.y), narrow(position.z))
-}
-
-/// The frame that the turtle has at its start turned so that its heading is `direction` (unit length), with no roll.
-#[must_use]
-pub fn frame_toward(direction: DVec3) -> DQuat {
-    smallest_rotation(DVec3::Y, direction, DVec3::X)
 }

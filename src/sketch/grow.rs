@@ -30,7 +30,8 @@ pub const GROW: GrowParams = GrowParams {
     string_bytes: 4096,
 };
 
-/// Modules (ends, brackets, rolls, helpers) that may come with one segment.
+/// Modules that may come with one segment: its end, brackets and roll, and, while a step is being made,
+/// a helper for each stroke.
 const MODULES_PER_SEGMENT: u64 = 8;
 
 /// A grown sketch.

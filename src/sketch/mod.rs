@@ -187,7 +187,7 @@ impl Default for Sketch {
             strokes: vec![Arc::new(trunk)],
             divergence_deg: GOLDEN_DEG,
             scale: 2.0,
-            tip_radius: 0.004,
+            tip_radius: 0.02,
             radius_exponent: 2.0,
             wrap: Wrap::CarryHeading,
             self_similar_branches: true,

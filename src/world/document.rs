@@ -43,12 +43,13 @@ pub const PLACEMENT_BOUNDS: PlacementBounds = PlacementBounds {
 };
 
 impl Default for Placement {
-    /// Half an arm's length ahead, at the height of a table.
+    /// Half an arm's length ahead, at the height of a table, one to four: an arm's length of drawing is
+    /// a sapling of two metres, and the tree at full size (twice the sketch by default) some metres high.
     fn default() -> Self {
         Self {
-            position: Vec3::new(0.0, 0.9, -0.5),
+            position: Vec3::new(0.0, 0.9, -0.55),
             yaw_deg: 0.0,
-            scale: 1.0,
+            scale: 0.25,
         }
     }
 }
@@ -251,6 +252,9 @@ pub enum EditError {
     /// Nothing to draw.
     #[error("a stroke needs at least one segment")]
     EmptyStroke,
+    /// A journal's undo or redo without anything to undo or redo.
+    #[error("there is nothing to undo or redo")]
+    NothingToRepeat,
 }
 
 impl Document {

@@ -138,18 +138,22 @@ impl History {
     /// Repeats an action of a journal.
     ///
     /// # Errors
-    /// Where an edit is refused.
+    /// Where an edit is refused, and where there is nothing to undo or redo: only what was done is
+    /// ever written down, so the journal does not belong to this history then.
     pub fn repeat(&mut self, action: Action) -> Result<(), EditError> {
-        match action {
-            Action::Edit(edit) => self.apply(edit)?,
-            Action::Undo => {
-                self.undo();
+        let repeated = match action {
+            Action::Edit(edit) => {
+                self.apply(edit)?;
+                true
             }
-            Action::Redo => {
-                self.redo();
-            }
+            Action::Undo => self.undo(),
+            Action::Redo => self.redo(),
+        };
+        if repeated {
+            Ok(())
+        } else {
+            Err(EditError::NothingToRepeat)
         }
-        Ok(())
     }
 
     /// Takes what was done since the last call, in order, for the journal.

@@ -2,19 +2,23 @@
 //!
 //! The app appends a line after each action; this module only turns actions into lines and lines
 //! into actions. A line carries its number and a checksum over itself and all lines before it, and
-//! the header names the project that the actions start from by its hash. So a line that was half
-//! written when the power went is dropped, damage in the middle ends the reading there, and lines
-//! of another project are never replayed on this one.
+//! the header holds the whole project that the actions start from, and its hash. So a line that was
+//! half written when the power went is dropped, damage in the middle ends the reading there, and
+//! lines of another project are never replayed on this one.
+//!
+//! The header holds the project, not only its name, because the actions of a session may go back
+//! behind the last save: *undo* after a save undoes what was done before it. So one journal goes on
+//! from the start of a session to its end, over all saves, and [`recover`] needs nothing else.
 //!
 //! ```text
-//! {"format":"ramus-journal","version":1,"base":"8f1c…"}
+//! {"format":"ramus-journal","version":1,"base":"8f1c…","project":{…}}
 //! {"n":1,"check":"03ab…","do":{"edit":{"add-segment":{"to":[0.0,0.2,0.0]}}}}
 //! {"n":2,"check":"77e0…","do":"undo"}
 //! ```
 //!
 //! The checksum is FNV-1a: it is against accidents, not against forgery.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::{
     document::Document,
@@ -53,11 +57,16 @@ pub enum JournalError {
     OtherBase,
 }
 
-#[derive(Serialize, Deserialize)]
-struct Header {
+/// What every version's header has.
+#[derive(Deserialize)]
+struct Head {
     format: String,
     version: u64,
-    base: String,
+}
+
+#[derive(Deserialize)]
+struct HeaderV1 {
+    project: serde_json::Value,
 }
 
 #[derive(Deserialize)]
@@ -70,7 +79,8 @@ struct Line {
     r#do: Action,
 }
 
-/// Writes lines in order. Start one with [`Journal::begin`] whenever the project is saved.
+/// Writes lines in order. Begin one when a session begins and go on with it until the session ends:
+/// saving the project does not end it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Journal {
     /// The number of the next line, from 1.
@@ -80,23 +90,24 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// A journal that starts from `base`, and its header line with the line end.
+    /// A journal that starts from `base`, the first document of the history whose actions follow,
+    /// and its header line with the line end.
     #[must_use]
     pub fn begin(base: &Document) -> (Self, String) {
-        let base = base_hash(base);
-        let header = Header {
-            format: FORMAT.to_owned(),
-            version: VERSION,
-            base: format!("{base:016x}"),
-        };
-        let mut line = serde_json::to_string(&header).unwrap_or_default();
-        line.push('\n');
+        let bytes = project::to_bytes(base);
+        // No string of a project holds a line end, so taking the indents off leaves the same JSON.
+        let text = String::from_utf8_lossy(&bytes);
+        let project: String = text.lines().map(str::trim_start).collect();
+        let base = fnv1a64(FNV_OFFSET, &bytes);
+        let header = format!(
+            "{{\"format\":\"{FORMAT}\",\"version\":{VERSION},\"base\":\"{base:016x}\",\"project\":{project}}}\n"
+        );
         (
             Self {
                 next: 1,
                 chain: base,
             },
-            line,
+            header,
         )
     }
 
@@ -120,6 +131,8 @@ impl Journal {
 pub struct Decoded {
     /// Hash of the project that the actions start from.
     pub base: u64,
+    /// The project that the actions start from.
+    pub project: Document,
     /// The actions, in order.
     pub actions: Vec<Action>,
     /// How many bytes of the file are whole: cut it here before going on with `journal`.
@@ -166,9 +179,10 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, JournalError> {
         .next()
         .filter(|line| line.ends_with(b"\n"))
         .ok_or(JournalError::Empty)?;
-    let base = read_header(first)?;
+    let (base, project) = read_header(first)?;
     let mut decoded = Decoded {
         base,
+        project,
         actions: Vec::new(),
         whole_bytes: first.len(),
         journal: Journal {
@@ -207,15 +221,23 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, JournalError> {
     Ok(decoded)
 }
 
-fn read_header(line: &[u8]) -> Result<u64, JournalError> {
-    let header: Header = serde_json::from_slice(line).map_err(|_| JournalError::NotAJournal)?;
-    if header.format != FORMAT {
+fn read_header(line: &[u8]) -> Result<(u64, Document), JournalError> {
+    let head: Head = serde_json::from_slice(line).map_err(|_| JournalError::NotAJournal)?;
+    if head.format != FORMAT {
         return Err(JournalError::NotAJournal);
     }
-    if header.version != VERSION {
-        return Err(JournalError::Version(header.version));
+    if head.version != VERSION {
+        return Err(JournalError::Version(head.version));
     }
-    u64::from_str_radix(&header.base, 16).map_err(|_| JournalError::NotAJournal)
+    let header: HeaderV1 = serde_json::from_slice(line).map_err(|_| JournalError::NotAJournal)?;
+    let project = serde_json::to_vec(&header.project).unwrap_or_default();
+    let project = project::from_bytes(&project).map_err(|_| JournalError::NotAJournal)?;
+    // As for every line: it is whole when writing it again gives the same bytes.
+    let (journal, again) = Journal::begin(&project);
+    if again.as_bytes() != line {
+        return Err(JournalError::NotAJournal);
+    }
+    Ok((journal.chain, project))
 }
 
 /// What a journal brought back.
@@ -229,16 +251,11 @@ pub struct Recovered {
     pub message: Option<String>,
 }
 
-/// Repeats a journal's actions on the project it starts from. Its log is empty afterwards: what is
-/// in the journal need not be written again.
-///
-/// # Errors
-/// Where `base` is not the project that the journal names.
-pub fn replay(base: &Document, decoded: &Decoded) -> Result<Recovered, JournalError> {
-    if base_hash(base) != decoded.base {
-        return Err(JournalError::OtherBase);
-    }
-    let mut history = History::new(base.clone());
+/// Repeats a journal's actions on the project it starts from. The history's log is empty afterwards:
+/// what is in the journal need not be written again.
+#[must_use]
+pub fn recover(decoded: &Decoded) -> Recovered {
+    let mut history = History::new(decoded.project.clone());
     let mut message = decoded.damage.map(|damage| damage.to_string());
     let mut actions = 0;
     for action in &decoded.actions {
@@ -253,11 +270,22 @@ pub fn replay(base: &Document, decoded: &Decoded) -> Result<Recovered, JournalEr
         actions += 1;
     }
     history.take_log();
-    Ok(Recovered {
+    Recovered {
         history,
         actions,
         message,
-    })
+    }
+}
+
+/// [`recover`], where the journal must start from `base`.
+///
+/// # Errors
+/// Where `base` is not the project that the journal starts from.
+pub fn replay(base: &Document, decoded: &Decoded) -> Result<Recovered, JournalError> {
+    if base_hash(base) != decoded.base {
+        return Err(JournalError::OtherBase);
+    }
+    Ok(recover(decoded))
 }
 
 /// The hash by which a journal names the project it starts from.

@@ -1,10 +1,382 @@
 //! What stands on stage and what each tool does: pure logic, no GPU, no OpenXR, no threads.
+//!
+//! In: an [`Input`] a frame. Out: edits of the document, vibrations, wishes for
+//! a tree, and a [`Scene`]. [`tools`] turns button edges into edits, [`history`]
+//! keeps them, `miniature` and [`stage`] make the picture, `growth` lets
+//! the full-size tree grow on the eye, [`board`] says it all in text.
+//!
+//! A frame in which nothing happens allocates nothing; `tests/world_alloc.rs` holds that.
 
+use glam::Affine3A;
+
+use crate::sketch::{Grown, predict_segments};
+
+pub mod board;
 pub mod document;
 #[cfg(test)]
 mod document_tests;
+mod grip;
+mod growth;
+pub mod hands;
 pub mod history;
+mod hold;
+pub mod hover;
 pub mod input;
 pub mod journal;
+mod miniature;
 pub mod project;
 pub mod scene;
+pub mod stage;
+pub mod tools;
+
+use board::{BoardParams, Facts, LiveBoard};
+use document::{Document, Edit, EditError};
+use growth::Growth;
+use history::{Action, History};
+use input::Input;
+use scene::{Ball, Controller, Rod, Scene};
+use stage::{Palette, StageParams};
+use tools::{Hover, Tools};
+
+pub use grip::GripParams;
+pub use growth::{GrowthParams, TreeRequest};
+pub use tools::{Haptic, ToolParams};
+
+/// Everything about the world that can be set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldParams {
+    /// Sizes and places.
+    pub stage: StageParams,
+    /// Colours.
+    pub palette: Palette,
+    /// How the tools act.
+    pub tools: ToolParams,
+    /// How growth is shown.
+    pub growth: GrowthParams,
+    /// How much text the board takes.
+    pub board: BoardParams,
+    /// Seconds for which a message stays.
+    pub message_seconds: f32,
+    /// Longest time that one frame moves anything on, seconds.
+    pub longest_frame: f64,
+}
+
+impl Default for WorldParams {
+    fn default() -> Self {
+        Self {
+            stage: StageParams::default(),
+            palette: Palette::default(),
+            tools: ToolParams::default(),
+            growth: GrowthParams::default(),
+            board: BoardParams::default(),
+            message_seconds: 8.0,
+            longest_frame: 0.1,
+        }
+    }
+}
+
+/// Something to be told, and for how much longer.
+#[derive(Debug)]
+struct Message {
+    text: String,
+    seconds: f32,
+}
+
+/// The stage with all that stands on it, the tools, and the document in their hands.
+#[derive(Debug)]
+pub struct World {
+    params: WorldParams,
+    history: History,
+    tools: Tools,
+    growth: Growth,
+    board: LiveBoard,
+    /// The grown string, perhaps cut.
+    string: String,
+    string_revision: u64,
+    message: Option<Message>,
+    /// Time of the last frame.
+    clock: Option<f64>,
+}
+
+impl World {
+    /// A world with this document and its past.
+    #[must_use]
+    pub fn new(history: History) -> Self {
+        Self::with_params(history, WorldParams::default())
+    }
+
+    /// A world that is set differently.
+    #[must_use]
+    pub fn with_params(history: History, params: WorldParams) -> Self {
+        let tools = Tools::new(
+            history.committed(),
+            params.tools,
+            params.stage,
+            params.palette,
+        );
+        let mut world = Self {
+            params,
+            history,
+            tools,
+            growth: Growth::default(),
+            board: LiveBoard::default(),
+            string: String::new(),
+            string_revision: 0,
+            message: None,
+            clock: None,
+        };
+        world.wish();
+        world.compose();
+        world
+    }
+
+    /// Acts on one frame; gives the vibrations that belong to it.
+    pub fn update(&mut self, input: &Input) -> &[Haptic] {
+        let seconds = self.pass(input.time);
+        self.tools.update(input, &mut self.history);
+        if let Some(text) = self.tools.take_message() {
+            self.show_message(text);
+        }
+        self.growth.advance(seconds, &self.params.growth);
+        if let Some(message) = &mut self.message {
+            message.seconds -= seconds;
+            if message.seconds <= 0.0 {
+                self.message = None;
+            }
+        }
+        self.wish();
+        self.compose();
+        &self.tools.haptics
+    }
+
+    /// Seconds since the last frame, as far as they are to be believed.
+    fn pass(&mut self, time: f64) -> f32 {
+        if !time.is_finite() {
+            return 0.0;
+        }
+        let passed = self.clock.map_or(0.0, |before| time - before);
+        self.clock = Some(time);
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "at most a tenth of a second"
+        )]
+        let seconds = passed.clamp(0.0, self.params.longest_frame) as f32;
+        seconds
+    }
+
+    /// Wishes for the tree of what is seen, unless it is there or would be too large.
+    fn wish(&mut self) {
+        let document = &self.tools.shown;
+        if !self.growth.is_new(document) {
+            return;
+        }
+        let segments = predict_segments(&document.sketch, document.step);
+        let most = self.params.growth.max_segments;
+        if segments <= most {
+            self.growth.wish(document);
+            return;
+        }
+        self.growth.note(document);
+        let step = document.step;
+        self.show_message(format!(
+            "At step {step} this sketch has more than {most} segments: the tree shown is an earlier one; step back to see it again."
+        ));
+    }
+
+    fn compose(&mut self) {
+        let facts = Facts {
+            string: &self.string,
+            segments: self.growth.segments(),
+            waiting: self.growth.is_waiting(),
+            undo: [self.history.undo_count(), self.history.redo_count()],
+            message: self.message.as_ref().map(|message| &*message.text),
+            string_revision: self.string_revision,
+        };
+        self.board
+            .follow(self.history.committed(), &facts, &self.params.board);
+    }
+
+    /// What is kept: without what hands are still holding.
+    #[must_use]
+    pub fn document(&self) -> &Document {
+        self.history.committed()
+    }
+
+    /// What is seen: with what hands are holding where they hold it.
+    #[must_use]
+    pub fn shown(&self) -> &Document {
+        &self.tools.shown
+    }
+
+    /// The document's past and future.
+    #[must_use]
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// Applies an edit that comes from a panel. Hands let go of what it takes away.
+    ///
+    /// # Errors
+    /// Where the edit is refused; nothing changes then.
+    pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
+        self.history.apply(edit)?;
+        self.tools.check_holds(&self.history);
+        self.follow_history();
+        Ok(())
+    }
+
+    /// Undoes the last edit; hands let go of everything. False: there was none.
+    pub fn undo(&mut self) -> bool {
+        self.tools.let_go();
+        let done = self.history.undo();
+        self.follow_history();
+        done
+    }
+
+    /// Redoes the last edit undone; hands let go of everything. False: there was none.
+    pub fn redo(&mut self) -> bool {
+        self.tools.let_go();
+        let done = self.history.redo();
+        self.follow_history();
+        done
+    }
+
+    fn follow_history(&mut self) {
+        self.tools.show(&self.history);
+        self.wish();
+        self.compose();
+    }
+
+    /// What was done since the last call, in order, for the journal.
+    #[must_use = "an action that is not written down is lost"]
+    pub fn take_edits(&mut self) -> Vec<Action> {
+        self.history.take_log()
+    }
+
+    /// The tree that the world would like to show next, if it has not been taken yet. A newer wish replaces
+    /// an older one that nobody took.
+    pub fn tree_request(&mut self) -> Option<TreeRequest> {
+        self.growth.take_request()
+    }
+
+    /// Gives the tree of a [`TreeRequest`], or a sentence that says why there is none. A tree that is older than
+    /// the one shown is dropped.
+    pub fn set_tree(&mut self, id: u64, grown: Result<Grown, String>) {
+        match grown {
+            Ok(grown) => {
+                if let Some(string) = self.growth.give(id, grown)
+                    && string != self.string
+                {
+                    self.string = string;
+                    self.string_revision += 1;
+                }
+            }
+            Err(text) => {
+                if self.growth.fail(id) {
+                    self.show_message(text);
+                }
+            }
+        }
+        self.compose();
+    }
+
+    /// Whether the picture moves by itself now: a step is growing or shrinking.
+    #[must_use]
+    pub fn is_growing(&self) -> bool {
+        self.growth.is_moving()
+    }
+
+    /// Shows a sentence on the board for some seconds.
+    pub fn show_message(&mut self, text: String) {
+        self.message = Some(Message {
+            text,
+            seconds: self.params.message_seconds,
+        });
+        self.compose();
+    }
+
+    /// Describes this frame's picture. The scene's vectors keep their capacity.
+    pub fn scene(&self, scene: &mut Scene) {
+        let WorldParams { stage, palette, .. } = &self.params;
+        scene.rods.clear();
+        scene.balls.clear();
+        scene.plates.clear();
+        scene.controllers.clear();
+        let hovers = self.tools.hands.map(|hand| hand.hover);
+        let rim_held = self
+            .tools
+            .hands
+            .iter()
+            .any(|hand| hand.hold == tools::Hold::Platform);
+        let rim_hovered = rim_held
+            || hovers
+                .iter()
+                .any(|hover| matches!(hover, Hover::Rim { .. }));
+        let document = &self.tools.shown;
+        stage::furniture(
+            &document.platform,
+            rim_hovered,
+            stage,
+            palette,
+            &mut scene.plates,
+        );
+        let highlights = self.tools.hands.map(|hand| match (hand.hold, hand.hover) {
+            (tools::Hold::Node(at), _) | (_, Hover::Node { at, .. }) => Some(at),
+            _ => None,
+        });
+        self.tools
+            .miniature
+            .draw(document.selected, highlights, stage, palette, scene);
+        for hand in 0..self.tools.hands.len() {
+            self.draw_hand(hand, scene);
+        }
+        scene.tree = self.growth.placed(Affine3A::from_translation(stage.tree));
+        scene.board = Some(self.board.placed(stage));
+    }
+
+    /// A controller, its ray, and what its trigger would make.
+    fn draw_hand(&self, hand: usize, scene: &mut Scene) {
+        let WorldParams { stage, palette, .. } = &self.params;
+        let Some(state) = self.tools.hands.get(hand) else {
+            return;
+        };
+        let Some(sample) = state.sample else { return };
+        scene.controllers.push(Controller {
+            world_from_grip: Affine3A::from_rotation_translation(
+                sample.grip.orientation,
+                sample.grip.position,
+            ),
+            hand,
+            trigger: sample.trigger,
+        });
+        if let Some(ghost) = self.tools.ghost(hand) {
+            scene.rods.push(Rod {
+                from: ghost.from,
+                to: ghost.to,
+                radius: stage.line_radius,
+                color: palette.ghost,
+            });
+            scene.balls.push(Ball {
+                center: ghost.to,
+                radius: stage.selected_radius,
+                color: palette.ghost,
+            });
+        }
+        if state.hold != tools::Hold::Nothing {
+            return;
+        }
+        let (length, color) = match state.hover {
+            Hover::Node { along, .. } | Hover::Rim { along } => (along, palette.ray_hit),
+            Hover::Nothing => (stage.ray_length, palette.ray),
+        };
+        if length > 0.0 {
+            let from = sample.aim.position;
+            scene.rods.push(Rod {
+                from,
+                to: from + sample.direction * length,
+                radius: stage.ray_radius,
+                color,
+            });
+        }
+    }
+}

@@ -54,7 +54,6 @@ impl Swapchain {
     }
 
     /// Width and height of one eye in pixels.
-    #[must_use]
     pub fn extent(&self) -> vk::Extent2D {
         self.extent
     }

@@ -20,12 +20,17 @@
 
 mod call;
 mod connect;
+mod events;
+#[cfg(test)]
+mod fake;
 mod frames;
 mod headset;
 mod input;
 mod space;
 mod swapchain;
 mod system;
+#[cfg(test)]
+mod tests;
 mod view;
 
 pub use connect::{ConnectError, connect, quiet_loader};

@@ -36,17 +36,17 @@ pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
         (cast_slice(&mesh.indices), Some(ELEMENT_ARRAY_BUFFER)),
         (&texture, None),
     ];
-    let mut binary = Vec::with_capacity(parts.iter().map(|(bytes, _)| bytes.len() + 3).sum());
+    // Lengths first, so that the parts are copied once, straight into the file.
+    let mut binary_length = 0;
     let mut views = Vec::new();
     for (bytes, target) in parts {
         let mut view =
-            json!({ "buffer": 0, "byteOffset": binary.len(), "byteLength": bytes.len() });
+            json!({ "buffer": 0, "byteOffset": binary_length, "byteLength": bytes.len() });
         if let Some(target) = target {
             view["target"] = json!(target);
         }
         views.push(view);
-        binary.extend_from_slice(bytes);
-        pad(&mut binary, 0);
+        binary_length += bytes.len().next_multiple_of(4);
     }
 
     let vertices = mesh.positions.len();
@@ -83,7 +83,7 @@ pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
             { "bufferView": 3, "componentType": UNSIGNED_INT, "count": mesh.indices.len(), "type": "SCALAR" },
         ],
         "bufferViews": views,
-        "buffers": [{ "byteLength": binary.len() }],
+        "buffers": [{ "byteLength": binary_length }],
     });
     let mut text = document.to_string().into_bytes();
     pad(&mut text, b' ');
@@ -94,7 +94,7 @@ pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
         sides: params.sides,
     };
     let length = |bytes: usize| u32::try_from(bytes).map_err(|_| too_large());
-    let total = length(12 + 8 + text.len() + 8 + binary.len())?;
+    let total = length(12 + 8 + text.len() + 8 + binary_length)?;
     let mut file = Vec::with_capacity(total as usize);
     for word in [
         u32::from_le_bytes(*b"glTF"),
@@ -106,10 +106,13 @@ pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
         file.extend_from_slice(&word.to_le_bytes());
     }
     file.extend_from_slice(&text);
-    for word in [length(binary.len())?, u32::from_le_bytes(*b"BIN\0")] {
+    for word in [length(binary_length)?, u32::from_le_bytes(*b"BIN\0")] {
         file.extend_from_slice(&word.to_le_bytes());
     }
-    file.extend_from_slice(&binary);
+    for (bytes, _) in parts {
+        file.extend_from_slice(bytes);
+        pad(&mut file, 0);
+    }
     Ok(file)
 }
 

@@ -8,12 +8,12 @@ use ash::vk::{self, Handle as _};
 
 use super::call::Called as _;
 use super::connect::{ConnectError, refused};
-use super::frames;
 use super::input::Input;
 use super::space::{Stage, locate, raw_from_pose};
 use super::swapchain::{Chain, choose_formats};
 use super::system::{STEREO, StartParams, System, VulkanHandles};
 use super::view::locate_views;
+use super::{events, frames};
 use crate::frame::{Frame, Hand, Pose, Pulse, View};
 use crate::headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};
 use crate::lifecycle::{Demand, FrameCall, FrameClock, Lifecycle, Stage as FrameStage, State};
@@ -173,7 +173,7 @@ impl OpenXrHeadset {
             };
             match event {
                 xr::Event::SessionStateChanged(change) => {
-                    if let Some(state) = state_from_raw(change.state()) {
+                    if let Some(state) = events::state_from_raw(change.state()) {
                         tracing::debug!("the session is {state:?}");
                         self.enter(state)?;
                     }
@@ -186,7 +186,9 @@ impl OpenXrHeadset {
                 {
                     self.recentred_at = Some(change.change_time());
                 }
-                xr::Event::InteractionProfileChanged(_) => self.report_controllers(),
+                xr::Event::InteractionProfileChanged(_) => {
+                    events::report_controllers(&self.session)
+                }
                 xr::Event::EventsLost(lost) => {
                     tracing::warn!("the runtime dropped {} events", lost.lost_event_count());
                 }
@@ -201,12 +203,15 @@ impl OpenXrHeadset {
             Demand::Begin => {
                 self.session
                     .begin(STEREO)
-                    .and_then(loss)
+                    .and_then(events::loss)
                     .called("xrBeginSession")?;
                 self.lifecycle.begun();
             }
             Demand::End => {
-                self.session.end().and_then(loss).called("xrEndSession")?;
+                self.session
+                    .end()
+                    .and_then(events::loss)
+                    .called("xrEndSession")?;
                 self.lifecycle.ended();
             }
             Demand::Exit => self.exit = true,
@@ -217,27 +222,6 @@ impl OpenXrHeadset {
             }
         }
         Ok(())
-    }
-
-    /// Says in the log which controllers are used now.
-    fn report_controllers(&self) {
-        for hand in crate::bindings::HANDS {
-            let profile = self
-                .instance
-                .string_to_path(hand)
-                .and_then(|hand| self.session.current_interaction_profile(hand))
-                .and_then(|path| {
-                    if path == xr::Path::NULL {
-                        Ok(String::from("none"))
-                    } else {
-                        self.instance.path_to_string(path)
-                    }
-                });
-            match profile {
-                Ok(profile) => tracing::info!("{hand}: {profile}"),
-                Err(code) => tracing::warn!("{hand}: the controller is not known ({code:?})"),
-            }
-        }
     }
 
     /// Ends a frame that the application left open, without a picture: each wait needs its begin and end.
@@ -400,29 +384,5 @@ impl Headset for OpenXrHeadset {
             tracing::debug!("leaving without the runtime's consent: {code:?}");
             self.exit = true;
         }
-    }
-}
-
-/// States as the runtime tells them; `None` for ones that a later version may add.
-fn state_from_raw(state: xr::SessionState) -> Option<State> {
-    Some(match state {
-        xr::SessionState::IDLE => State::Idle,
-        xr::SessionState::READY => State::Ready,
-        xr::SessionState::SYNCHRONIZED => State::Synchronized,
-        xr::SessionState::VISIBLE => State::Visible,
-        xr::SessionState::FOCUSED => State::Focused,
-        xr::SessionState::STOPPING => State::Stopping,
-        xr::SessionState::LOSS_PENDING => State::LossPending,
-        xr::SessionState::EXITING => State::Exiting,
-        _ => return None,
-    })
-}
-
-/// A success that announces a loss is one.
-fn loss(code: xr::sys::Result) -> xr::Result<()> {
-    if code == xr::sys::Result::SESSION_LOSS_PENDING {
-        Err(code)
-    } else {
-        Ok(())
     }
 }

@@ -1,56 +1,17 @@
-//! The L-system engine against results that several engines agree on.
+//! Results that several engines agree on.
 //!
 //! `tests/data/lsystems.json` is the repository's own copy of a part of them; where `RAMUS_SHARED` names the folder with
 //! all of them, those are checked too.
-#![allow(
-    clippy::unwrap_used,
-    clippy::cast_possible_truncation,
-    clippy::missing_assert_message,
-    reason = "a test fails by panic, and its data is known"
-)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
+use ramus::lsystem::Grammar;
 use ramus::lsystem::report::Report;
-use ramus::lsystem::{Grammar, Limits, ModuleString, TurtleParams, interpret};
-use ramus::tree::{NO_PARENT, Tree};
 use serde_json::Value;
 
-fn shared(name: &str) -> Option<String> {
-    let Some(folder) = std::env::var_os("RAMUS_SHARED") else {
-        eprintln!("skipped: RAMUS_SHARED does not name the folder with reference/{name}");
-        return None;
-    };
-    Some(std::fs::read_to_string(PathBuf::from(folder).join("reference").join(name)).unwrap())
-}
-
-fn parse(text: &str) -> Grammar {
-    Grammar::parse(text, "test.lsys").unwrap_or_else(|e| panic!("{e}\n{text}"))
-}
-
-fn derive(grammar: &Grammar, steps: u32) -> ModuleString {
-    grammar
-        .derive(steps, &Limits::default(), &AtomicBool::new(false))
-        .unwrap()
-}
-
-fn text_of(grammar: &Grammar, steps: u32) -> String {
-    derive(grammar, steps).to_text(grammar)
-}
-
-fn draw(grammar: &Grammar, string: &ModuleString) -> Tree {
-    interpret(
-        grammar,
-        string,
-        &TurtleParams::default(),
-        &AtomicBool::new(false),
-    )
-    .unwrap()
-}
+use super::{derive, draw, parse, shared};
 
 /// The grammar file of a reference system.
 fn grammar_text(system: &Value) -> String {
@@ -199,7 +160,7 @@ fn check_all(data: &str, least: usize) {
 
 #[test]
 fn reference_systems_of_the_repository() {
-    check_all(include_str!("data/lsystems.json"), 100);
+    check_all(include_str!("../data/lsystems.json"), 100);
 }
 
 #[test]
@@ -207,4 +168,87 @@ fn reference_systems_all() {
     if let Some(data) = shared("lsystems-reference.json") {
         check_all(&data, 176);
     }
+}
+
+/// ABOP Fig 1.27: the number of F is a branching process with mean 3.66^n and known spread.
+#[test]
+fn stochastic_moments() {
+    let text = "axiom F\nF : weight 0.33 -> F[+F]F[-F]F\nF : weight 0.33 -> F[+F]F\nF : weight 0.34 -> F[-F]F\n";
+    for (steps, mean, spread) in [
+        (1, 3.66, 0.940_425),
+        (3, 49.0279, 14.6255),
+        (5, 656.758, 197.796),
+    ] {
+        let seeds = 400;
+        let mut counts = Vec::new();
+        for seed in 0..seeds {
+            let grammar = parse(text).with_seed(seed);
+            let string = derive(&grammar, steps);
+            assert_eq!(
+                string,
+                derive(&grammar, steps),
+                "the same seed gives the same string"
+            );
+            counts.push(
+                string
+                    .iter()
+                    .filter(|m| grammar.name(m.symbol) == "F")
+                    .count() as f64,
+            );
+        }
+        let n = seeds as f64;
+        let average = counts.iter().sum::<f64>() / n;
+        let variance = counts.iter().map(|c| (c - average).powi(2)).sum::<f64>() / n;
+        assert!(
+            (average - mean).abs() < 4.0 * spread / n.sqrt(),
+            "n = {steps}: mean {average}, not {mean}"
+        );
+        assert!(
+            (variance.sqrt() / spread - 1.0).abs() < 0.2,
+            "n = {steps}: spread {}, not {spread}",
+            variance.sqrt()
+        );
+    }
+    // Which of the three applied in the first step, over many seeds: chi-square with 2 degrees of freedom.
+    let mut seen = BTreeMap::new();
+    for seed in 0..3000 {
+        let grammar = parse(text).with_seed(seed);
+        *seen
+            .entry(derive(&grammar, 1).to_text(&grammar))
+            .or_insert(0.0) += 1.0;
+    }
+    let expected = [
+        ("F[+F]F[-F]F", 990.0),
+        ("F[+F]F", 990.0),
+        ("F[-F]F", 1020.0),
+    ];
+    let chi: f64 = expected
+        .iter()
+        .map(|(s, e)| (seen[*s] - e) * (seen[*s] - e) / e)
+        .sum();
+    assert!(chi < 18.4, "chi-square {chi} is beyond 1 in 10,000");
+}
+
+/// The example files derive and draw, and Honda's tree is the literature's.
+#[test]
+fn example_grammars() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/grammars");
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        let grammar =
+            Grammar::parse(&text, path.to_str().unwrap()).unwrap_or_else(|e| panic!("{e}"));
+        let steps = grammar.steps().unwrap();
+        let string = derive(&grammar, steps);
+        let tree = draw(&grammar, &string);
+        assert!(tree.parent.len() > 50, "{name} draws a plant");
+        tree.validate().unwrap();
+        if name == "honda.lsys" {
+            assert_eq!(string.len(), 7162, "honda after 10 steps");
+        }
+        names.push(name);
+    }
+    assert!(names.len() >= 4, "{names:?}");
 }

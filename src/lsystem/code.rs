@@ -1,0 +1,283 @@
+//! What an expression is compiled to: flat postfix code on a bounded stack, and how it is run.
+//!
+//! No NaN ever stays on the stack: the operation that makes one is the error.
+
+use super::error::ValueProblem;
+use super::random::Draws;
+
+use Function as Fun;
+
+/// Values on the stack while an expression is computed; the parser keeps to it.
+pub(super) const MAX_STACK: usize = 128;
+
+/// A function of the language and how many arguments it takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Function {
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Atan2,
+    Sqrt,
+    Exp,
+    Log,
+    Abs,
+    Min,
+    Max,
+    Floor,
+    Ceil,
+    Round,
+    Sign,
+    Clamp,
+    Mix,
+    Uniform,
+    Normal,
+    Lognormal,
+    Integer,
+    Chance,
+}
+
+pub(super) const FUNCTIONS: [(&str, Function, usize); 24] = [
+    ("sin", Fun::Sin, 1),
+    ("cos", Fun::Cos, 1),
+    ("tan", Fun::Tan, 1),
+    ("asin", Fun::Asin, 1),
+    ("acos", Fun::Acos, 1),
+    ("atan", Fun::Atan, 1),
+    ("atan2", Fun::Atan2, 2),
+    ("sqrt", Fun::Sqrt, 1),
+    ("exp", Fun::Exp, 1),
+    ("log", Fun::Log, 1),
+    ("abs", Fun::Abs, 1),
+    ("min", Fun::Min, 2),
+    ("max", Fun::Max, 2),
+    ("floor", Fun::Floor, 1),
+    ("ceil", Fun::Ceil, 1),
+    ("round", Fun::Round, 1),
+    ("sign", Fun::Sign, 1),
+    ("clamp", Fun::Clamp, 3),
+    ("mix", Fun::Mix, 3),
+    ("uniform", Fun::Uniform, 2),
+    ("normal", Fun::Normal, 2),
+    ("lognormal", Fun::Lognormal, 2),
+    ("integer", Fun::Integer, 2),
+    ("chance", Fun::Chance, 1),
+];
+
+/// One operation on the stack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Op {
+    Push(f64),
+    Load(u16),
+    Negate,
+    Not,
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Remainder,
+    Power,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    Equal,
+    NotEqual,
+    /// If the top is false, leave 0 and jump; else drop it.
+    And(u32),
+    /// If the top is true, leave 1 and jump; else drop it.
+    Or(u32),
+    /// Any true value becomes 1.
+    Truth,
+    Call(Function),
+}
+
+/// A compiled expression. The two commonest kinds need no code.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Expression {
+    Constant(f64),
+    /// The bound parameter in this slot.
+    Slot(u16),
+    Code(Box<[Op]>),
+}
+
+fn truth(value: bool) -> f64 {
+    if value { 1.0 } else { 0.0 }
+}
+
+#[expect(
+    clippy::float_cmp,
+    reason = "the language compares IEEE values exactly, as its specification says"
+)]
+pub(super) fn binary_value(op: Op, a: f64, b: f64) -> Result<f64, ValueProblem> {
+    let value = match op {
+        Op::Add => a + b,
+        Op::Subtract => a - b,
+        Op::Multiply => a * b,
+        Op::Divide | Op::Remainder if b == 0.0 => return Err(ValueProblem::DivisionByZero),
+        Op::Divide => a / b,
+        Op::Remainder => a % b,
+        Op::Power if a == 0.0 && b < 0.0 => return Err(ValueProblem::DivisionByZero),
+        Op::Power => a.powf(b),
+        Op::Less => truth(a < b),
+        Op::LessEqual => truth(a <= b),
+        Op::Greater => truth(a > b),
+        Op::GreaterEqual => truth(a >= b),
+        Op::Equal => truth(a == b),
+        _ => truth(a != b),
+    };
+    if value.is_nan() {
+        Err(ValueProblem::NotANumber)
+    } else {
+        Ok(value)
+    }
+}
+
+impl Function {
+    pub(super) fn draws(self) -> bool {
+        matches!(
+            self,
+            Fun::Uniform | Fun::Normal | Fun::Lognormal | Fun::Integer | Fun::Chance
+        )
+    }
+
+    /// The value for up to three arguments (unused ones are 0).
+    fn value(self, [a, b, c]: [f64; 3], draws: &mut Draws) -> Result<f64, ValueProblem> {
+        let value = match self {
+            Fun::Sin => a.to_radians().sin(),
+            Fun::Cos => a.to_radians().cos(),
+            Fun::Tan => a.to_radians().tan(),
+            Fun::Asin => a.asin().to_degrees(),
+            Fun::Acos => a.acos().to_degrees(),
+            Fun::Atan => a.atan().to_degrees(),
+            Fun::Atan2 => a.atan2(b).to_degrees(),
+            Fun::Sqrt => a.sqrt(),
+            Fun::Exp => a.exp(),
+            Fun::Log => a.ln(),
+            Fun::Abs => a.abs(),
+            Fun::Min => a.min(b),
+            Fun::Max => a.max(b),
+            Fun::Floor => a.floor(),
+            Fun::Ceil => a.ceil(),
+            Fun::Round => a.round(),
+            Fun::Sign => truth(a > 0.0) - truth(a < 0.0),
+            Fun::Clamp => a.max(b).min(c),
+            Fun::Mix => a + (b - a) * c,
+            Fun::Uniform if a <= b => a + (b - a) * draws.unit(),
+            Fun::Normal if b >= 0.0 => a + b * draws.normal(),
+            Fun::Lognormal if a > 0.0 && b >= 0.0 => {
+                // Parameters of the underlying normal that give the result this mean and spread.
+                let ratio = b / a;
+                let variance = (ratio * ratio).ln_1p();
+                (a.ln() - variance / 2.0 + variance.sqrt() * draws.normal()).exp()
+            }
+            Fun::Integer if a.ceil() <= b.floor() && a.abs().max(b.abs()) < 9e15 => {
+                let (low, high) = (a.ceil(), b.floor());
+                (low + (draws.unit() * (high - low + 1.0)).floor()).min(high)
+            }
+            Fun::Chance if (0.0..=1.0).contains(&a) => truth(draws.unit() < a),
+            _ => return Err(ValueProblem::BadDraw),
+        };
+        if value.is_nan() {
+            Err(ValueProblem::NotANumber)
+        } else {
+            Ok(value)
+        }
+    }
+
+    fn arity(self) -> usize {
+        match self {
+            Fun::Clamp | Fun::Mix => 3,
+            Fun::Atan2
+            | Fun::Min
+            | Fun::Max
+            | Fun::Uniform
+            | Fun::Normal
+            | Fun::Lognormal
+            | Fun::Integer => 2,
+            _ => 1,
+        }
+    }
+}
+
+impl Expression {
+    /// The value, which may be infinite but is a number.
+    #[inline]
+    pub(crate) fn value(&self, bound: &[f64], draws: &mut Draws) -> Result<f64, ValueProblem> {
+        match self {
+            Self::Constant(value) => Ok(*value),
+            Self::Slot(slot) => Ok(bound.get(usize::from(*slot)).copied().unwrap_or(0.0)),
+            Self::Code(code) => run(code, bound, draws),
+        }
+    }
+
+    /// The value as a module's parameter: finite.
+    #[inline]
+    pub(crate) fn finite(&self, bound: &[f64], draws: &mut Draws) -> Result<f64, ValueProblem> {
+        let value = self.value(bound, draws)?;
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(ValueProblem::Overflow)
+        }
+    }
+}
+
+/// Runs postfix code. The parser has bounded the stack; a slot past it (which cannot be) reads 0.
+fn run(code: &[Op], bound: &[f64], draws: &mut Draws) -> Result<f64, ValueProblem> {
+    let mut stack = [0.0_f64; MAX_STACK + 1];
+    let mut top = 0_usize; // number of values; the last is at top − 1
+    let mut at = 0;
+    while let Some(op) = code.get(at) {
+        at += 1;
+        match *op {
+            Op::Push(value) => {
+                stack[top.min(MAX_STACK)] = value;
+                top += 1;
+            }
+            Op::Load(slot) => {
+                stack[top.min(MAX_STACK)] = bound.get(usize::from(slot)).copied().unwrap_or(0.0);
+                top += 1;
+            }
+            Op::Negate => {
+                let last = &mut stack[top.saturating_sub(1).min(MAX_STACK)];
+                *last = -*last;
+            }
+            Op::Not => {
+                let last = &mut stack[top.saturating_sub(1).min(MAX_STACK)];
+                *last = truth(*last == 0.0);
+            }
+            Op::Truth => {
+                let last = &mut stack[top.saturating_sub(1).min(MAX_STACK)];
+                *last = truth(*last != 0.0);
+            }
+            Op::And(target) | Op::Or(target) => {
+                let last = &mut stack[top.saturating_sub(1).min(MAX_STACK)];
+                let jumps = matches!(op, Op::Or(_)) == (*last != 0.0);
+                if jumps {
+                    *last = truth(*last != 0.0);
+                    at = target as usize;
+                } else {
+                    top = top.saturating_sub(1);
+                }
+            }
+            Op::Call(function) => {
+                let arity = function.arity();
+                let first = top.saturating_sub(arity).min(MAX_STACK - 3);
+                let mut arguments = [0.0; 3];
+                arguments[..arity].copy_from_slice(&stack[first..first + arity]);
+                stack[first] = function.value(arguments, draws)?;
+                top = first + 1;
+            }
+            binary => {
+                let second = top.saturating_sub(1).min(MAX_STACK);
+                let first = second.saturating_sub(1);
+                stack[first] = binary_value(binary, stack[first], stack[second])?;
+                top = second;
+            }
+        }
+    }
+    Ok(stack[0])
+}

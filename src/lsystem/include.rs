@@ -1,0 +1,126 @@
+//! `include`: a grammar's text from several files of one folder.
+
+use std::path::{Path, PathBuf};
+
+use super::error::{GrammarError, GrammarErrors};
+use super::parse::end;
+use super::source::{Block, Cursor, MAX_SOURCE_BYTES, Source, Statement, statements};
+
+/// Files that may include each other in a chain.
+const MAX_INCLUDE_DEPTH: usize = 16;
+
+/// Cuts a file and what it includes into statements, in the order of the text.
+pub(super) fn gather(
+    errors: &mut GrammarErrors,
+    sources: &mut Vec<Source>,
+    all: &mut Vec<Statement>,
+    mut source: Source,
+    folder: Option<&Path>,
+    chain: &mut Vec<PathBuf>,
+) {
+    if let Some(stripped) = source.text.strip_prefix('\u{feff}') {
+        source.text = stripped.to_owned();
+    }
+    let total: usize = sources.iter().map(|s| s.text.len()).sum::<usize>() + source.text.len();
+    if total > MAX_SOURCE_BYTES {
+        let message =
+            format!("this grammar has {total} bytes of text; at most {MAX_SOURCE_BYTES} are read");
+        errors.push(GrammarError::new(&source.name, &source.text, 0, message));
+        return;
+    }
+    let index = sources.len();
+    let found = statements(index, &source, errors);
+    sources.push(source);
+    for statement in found {
+        if statement.keyword != "include" {
+            all.push(statement);
+            continue;
+        }
+        let Some(source) = sources.get(index) else {
+            return;
+        };
+        match included(source, &statement, folder, chain) {
+            Ok((path, included)) => {
+                chain.push(path);
+                gather(errors, sources, all, included, folder, chain);
+                chain.pop();
+            }
+            Err(error) => errors.push(error),
+        }
+    }
+}
+
+/// Reads the file that an `include` names, which must lie in the grammar's folder.
+fn included(
+    source: &Source,
+    statement: &Statement,
+    folder: Option<&Path>,
+    chain: &[PathBuf],
+) -> Result<(PathBuf, Source), GrammarError> {
+    let mut cursor = Cursor::new(source, statement.body, statement.end);
+    if statement.block != Block::Main {
+        return Err(cursor.error_at(
+            statement.start,
+            "`include` inside a block; expected it outside".into(),
+        ));
+    }
+    cursor.expect("\"")?;
+    let start = cursor.pos();
+    let rest = cursor.rest();
+    let Some(length) = rest.find('"') else {
+        return Err(cursor.error_at(start, "this file name is not closed; expected `\"`".into()));
+    };
+    let name = rest.get(..length).unwrap_or("");
+    cursor.advance(length + 1);
+    end(&mut cursor)?;
+    let fail = |message: String| Err(cursor.error_at(start, message));
+    let Some(folder) = folder else {
+        return fail(format!(
+            "cannot include `{name}`: this grammar is not in a file, so it has no folder to read from"
+        ));
+    };
+    if chain.len() >= MAX_INCLUDE_DEPTH {
+        return fail(format!("includes nest deeper than {MAX_INCLUDE_DEPTH}"));
+    }
+    let path = match folder.join(name).canonicalize() {
+        Ok(path) if path.starts_with(folder) => path,
+        Ok(_) => {
+            return fail(format!(
+                "`{name}` is outside the grammar's folder; copy it there"
+            ));
+        }
+        Err(error) => return fail(format!("cannot read `{name}`: {error}")),
+    };
+    if chain.contains(&path) {
+        return fail(format!("`{name}` includes itself"));
+    }
+    let size = path.metadata().map_or(0, |m| m.len());
+    if size > MAX_SOURCE_BYTES as u64 {
+        return fail(format!(
+            "`{name}` has {size} bytes; at most {MAX_SOURCE_BYTES} are read"
+        ));
+    }
+    match std::fs::read_to_string(&path) {
+        Ok(text) => Ok((
+            path,
+            Source {
+                name: name.to_owned(),
+                text,
+            },
+        )),
+        Err(error) => fail(format!("cannot read `{name}`: {error}")),
+    }
+}
+
+/// The folder of a grammar file that exists on this machine.
+pub(super) fn folder_of(file: &str) -> Option<PathBuf> {
+    let path = Path::new(file);
+    if !path.is_file() {
+        return None;
+    }
+    let folder = path
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    folder.canonicalize().ok()
+}

@@ -1,0 +1,517 @@
+//! One round of parallel rewriting.
+//!
+//! A round has two passes over chunks of the string. The count pass chooses a production for each module and
+//! adds up how large the chunk's successor is; prefix sums say where each chunk writes; the fill pass writes symbols,
+//! births and parameters into slices of their own. Draws depend on (seed, step, round, position) alone and chunks are fixed in
+//! size, so the result is the same on any number of threads, and so is the error: the first in the string.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::context::{ContextIndex, Matcher};
+use super::derive::Limits;
+use super::error::{DeriveError, DeriveProblem, ValueProblem};
+use super::grammar::{Grammar, Order, Rule, RuleSet};
+use super::names::Symbol;
+use super::random::{Draws, PassKey};
+use super::string::{ModuleString, string_bytes};
+
+/// Modules of a chunk.
+const CHUNK: usize = 8192;
+/// Strings shorter than this are rewritten on the calling thread.
+const PARALLEL_FROM: usize = 4 * CHUNK;
+/// Choice of a module that stays as it is; productions are numbered from 1.
+const STAYS: u16 = 0;
+/// Draws of a rewritten module: one stream for the choice of a production, another for its parameters.
+const CHOICE_STREAM: u32 = 1 << 31;
+
+/// How old the modules of a successor are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Births {
+    /// New modules are born in the step.
+    Step,
+    /// New modules are as old as the module they stand for.
+    Inherit,
+}
+
+/// One round of rewriting.
+pub(super) struct Round<'a> {
+    pub(super) grammar: &'a Grammar,
+    pub(super) rules: &'a RuleSet,
+    pub(super) step: u32,
+    pub(super) number: u32,
+    pub(super) births: Births,
+    pub(super) limits: &'a Limits,
+    pub(super) cancel: &'a AtomicBool,
+}
+
+/// Sizes of what a chunk becomes.
+#[derive(Clone, Copy, Default)]
+struct Size {
+    modules: u64,
+    parameters: u64,
+    changed: bool,
+}
+
+/// A stretch of the string to read and the stretch of the next to write.
+struct Task<'s> {
+    from: usize,
+    parameters_from: usize,
+    choices: &'s [u16],
+    symbols: &'s mut [Symbol],
+    births: &'s mut [u32],
+    parameters: &'s mut [f64],
+}
+
+impl<'a> Round<'a> {
+    fn cancelled(&self) -> DeriveError {
+        DeriveProblem::Cancelled { step: self.step }.into()
+    }
+
+    fn failed(&self, rule: &Rule, position: usize, problem: ValueProblem) -> DeriveError {
+        DeriveProblem::Value {
+            step: self.step,
+            production: rule.text.clone(),
+            location: rule.location.clone(),
+            position: position as u64,
+            problem,
+        }
+        .into()
+    }
+
+    /// Runs `work` over the items, in parallel where `parallel`, and returns the first error in their order.
+    fn each<T: Send, R: Send>(
+        parallel: bool,
+        items: Vec<T>,
+        work: impl Fn(T) -> Result<R, DeriveError> + Sync + Send,
+    ) -> Result<Vec<R>, DeriveError> {
+        if parallel {
+            let results: Vec<Result<R, DeriveError>> = items.into_par_iter().map(work).collect();
+            results.into_iter().collect()
+        } else {
+            items.into_iter().map(work).collect()
+        }
+    }
+
+    /// The string after this round; `None` where no production applied.
+    pub(super) fn apply(&self, string: &ModuleString) -> Result<Option<ModuleString>, DeriveError> {
+        let parallel = string.len() >= PARALLEL_FROM;
+        let index = if self.rules.has_context {
+            ContextIndex::new(self.grammar, string, self.cancel).ok_or_else(|| self.cancelled())?
+        } else {
+            ContextIndex::default()
+        };
+        let parameter_starts = parameter_starts(string);
+        let start_of = |chunk: usize| parameter_starts.get(chunk).copied().unwrap_or(0);
+
+        let mut choices = vec![STAYS; string.len()];
+        let chunks: Vec<(usize, &mut [u16])> = choices.chunks_mut(CHUNK).enumerate().collect();
+        let sizes = Self::each(parallel, chunks, |(chunk, choices)| {
+            self.count(string, &index, chunk * CHUNK, start_of(chunk), choices)
+        })?;
+        if !sizes.iter().any(|s| s.changed) {
+            return Ok(None);
+        }
+        let modules = sizes
+            .iter()
+            .fold(0_u64, |sum, s| sum.saturating_add(s.modules));
+        let parameters = sizes
+            .iter()
+            .fold(0_u64, |sum, s| sum.saturating_add(s.parameters));
+        self.check_size(string, modules, parameters)?;
+
+        let bytes = string_bytes(modules, parameters);
+        let memory = || {
+            DeriveError::from(DeriveProblem::Memory {
+                step: self.step,
+                bytes,
+            })
+        };
+        let (Ok(modules), Ok(parameters)) = (usize::try_from(modules), usize::try_from(parameters))
+        else {
+            return Err(memory());
+        };
+        let mut following = ModuleString {
+            symbols: zeroed(modules).ok_or_else(memory)?,
+            births: zeroed(modules).ok_or_else(memory)?,
+            parameters: zeroed(parameters).ok_or_else(memory)?,
+            arity: Arc::clone(&string.arity),
+        };
+        let mut tasks = Vec::with_capacity(sizes.len());
+        {
+            let mut symbols = following.symbols.as_mut_slice();
+            let mut births = following.births.as_mut_slice();
+            let mut values = following.parameters.as_mut_slice();
+            for (chunk, (size, choices)) in sizes.iter().zip(choices.chunks(CHUNK)).enumerate() {
+                // The sums above fit usize, so their parts do.
+                let modules = usize::try_from(size.modules)
+                    .unwrap_or(usize::MAX)
+                    .min(symbols.len());
+                let parameters = usize::try_from(size.parameters)
+                    .unwrap_or(usize::MAX)
+                    .min(values.len());
+                let (own_symbols, rest) = symbols.split_at_mut(modules);
+                symbols = rest;
+                let (own_births, rest) = births.split_at_mut(modules);
+                births = rest;
+                let (own_values, rest) = values.split_at_mut(parameters);
+                values = rest;
+                tasks.push(Task {
+                    from: chunk * CHUNK,
+                    parameters_from: start_of(chunk),
+                    choices,
+                    symbols: own_symbols,
+                    births: own_births,
+                    parameters: own_values,
+                });
+            }
+        }
+        Self::each(parallel || modules >= PARALLEL_FROM, tasks, |task| {
+            self.fill(string, &index, task)
+        })?;
+        Ok(Some(following))
+    }
+
+    /// The first production that would apply.
+    pub(super) fn first_applied(
+        &self,
+        string: &ModuleString,
+    ) -> Result<Option<&'a Rule>, DeriveError> {
+        let index = ContextIndex::default(); // decomposition has no contexts
+        let mut choices = vec![STAYS; string.len()];
+        self.count(string, &index, 0, 0, &mut choices)?;
+        Ok(choices
+            .iter()
+            .find(|c| **c != STAYS)
+            .and_then(|c| self.rule(*c)))
+    }
+
+    fn check_size(
+        &self,
+        string: &ModuleString,
+        modules: u64,
+        parameters: u64,
+    ) -> Result<(), DeriveError> {
+        let index = if self.rules.has_context {
+            ContextIndex::bytes(string.len() as u64)
+        } else {
+            0
+        };
+        let choices = 2 * string.len() as u64;
+        let bytes = string_bytes(modules, parameters)
+            .saturating_add(string.bytes())
+            .saturating_add(index + choices);
+        let limit = if modules > self.limits.modules.min(u64::from(u32::MAX)) {
+            format!("{} modules", self.limits.modules.min(u64::from(u32::MAX)))
+        } else if bytes > self.limits.bytes {
+            format!("{} bytes", self.limits.bytes)
+        } else {
+            return Ok(());
+        };
+        Err(DeriveProblem::Limit {
+            step: self.step,
+            modules,
+            bytes,
+            limit,
+        }
+        .into())
+    }
+
+    fn rule(&self, choice: u16) -> Option<&'a Rule> {
+        self.rules.rules.get(usize::from(choice).checked_sub(1)?)
+    }
+
+    /// Chooses a production for each module of a chunk.
+    fn count(
+        &self,
+        string: &ModuleString,
+        index: &ContextIndex,
+        from: usize,
+        parameters_from: usize,
+        choices: &mut [u16],
+    ) -> Result<Size, DeriveError> {
+        if self.cancel.load(Ordering::Relaxed) {
+            return Err(self.cancelled());
+        }
+        let mut work = Worker::new(self, string, index);
+        let mut size = Size::default();
+        let mut offset = parameters_from;
+        let symbols = string.symbols.get(from..).unwrap_or(&[]);
+        for (i, (symbol, choice)) in symbols.iter().zip(choices).enumerate() {
+            let arity = string
+                .arity
+                .get(usize::from(*symbol))
+                .map_or(0, |a| usize::from(*a));
+            *choice = work.choose(*symbol, from + i, offset, arity)?;
+            offset += arity;
+            if let Some(rule) = self.rule(*choice) {
+                size.modules += rule.successor.len() as u64;
+                size.parameters += rule.arguments.len() as u64;
+                size.changed = true;
+            } else {
+                size.modules += 1;
+                size.parameters += arity as u64;
+            }
+            if !work.matcher.go_on(1) {
+                return Err(self.cancelled());
+            }
+        }
+        Ok(size)
+    }
+
+    /// Writes what the chosen productions make of a chunk.
+    fn fill(
+        &self,
+        string: &ModuleString,
+        index: &ContextIndex,
+        task: Task<'_>,
+    ) -> Result<(), DeriveError> {
+        if self.cancel.load(Ordering::Relaxed) {
+            return Err(self.cancelled());
+        }
+        let mut work = Worker::new(self, string, index);
+        let mut offset = task.parameters_from;
+        let (mut out, mut out_parameter) = (0, 0);
+        let old = string.symbols.iter().zip(&string.births).skip(task.from);
+        for (i, ((symbol, birth), choice)) in old.zip(task.choices).enumerate() {
+            let arity = string
+                .arity
+                .get(usize::from(*symbol))
+                .map_or(0, |a| usize::from(*a));
+            let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
+            offset += arity;
+            let Some(rule) = self.rule(*choice) else {
+                if let (Some(s), Some(b)) = (task.symbols.get_mut(out), task.births.get_mut(out)) {
+                    (*s, *b) = (*symbol, *birth);
+                }
+                if let Some(target) = task
+                    .parameters
+                    .get_mut(out_parameter..out_parameter + arity)
+                {
+                    target.copy_from_slice(own);
+                }
+                out += 1;
+                out_parameter += arity;
+                continue;
+            };
+            let (modules, parameters) = (rule.successor.len(), rule.arguments.len());
+            let written = task
+                .parameters
+                .get_mut(out_parameter..out_parameter + parameters)
+                .unwrap_or(&mut []);
+            work.evaluate(rule, task.from + i, own, written)?;
+            if let Some(target) = task.symbols.get_mut(out..out + modules) {
+                target.copy_from_slice(&rule.successor);
+            }
+            if let Some(target) = task.births.get_mut(out..out + modules) {
+                let heir = rule
+                    .heirs
+                    .iter()
+                    .find(|(_, first)| written.get(*first..*first + arity) == Some(own));
+                if self.births == Births::Inherit {
+                    target.fill(*birth);
+                } else {
+                    target.fill(self.step);
+                    if let Some(same) = heir.and_then(|(module, _)| target.get_mut(*module)) {
+                        *same = *birth;
+                    }
+                }
+            }
+            out += modules;
+            out_parameter += parameters;
+            if !work
+                .matcher
+                .go_on(u32::try_from(modules).unwrap_or(u32::MAX))
+            {
+                return Err(self.cancelled());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What one thread needs for a chunk.
+struct Worker<'r, 'a> {
+    round: &'r Round<'a>,
+    matcher: Matcher<'r>,
+    key: PassKey,
+    choice_key: PassKey,
+    /// Parameters bound by the production that is tried.
+    bound: Vec<f64>,
+    /// Productions that matched, with their weights.
+    drawn: Vec<(u16, f64)>,
+}
+
+impl<'r, 'a> Worker<'r, 'a> {
+    fn new(round: &'r Round<'a>, string: &'r ModuleString, index: &'r ContextIndex) -> Self {
+        let slots = round.rules.rules.iter().map(|r| r.slots).max().unwrap_or(0);
+        Self {
+            round,
+            matcher: Matcher::new(round.grammar, string, index, round.cancel),
+            key: PassKey::new(round.grammar.seed, round.step, round.number),
+            choice_key: PassKey::new(round.grammar.seed, round.step, round.number | CHOICE_STREAM),
+            bound: vec![0.0; slots],
+            drawn: Vec::new(),
+        }
+    }
+
+    fn bind_own(&mut self, own: &[f64]) {
+        if let Some(target) = self.bound.get_mut(..own.len()) {
+            target.copy_from_slice(own);
+        }
+    }
+
+    /// The production for a module: its number, or `STAYS`.
+    #[inline]
+    fn choose(
+        &mut self,
+        symbol: Symbol,
+        at: usize,
+        offset: usize,
+        arity: usize,
+    ) -> Result<u16, DeriveError> {
+        let round = self.round;
+        let Some(candidates) = round.rules.by_symbol.get(usize::from(symbol)) else {
+            return Ok(STAYS);
+        };
+        let mut rank = None;
+        self.drawn.clear();
+        for number in candidates {
+            let Some(rule) = round.rules.rules.get(usize::from(*number)) else {
+                continue;
+            };
+            let choice = number + 1;
+            if rule.unconditional() && rank.is_none() {
+                return Ok(choice);
+            }
+            if let Some(rank) = rank {
+                // A production with a weight was found: only its equals are of interest now.
+                if rule.weight.is_none() {
+                    continue;
+                }
+                if round.rules.order == Order::Specific && rule.rank() != rank {
+                    break;
+                }
+            }
+            let own = self
+                .matcher
+                .string
+                .parameters
+                .get(offset..offset + arity)
+                .unwrap_or(&[]);
+            self.bind_own(own);
+            if rule.has_context() && !self.matcher.matches(rule, at, &mut self.bound) {
+                if self.matcher.cancelled {
+                    return Err(round.cancelled());
+                }
+                continue;
+            }
+            let mut draws = self.choice_key.at(at);
+            if let Some(condition) = &rule.condition {
+                let holds = condition
+                    .value(&self.bound, &mut draws)
+                    .map_err(|problem| round.failed(rule, at, problem))?;
+                if holds == 0.0 {
+                    continue;
+                }
+            }
+            let Some(weight) = &rule.weight else {
+                return Ok(choice);
+            };
+            let weight = weight
+                .finite(&self.bound, &mut draws)
+                .map_err(|problem| round.failed(rule, at, problem))?;
+            if weight < 0.0 {
+                return Err(round.failed(rule, at, ValueProblem::BadWeight));
+            }
+            rank.get_or_insert(rule.rank());
+            self.drawn.push((choice, weight));
+        }
+        self.draw(at)
+    }
+
+    /// One of the weighted productions.
+    fn draw(&mut self, at: usize) -> Result<u16, DeriveError> {
+        let Some((first, _)) = self.drawn.first().copied() else {
+            return Ok(STAYS);
+        };
+        let total: f64 = self.drawn.iter().map(|d| d.1).sum();
+        if total.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) || !total.is_finite() {
+            let round = self.round;
+            return round.rule(first).map_or(Ok(STAYS), |rule| {
+                Err(round.failed(rule, at, ValueProblem::BadWeight))
+            });
+        }
+        let mut left = self.choice_key.at(at).unit() * total;
+        let mut chosen = STAYS;
+        for (choice, weight) in &self.drawn {
+            if *weight > 0.0 {
+                chosen = *choice; // the last one takes what rounding leaves
+                if left < *weight {
+                    break;
+                }
+            }
+            left -= weight;
+        }
+        Ok(chosen)
+    }
+
+    /// Computes the parameters of a successor.
+    fn evaluate(
+        &mut self,
+        rule: &Rule,
+        at: usize,
+        own: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), DeriveError> {
+        if rule.arguments.is_empty() {
+            return Ok(());
+        }
+        self.bind_own(own);
+        if rule.slots > own.len()
+            && !self.matcher.matches(rule, at, &mut self.bound)
+            && self.matcher.cancelled
+        {
+            return Err(self.round.cancelled());
+        }
+        let mut draws: Draws = self.key.at(at);
+        for (argument, value) in rule.arguments.iter().zip(out) {
+            *value = argument
+                .finite(&self.bound, &mut draws)
+                .map_err(|problem| self.round.failed(rule, at, problem))?;
+        }
+        Ok(())
+    }
+}
+
+/// Where the parameters of each chunk begin; empty where there are none.
+fn parameter_starts(string: &ModuleString) -> Vec<usize> {
+    if string.parameters.is_empty() {
+        return Vec::new();
+    }
+    let mut offset = 0;
+    let mut starts = Vec::with_capacity(string.len() / CHUNK + 1);
+    for chunk in string.symbols.chunks(CHUNK) {
+        starts.push(offset);
+        offset += chunk
+            .iter()
+            .map(|s| {
+                string
+                    .arity
+                    .get(usize::from(*s))
+                    .map_or(0, |a| usize::from(*a))
+            })
+            .sum::<usize>();
+    }
+    starts
+}
+
+/// A vector of zeros, or nothing where the memory is not there.
+fn zeroed<T: Clone + Default>(length: usize) -> Option<Vec<T>> {
+    let mut values = Vec::new();
+    values.try_reserve_exact(length).ok()?;
+    values.resize(length, T::default());
+    Some(values)
+}

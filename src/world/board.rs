@@ -1,0 +1,379 @@
+//! The board beside the platform: step and counts, the string, the rules, what the buttons do.
+//!
+//! Live, because cause and effect shall be seen: each edit shows in the string
+//! at once. The text is composed only when what it says has changed; a warm
+//! frame compares a few numbers.
+
+use std::{fmt::Write as _, sync::Arc};
+
+use crate::sketch::Sketch;
+
+use super::{
+    document::Document,
+    scene::{Board, BoardContent},
+    stage::{StageParams, stage_from_board},
+};
+
+/// How much text a board takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoardParams {
+    /// Characters of a line.
+    pub columns: usize,
+    /// Most lines of the string.
+    pub string_lines: usize,
+    /// Most lines of the rules.
+    pub rule_lines: usize,
+}
+
+impl Default for BoardParams {
+    fn default() -> Self {
+        // With the hints these are at most 24 lines: 3 cm each on a board of 72 cm.
+        Self {
+            columns: 54,
+            string_lines: 5,
+            rule_lines: 8,
+        }
+    }
+}
+
+/// What the buttons do, one line each.
+const HINTS: [&str; 6] = [
+    "trigger   draw; on a node: choose it, branch there",
+    "grip      move a node; with the trigger: delete it",
+    "grip rim  move and turn the platform; both: scale",
+    "A or X    grow one step",
+    "B or Y    step back",
+    "stick     left: undo   right: redo",
+];
+
+/// What stands for text that was cut off.
+const ELLIPSIS: char = '…';
+
+/// What the board says besides the document.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Facts<'a> {
+    /// The string, perhaps cut.
+    pub(super) string: &'a str,
+    /// Segments of the tree.
+    pub(super) segments: usize,
+    /// Whether the tree is still being grown.
+    pub(super) waiting: bool,
+    /// How often can be undone and redone.
+    pub(super) undo: [usize; 2],
+    /// What the person is to be told.
+    pub(super) message: Option<&'a str>,
+    /// Counts up whenever the string changed.
+    pub(super) string_revision: u64,
+}
+
+/// What the present text was composed from.
+#[derive(Debug)]
+struct Composed {
+    sketch: Arc<Sketch>,
+    step: u32,
+    selected: crate::sketch::NodeRef,
+    segments: usize,
+    waiting: bool,
+    undo: [usize; 2],
+    string_revision: u64,
+}
+
+/// See the module.
+#[derive(Debug, Default)]
+pub(super) struct LiveBoard {
+    of: Option<Composed>,
+    content: Arc<BoardContent>,
+    revision: u64,
+}
+
+impl LiveBoard {
+    /// Makes the text follow; composes it only where something changed.
+    pub(super) fn follow(&mut self, document: &Document, facts: &Facts<'_>, params: &BoardParams) {
+        let same = self.of.as_ref().is_some_and(|of| {
+            Arc::ptr_eq(&of.sketch, &document.sketch)
+                && (of.step, of.selected) == (document.step, document.selected)
+                && (of.segments, of.waiting, of.undo) == (facts.segments, facts.waiting, facts.undo)
+                && of.string_revision == facts.string_revision
+        });
+        if same && self.content.message.as_deref() == facts.message {
+            return;
+        }
+        self.of = Some(Composed {
+            sketch: Arc::clone(&document.sketch),
+            step: document.step,
+            selected: document.selected,
+            segments: facts.segments,
+            waiting: facts.waiting,
+            undo: facts.undo,
+            string_revision: facts.string_revision,
+        });
+        self.content = Arc::new(compose(document, facts, params));
+        self.revision += 1;
+    }
+
+    /// The board on the stage.
+    pub(super) fn placed(&self, params: &StageParams) -> Board {
+        Board {
+            world_from_board: stage_from_board(params),
+            size: params.board_size,
+            revision: self.revision,
+            content: Arc::clone(&self.content),
+        }
+    }
+}
+
+fn compose(document: &Document, facts: &Facts<'_>, params: &BoardParams) -> BoardContent {
+    let sketch = &*document.sketch;
+    let mut lines = Vec::new();
+    let mut line = |text: &str| lines.push(fitted(text, params.columns));
+    line(&status(document, facts));
+    line(&selection(document));
+    line("");
+    let string = if facts.string.is_empty() {
+        "(nothing has grown yet)"
+    } else {
+        facts.string
+    };
+    for row in wrapped(string, params.columns, params.string_lines) {
+        line(&row);
+    }
+    line("");
+    let grammar = sketch.grammar_text();
+    for row in rules(&grammar, params.columns, params.rule_lines) {
+        line(&row);
+    }
+    line("");
+    for hint in HINTS {
+        line(hint);
+    }
+    BoardContent {
+        title: "Ramus".into(),
+        lines,
+        message: facts.message.map(str::to_owned),
+    }
+}
+
+/// Step, counts, and how far one can go back and forth.
+fn status(document: &Document, facts: &Facts<'_>) -> String {
+    let mut text = format!("step {}", document.step);
+    // Writing to a String cannot fail.
+    if facts.waiting {
+        let _ = write!(text, "   growing{ELLIPSIS}");
+    } else {
+        let _ = write!(text, "   {} segments", facts.segments);
+    }
+    let lines = document.sketch.strokes.len();
+    let [undo, redo] = facts.undo;
+    let _ = write!(
+        text,
+        "   {lines} {}   undo {undo} redo {redo}",
+        if lines == 1 { "line" } else { "lines" }
+    );
+    text
+}
+
+/// Where the trigger draws.
+fn selection(document: &Document) -> String {
+    let at = document.selected;
+    if document.sketch.is_apex(at) {
+        format!("drawing on line {}, from node {}", at.letter, at.node)
+    } else {
+        format!("a branch starts at node {} of line {}", at.node, at.letter)
+    }
+}
+
+/// The lines of a grammar that begin or rewrite, in rows; a last row says how many found no room.
+fn rules(grammar: &str, columns: usize, most: usize) -> Vec<String> {
+    let rules = grammar.lines().map(str::trim).filter(|line| {
+        let comment = line.starts_with('#');
+        !comment && (line.contains("->") || line.starts_with("axiom"))
+    });
+    let mut rows = Vec::new();
+    let mut left = 0_usize;
+    for rule in rules {
+        let mut more = by_words(rule, columns);
+        // One row stays free to say that there is more.
+        if left > 0 || rows.len() + more.len() >= most {
+            left += 1;
+        } else {
+            rows.append(&mut more);
+        }
+    }
+    if left > 0 {
+        rows.push(format!("{ELLIPSIS} and {left} more"));
+    }
+    rows
+}
+
+/// The text in rows, broken at blanks, the further ones indented.
+fn by_words(text: &str, columns: usize) -> Vec<String> {
+    const INDENT: &str = "    ";
+    let mut rows = vec![String::new()];
+    for word in text.split_whitespace() {
+        let Some(row) = rows.last_mut() else { break };
+        let blank = usize::from(!row.trim_start().is_empty());
+        if blank == 1 && row.chars().count() + blank + word.chars().count() > columns {
+            rows.push(format!("{INDENT}{word}"));
+        } else {
+            row.push_str(&" "[..blank]);
+            row.push_str(word);
+        }
+    }
+    rows
+}
+
+/// The text cut to a number of characters.
+fn fitted(text: &str, columns: usize) -> String {
+    if text.chars().nth(columns).is_none() {
+        return text.to_owned();
+    }
+    let kept = text.chars().take(columns.saturating_sub(1));
+    kept.chain(std::iter::once(ELLIPSIS)).collect()
+}
+
+/// The text in rows of a number of characters; the last row says where more was cut off.
+fn wrapped(text: &str, columns: usize, rows: usize) -> Vec<String> {
+    let columns = columns.max(1);
+    let mut characters = text.chars().peekable();
+    let mut found = Vec::new();
+    while characters.peek().is_some() && found.len() < rows {
+        let mut row: String = characters.by_ref().take(columns).collect();
+        if found.len() + 1 == rows && characters.peek().is_some() {
+            row.pop();
+            row.push(ELLIPSIS);
+        }
+        found.push(row);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+
+    const FACTS: Facts<'static> = Facts {
+        string: "",
+        segments: 0,
+        waiting: false,
+        undo: [0, 0],
+        message: None,
+        string_revision: 0,
+    };
+
+    #[test]
+    fn text_is_cut_by_characters_and_says_so() {
+        for (text, columns, expected) in [
+            ("äöü", 3, "äöü"),
+            ("äöüß", 3, "äö…"),
+            ("", 3, ""),
+            ("ab", 1, "…"),
+        ] {
+            assert_eq!(fitted(text, columns), expected);
+        }
+        assert_eq!(wrapped("A(0)A(1)B", 4, 3), ["A(0)", "A(1)", "B"]);
+        assert_eq!(wrapped("A(0)A(1)B", 4, 2), ["A(0)", "A(1…"]);
+        assert!(wrapped("", 4, 2).is_empty());
+    }
+
+    #[test]
+    fn rules_are_picked_out_of_the_grammar() {
+        let grammar = "# a -> comment\naxiom A(0) B\n  A(x) > B -> A(x) A(x+1)\nshape A = [(0 1 0)]\nC(x) -> C(x)\n";
+        let all = ["axiom A(0) B", "A(x) > B -> A(x) A(x+1)", "C(x) -> C(x)"];
+        assert_eq!(rules(grammar, 40, 4), all);
+        assert_eq!(rules(grammar, 40, 3), [all[0], all[1], "… and 1 more"]);
+        assert_eq!(
+            rules(grammar, 12, 9),
+            [
+                "axiom A(0) B",
+                "A(x) > B ->",
+                "    A(x)",
+                "    A(x+1)",
+                "C(x) -> C(x)"
+            ]
+        );
+        assert_eq!(
+            by_words("one-long-word next", 5),
+            ["one-long-word", "    next"],
+            "cut later, where it is fitted"
+        );
+    }
+
+    #[test]
+    fn it_is_composed_only_when_something_changed() {
+        let params = BoardParams::default();
+        let mut board = LiveBoard::default();
+        let document = Document::default();
+        board.follow(&document, &FACTS, &params);
+        let first = board.placed(&StageParams::default());
+        board.follow(&document, &FACTS, &params);
+        let again = board.placed(&StageParams::default());
+        assert!(Arc::ptr_eq(&first.content, &again.content) && first.revision == again.revision);
+        let mut last = first.revision;
+        for facts in [
+            Facts {
+                message: Some("Look"),
+                ..FACTS
+            },
+            Facts {
+                message: Some("There"),
+                ..FACTS
+            },
+            FACTS,
+            Facts {
+                segments: 3,
+                ..FACTS
+            },
+            Facts {
+                string: "A(0)B",
+                string_revision: 1,
+                ..FACTS
+            },
+            Facts {
+                undo: [1, 0],
+                ..FACTS
+            },
+        ] {
+            board.follow(&document, &facts, &params);
+            assert!(board.revision > last, "{facts:?}");
+            last = board.revision;
+        }
+    }
+
+    #[test]
+    fn every_line_fits() {
+        let params = BoardParams::default();
+        let long = "A(0)[/(137.508)C(0)B]".repeat(500);
+        let facts = Facts {
+            string: &long,
+            segments: 1_999_999,
+            undo: [123_456, 654_321],
+            ..FACTS
+        };
+        let content = compose(
+            &Document {
+                step: 9999,
+                ..Document::default()
+            },
+            &facts,
+            &params,
+        );
+        assert!(
+            content
+                .lines
+                .iter()
+                .all(|line| line.chars().count() <= params.columns)
+        );
+        let most = 2 + 3 + params.string_lines + params.rule_lines + HINTS.len();
+        assert!(content.lines.len() <= most, "{}", content.lines.len());
+        for hint in HINTS {
+            assert!(
+                content.lines.iter().any(|line| line == hint),
+                "uncut: {hint}"
+            );
+        }
+    }
+}

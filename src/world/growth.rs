@@ -1,0 +1,351 @@
+//! The full-size tree: asking for it, and letting it grow on the eye.
+//!
+//! The world grows nothing itself: it says which tree it wants
+//! ([`TreeRequest`]) and shows what it is given, so that the application may
+//! grow large trees on a worker. The document moves a whole step at once; only
+//! the picture moves on smoothly, by the time of the input.
+
+use std::sync::Arc;
+
+use glam::Affine3A;
+
+use crate::{
+    sketch::{Grown, Sketch},
+    tree::Tree,
+};
+
+use super::{document::Document, scene::PlacedTree};
+
+/// How growth is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrowthParams {
+    /// Seconds in which a step grows or shrinks.
+    pub seconds: f32,
+    /// A larger tree is not asked for.
+    pub max_segments: u64,
+}
+
+impl Default for GrowthParams {
+    fn default() -> Self {
+        Self {
+            seconds: 0.6,
+            max_segments: 2_000_000,
+        }
+    }
+}
+
+/// A tree that the world would like to show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TreeRequest {
+    /// To be given back with the tree; larger ids are newer wishes.
+    pub id: u64,
+    /// What grows.
+    pub sketch: Arc<Sketch>,
+    /// How far.
+    pub step: u32,
+}
+
+/// A tree as it was given.
+#[derive(Debug)]
+struct Shown {
+    tree: Arc<Tree>,
+    radius_before: Arc<Vec<f32>>,
+    newest: u32,
+    step: u32,
+}
+
+/// See the module.
+#[derive(Debug)]
+pub(super) struct Growth {
+    /// Sketch and step of the newest wish.
+    wanted: Option<(Arc<Sketch>, u32)>,
+    /// Steps of wishes that no tree has come for yet, by id, oldest first.
+    open: Vec<(u64, u32)>,
+    request: Option<TreeRequest>,
+    last_id: u64,
+    shown_id: u64,
+    shown: Option<Shown>,
+    /// Follows when the shown tree has shrunk.
+    next: Option<Shown>,
+    /// How far the newest step has grown, 0 to 1, before easing.
+    fraction: f32,
+    revision: u64,
+}
+
+impl Default for Growth {
+    fn default() -> Self {
+        Self {
+            wanted: None,
+            open: Vec::new(),
+            request: None,
+            last_id: 0,
+            shown_id: 0,
+            shown: None,
+            next: None,
+            fraction: 1.0,
+            revision: 0,
+        }
+    }
+}
+
+impl Growth {
+    /// Whether the document's tree has not been wished for yet.
+    pub(super) fn is_new(&self, document: &Document) -> bool {
+        !self.wanted.as_ref().is_some_and(|(sketch, step)| {
+            Arc::ptr_eq(sketch, &document.sketch) && *step == document.step
+        })
+    }
+
+    /// Notes that the document's tree was thought of: it is not new any more.
+    pub(super) fn note(&mut self, document: &Document) {
+        self.wanted = Some((Arc::clone(&document.sketch), document.step));
+    }
+
+    /// Wishes for the document's tree.
+    pub(super) fn wish(&mut self, document: &Document) {
+        self.note(document);
+        self.last_id += 1;
+        self.open.push((self.last_id, document.step));
+        let (sketch, step) = (Arc::clone(&document.sketch), document.step);
+        self.request = Some(TreeRequest {
+            id: self.last_id,
+            sketch,
+            step,
+        });
+    }
+
+    pub(super) fn take_request(&mut self) -> Option<TreeRequest> {
+        self.request.take()
+    }
+
+    /// Takes a tree in, unless it is older than the one shown. Gives its string where it was taken.
+    pub(super) fn give(&mut self, id: u64, grown: Grown) -> Option<String> {
+        let step = self.close(id)?;
+        if id <= self.shown_id {
+            return None;
+        }
+        self.shown_id = id;
+        let Grown {
+            tree,
+            radius_before,
+            string,
+            newest,
+            ..
+        } = grown;
+        let given = Shown {
+            tree: Arc::new(tree),
+            radius_before: Arc::new(radius_before),
+            newest,
+            step,
+        };
+        if self
+            .shown
+            .as_ref()
+            .is_some_and(|shown| shown.step == given.step)
+        {
+            // Another tree of the same step: growth goes on where it was, shrinking turns round.
+            self.next = None;
+        } else {
+            // Where the last tree is still shrinking, its successor is what was there before.
+            let shrinking = self.next.is_some();
+            let before = self.next.take().or(self.shown.take());
+            let step_before = before.as_ref().map(|before| before.step);
+            if given.step.checked_add(1) == step_before {
+                // Seen for the last time: it shrinks, then gives way.
+                self.shown = before;
+                self.next = Some(given);
+                self.fraction = if shrinking { 1.0 } else { self.fraction };
+                self.revision += 1;
+                return Some(string);
+            }
+            let grows = step_before.is_some() && step_before == given.step.checked_sub(1);
+            self.fraction = if grows { 0.0 } else { 1.0 };
+        }
+        self.shown = Some(given);
+        self.revision += 1;
+        Some(string)
+    }
+
+    /// Notes that no tree comes for a wish. Gives whether it was a wish.
+    pub(super) fn fail(&mut self, id: u64) -> bool {
+        self.close(id).is_some()
+    }
+
+    /// Ends a wish, and all older ones; gives its step.
+    fn close(&mut self, id: u64) -> Option<u32> {
+        let step = self
+            .open
+            .iter()
+            .find(|open| open.0 == id)
+            .map(|open| open.1);
+        self.open.retain(|open| open.0 > id);
+        step
+    }
+
+    /// Moves the picture on.
+    pub(super) fn advance(&mut self, seconds: f32, params: &GrowthParams) {
+        let moved = if params.seconds > 0.0 {
+            seconds / params.seconds
+        } else {
+            1.0
+        };
+        if self.next.is_none() {
+            self.fraction = (self.fraction + moved).min(1.0);
+            return;
+        }
+        self.fraction -= moved;
+        if self.fraction <= 0.0 {
+            self.shown = self.next.take();
+            self.fraction = 1.0;
+            self.revision += 1;
+        }
+    }
+
+    /// Whether the picture moves.
+    pub(super) fn is_moving(&self) -> bool {
+        self.next.is_some() || self.fraction < 1.0
+    }
+
+    /// Whether a tree is being waited for.
+    pub(super) fn is_waiting(&self) -> bool {
+        !self.open.is_empty()
+    }
+
+    /// Segments of the tree that is shown or about to be.
+    pub(super) fn segments(&self) -> usize {
+        let tree = self.next.as_ref().or(self.shown.as_ref());
+        // Every node but the root is a segment.
+        tree.map_or(0, |shown| shown.tree.parent.len().saturating_sub(1))
+    }
+
+    /// The tree as it stands now.
+    pub(super) fn placed(&self, world_from_tree: Affine3A) -> Option<PlacedTree> {
+        let shown = self.shown.as_ref()?;
+        let f = self.fraction.clamp(0.0, 1.0);
+        Some(PlacedTree {
+            tree: Arc::clone(&shown.tree),
+            radius_before: Arc::clone(&shown.radius_before),
+            revision: self.revision,
+            world_from_tree,
+            // Eased at both ends, so that growth neither starts nor stops with a jerk.
+            growth: f * f * (3.0 - 2.0 * f),
+            newest: shown.newest,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+
+    fn grown(step: u32) -> Grown {
+        Grown {
+            newest: step,
+            string: format!("step {step}"),
+            ..Grown::default()
+        }
+    }
+
+    fn at(step: u32) -> Document {
+        Document {
+            step,
+            ..Document::default()
+        }
+    }
+
+    fn wish(growth: &mut Growth, step: u32) -> u64 {
+        growth.wish(&at(step));
+        growth.take_request().unwrap().id
+    }
+
+    fn seen(growth: &Growth) -> (u32, f32) {
+        let placed = growth.placed(Affine3A::IDENTITY).unwrap();
+        (placed.newest, placed.growth)
+    }
+
+    #[test]
+    fn a_step_grows_and_shrinks_without_jumps() {
+        let (mut growth, params) = (Growth::default(), GrowthParams::default());
+        let id = wish(&mut growth, 3);
+        assert!(growth.give(id, grown(3)).is_some());
+        assert_eq!(seen(&growth), (3, 1.0), "the first tree is there at once");
+        let id = wish(&mut growth, 4);
+        growth.give(id, grown(4));
+        assert_eq!(seen(&growth), (4, 0.0));
+        growth.advance(0.3, &params);
+        assert!((seen(&growth).1 - 0.5).abs() < 1e-5);
+        growth.advance(5.0, &params);
+        assert_eq!(seen(&growth), (4, 1.0));
+        let id = wish(&mut growth, 3);
+        growth.give(id, grown(3));
+        assert_eq!(
+            seen(&growth),
+            (4, 1.0),
+            "the newest segments are still whole"
+        );
+        growth.advance(0.3, &params);
+        assert!((seen(&growth).1 - 0.5).abs() < 1e-5);
+        growth.advance(0.4, &params);
+        assert_eq!(seen(&growth), (3, 1.0));
+        assert!(!growth.is_moving());
+    }
+
+    #[test]
+    fn a_change_of_mind_while_it_moves_turns_it_round() {
+        let (mut growth, params) = (Growth::default(), GrowthParams::default());
+        for step in [3, 4] {
+            let id = wish(&mut growth, step);
+            growth.give(id, grown(step));
+        }
+        growth.advance(0.3, &params);
+        for (step, expected) in [(3, (4, 0.5)), (4, (4, 0.5)), (3, (4, 0.5)), (2, (3, 1.0))] {
+            let id = wish(&mut growth, step);
+            growth.give(id, grown(step));
+            let (newest, fraction) = seen(&growth);
+            assert!(
+                newest == expected.0 && (fraction - expected.1).abs() < 1e-5,
+                "{step}: {newest} {fraction}"
+            );
+        }
+    }
+
+    #[test]
+    fn late_and_unknown_trees_are_not_shown() {
+        let mut growth = Growth::default();
+        let first = wish(&mut growth, 1);
+        let second = wish(&mut growth, 5);
+        assert!(growth.give(second, grown(5)).is_some());
+        assert!(
+            growth.give(first, grown(1)).is_none(),
+            "older than what is shown"
+        );
+        assert!(growth.give(99, grown(9)).is_none(), "never wished for");
+        assert_eq!(seen(&growth).0, 5);
+        assert!(!growth.is_waiting());
+    }
+
+    #[test]
+    fn the_revision_tells_every_change_of_tree() {
+        let (mut growth, params) = (Growth::default(), GrowthParams::default());
+        let mut last = 0;
+        for step in [1, 2, 3, 2, 2, 0, 7] {
+            let id = wish(&mut growth, step);
+            growth.give(id, grown(step));
+            growth.advance(10.0, &params);
+            let placed = growth.placed(Affine3A::IDENTITY).unwrap();
+            assert!(placed.revision > last && placed.newest == step, "{step}");
+            last = placed.revision;
+            growth.advance(1.0, &params);
+            assert_eq!(
+                growth.placed(Affine3A::IDENTITY).unwrap().revision,
+                last,
+                "and nothing else"
+            );
+        }
+    }
+}

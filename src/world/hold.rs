@@ -1,0 +1,186 @@
+//! What hands hold: gripping, following, letting go.
+//!
+//! While a hand holds something, [`Tools::shown`] is the document as it would be
+//! if the hand let go now; it becomes an edit when it does. What is shown is made anew from the
+//! committed document in each frame that moves a hand, never from the frame before,
+//! so what a frame showed leaves no trace.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::sketch::{NodeRef, Sketch, SketchError, point};
+
+use super::{
+    document::{Edit, Placement},
+    grip::PlatformGrip,
+    history::History,
+    input::Pose,
+    tools::{Hand, Hold, Hover, Tools},
+};
+
+/// What `Tools::shown` was made from: unchanged, it need not be made again.
+#[derive(Debug)]
+pub(super) struct Held {
+    /// The sketch without what is held.
+    sketch: Arc<Sketch>,
+    /// The nodes in the hands and where they are, metres in the sketch.
+    nodes: [Option<(NodeRef, Vec3)>; 2],
+}
+
+impl Tools {
+    /// Takes hold of what the hand is at.
+    pub(super) fn grip(&mut self, hand: usize, history: &History) {
+        match self.hands[hand].hover {
+            Hover::Node {
+                at: NodeRef::ROOT, ..
+            } => self.refuse(hand, SketchError::Root.to_string()),
+            Hover::Node { at, .. } => {
+                self.hands[hand].hold = Hold::Node(at);
+                self.pulse(hand, self.params.haptics.choose);
+            }
+            Hover::Rim { .. } => {
+                self.hands[hand].hold = Hold::Platform;
+                self.grip_anew();
+                self.pulse(hand, self.params.haptics.choose);
+            }
+            Hover::Nothing => return,
+        }
+        self.show(history);
+    }
+
+    /// Lets go of what a hand holds, where it is now.
+    pub(super) fn release(&mut self, hand: usize, history: &mut History) {
+        let Hand {
+            sample: Some(sample),
+            hold,
+            ..
+        } = self.hands[hand]
+        else {
+            return;
+        };
+        match hold {
+            Hold::Nothing => return,
+            Hold::Node(at) => {
+                let to = self
+                    .miniature
+                    .sketch_from_stage
+                    .transform_point3(sample.tip);
+                self.hands[hand].hold = Hold::Nothing;
+                self.apply(
+                    hand,
+                    Edit::MoveNode { at, to },
+                    self.params.haptics.choose,
+                    history,
+                );
+            }
+            Hold::Platform => {
+                let to = self.held_placement();
+                self.hands[hand].hold = Hold::Nothing;
+                if self.hands.iter().any(|other| other.hold == Hold::Platform) {
+                    // The other hand carries on from here; one grip is one action.
+                    self.shown.platform = to;
+                    self.grip_anew();
+                } else {
+                    self.platform = None;
+                    self.apply(
+                        hand,
+                        Edit::SetPlatform { to },
+                        self.params.haptics.choose,
+                        history,
+                    );
+                }
+            }
+        }
+        self.show(history);
+    }
+
+    /// Puts what the hands hold back where it was.
+    pub(super) fn let_go(&mut self) {
+        for hand in &mut self.hands {
+            hand.hold = Hold::Nothing;
+        }
+        self.platform = None;
+    }
+
+    /// Hands let go of nodes that are no more.
+    pub(super) fn check_holds(&mut self, history: &History) {
+        let sketch = &history.committed().sketch;
+        for hand in &mut self.hands {
+            if let Hold::Node(at) = hand.hold
+                && sketch
+                    .apex(at.letter)
+                    .is_none_or(|apex| at.node > apex.node)
+            {
+                hand.hold = Hold::Nothing;
+            }
+        }
+    }
+
+    /// Makes `shown` and the miniature follow the history and the hands.
+    pub(super) fn show(&mut self, history: &History) {
+        let committed = history.committed();
+        let platform = if self.platform.is_some() {
+            self.held_placement()
+        } else {
+            committed.platform
+        };
+        if platform != self.shown.platform {
+            self.shown.platform = platform;
+            self.miniature
+                .follow(&self.shown, &self.stage, &self.palette);
+        }
+        let to_sketch = self.miniature.sketch_from_stage;
+        let nodes = self.hands.map(|hand| match (hand.hold, hand.sample) {
+            (Hold::Node(at), Some(sample)) => {
+                Some((at, point(to_sketch.transform_point3(sample.tip))))
+            }
+            _ => None,
+        });
+        let same =
+            |held: &Held| held.nodes == nodes && Arc::ptr_eq(&held.sketch, &committed.sketch);
+        if !self.held.as_ref().is_some_and(same) {
+            self.shown.sketch = Arc::clone(&committed.sketch);
+            for (at, to) in nodes.into_iter().flatten() {
+                // A place where the node cannot be: it is seen where it was.
+                if let Ok(moved) = self.shown.sketch.move_node(at, to) {
+                    self.shown.sketch = Arc::new(moved);
+                }
+            }
+            self.held = Some(Held {
+                sketch: Arc::clone(&committed.sketch),
+                nodes,
+            });
+        }
+        self.shown.step = committed.step;
+        self.shown.selected = committed.selected;
+        self.miniature
+            .follow(&self.shown, &self.stage, &self.palette);
+    }
+
+    /// Begins the platform's grip anew, from where it is seen now, with the hands that hold it.
+    fn grip_anew(&mut self) {
+        let poses = self.platform_poses();
+        self.platform = Some(PlatformGrip::new(self.shown.platform, poses));
+    }
+
+    /// The poses of the hands that hold the platform.
+    fn platform_poses(&self) -> [Option<Pose>; 2] {
+        self.hands.map(|hand| match hand {
+            Hand {
+                hold: Hold::Platform,
+                sample: Some(sample),
+                ..
+            } => Some(sample.grip),
+            _ => None,
+        })
+    }
+
+    /// Where the hands hold the platform now.
+    fn held_placement(&self) -> Placement {
+        match &self.platform {
+            Some(grip) => grip.placement(self.platform_poses(), &self.params.grip),
+            None => self.shown.platform,
+        }
+    }
+}

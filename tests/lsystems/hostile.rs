@@ -1,0 +1,154 @@
+//! Input that is made to hurt: a clear error or a right result, in bounded time and memory.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use proptest::prelude::*;
+use ramus::lsystem::{Grammar, Limits, TurtleParams, interpret};
+
+use super::{derive, draw, parse};
+
+#[test]
+fn a_million_nested_brackets() {
+    let deep = 1_000_000;
+    let text = format!(
+        "axiom {}F{}\nA < F -> F\nF > A -> F\n",
+        "[".repeat(deep),
+        "]".repeat(deep)
+    );
+    let grammar = parse(&text);
+    let string = derive(&grammar, 2);
+    assert_eq!(string.len(), 2 * deep + 1);
+    let tree = draw(&grammar, &string);
+    assert_eq!(tree.order[1], u16::MAX, "orders stop at what they can hold");
+}
+
+#[test]
+fn brackets_a_million_times_too_many() {
+    for text in [
+        format!("axiom {}", "[".repeat(1_000_000)),
+        format!("axiom {}", "]".repeat(1_000_000)),
+        "axiom A\n]".repeat(100_000),
+    ] {
+        assert!(!Grammar::parse(&text, "t").unwrap_err().errors.is_empty());
+    }
+    let pattern = format!(
+        "axiom A\nA > {}B{} -> C\n",
+        "[".repeat(1000),
+        "]".repeat(1000)
+    );
+    assert!(
+        Grammar::parse(&pattern, "t")
+            .unwrap_err()
+            .to_string()
+            .contains("nest deeper")
+    );
+}
+
+#[test]
+fn million_character_lines() {
+    let text = format!("axiom {}\"\n", "F(1)".repeat(250_000));
+    let error = Grammar::parse(&text, "t").unwrap_err();
+    assert_eq!(error.errors[0].column, 1_000_007);
+    assert!(error.to_string().len() < 500, "the line is cut for show");
+    let good = parse(&format!("axiom {}\n", "F(1)".repeat(250_000)));
+    assert_eq!(derive(&good, 0).len(), 250_000);
+    for text in [
+        format!("axiom A({}1)\n", "1+".repeat(500_000)),
+        format!("axiom A({})\n", "9".repeat(300)),
+    ] {
+        assert!(Grammar::parse(&text, "t").is_ok());
+    }
+    for text in [
+        format!("axiom A({})\n", "9".repeat(1_000_000)),
+        format!("axiom A({}1{})\n", "(".repeat(500_000), ")".repeat(500_000)),
+    ] {
+        assert!(Grammar::parse(&text, "t").is_err());
+    }
+    let names = format!("module {}\naxiom A\n", "x".repeat(1_000_000));
+    assert!(Grammar::parse(&names, "t").is_err());
+}
+
+/// Explosive growth and endless contexts stop soon after the flag is set.
+#[test]
+fn cancelling_is_quick() {
+    let ignored = format!(
+        "ignore F\naxiom {}\nA < F -> F\nF > A -> F\n",
+        "F".repeat(300_000)
+    );
+    for text in ["axiom A(1)\nA(x) -> A(x)A(x+1)[A(x*2)]\n", ignored.as_str()] {
+        let grammar = parse(text);
+        let cancel = AtomicBool::new(false);
+        let limits = Limits {
+            modules: 20_000_000,
+            bytes: 1 << 30,
+        };
+        let (result, waited) = std::thread::scope(|scope| {
+            let worker = scope.spawn(|| {
+                let result = grammar.derive(1_000_000, &limits, &cancel);
+                (result, Instant::now())
+            });
+            std::thread::sleep(Duration::from_millis(60));
+            cancel.store(true, Ordering::Relaxed);
+            let set = Instant::now();
+            let (result, ended) = worker.join().unwrap();
+            (result, ended.saturating_duration_since(set))
+        });
+        let error = result.unwrap_err();
+        // The first may reach its limit before the flag on a fast machine. 50 ms on an idle machine; this one may be busy.
+        assert!(
+            error.is_cancelled() || error.to_string().contains("past the limit"),
+            "{error}"
+        );
+        assert!(waited < Duration::from_millis(1000), "{waited:?}");
+    }
+}
+
+/// Whatever the text: no panic; what is accepted derives within its limits and draws a whole tree.
+fn survives(text: &str) {
+    let Ok(grammar) = Grammar::parse(text, "no such file") else {
+        return;
+    };
+    let cancel = AtomicBool::new(false);
+    let limits = Limits {
+        modules: 3000,
+        bytes: 1 << 20,
+    };
+    let string = match grammar.derive(4, &limits, &cancel) {
+        Ok(string) => string,
+        Err(error) => match error.last {
+            Some(last) => last.1,
+            None => return,
+        },
+    };
+    assert!(string.len() <= 3000);
+    let _ = string.to_text(&grammar);
+    let params = TurtleParams {
+        limits,
+        ..TurtleParams::default()
+    };
+    if let Ok(tree) = interpret(&grammar, &string, &params, &cancel) {
+        assert!(tree.position.iter().all(|p| p.is_finite()));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_text(text in "\\PC{0,200}") {
+        survives(&text);
+        survives(&format!("axiom {text}\n"));
+        survives(&format!("axiom AB\nA{text} -> {text}\n"));
+    }
+
+    #[test]
+    fn text_of_the_languages_own_parts(parts in prop::collection::vec(prop::sample::select(vec![
+        "axiom ", "\n", "A", "B", "F", "[", "]", "(", ")", ",", "x", "y", "1", "0.5", "+", "-", "*", "/", "^", "%", "<", ">", ":", "->", " ",
+        "const ", "=", "weight ", "module ", "Leaf", "ignore ", "context literal\n", "decompose {\n", "}\n", "interpret {\n",
+        "shape A = [(1 0 0)]\n", "uniform(", "&&", "||", "!", "==", "{", ".", "'", "~", "@O", "#", "A(x) -> A(x+1)B[A(x/2)]\n", "axiom A(1)\n",
+        "B < A(x) > [A(y)] B : x > y -> A(x-y)%\n", "A(x) : weight x -> F(x)\n", "depth 3", "order specific\n",
+    ]), 0..60)) {
+        survives(&parts.concat());
+    }
+}

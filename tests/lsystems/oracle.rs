@@ -1,0 +1,484 @@
+//! A slow, simple interpreter of random small grammars against the engine: strings and births, both orders, both kinds of
+//! context, any number of threads.
+
+use std::fmt::Write as _;
+
+use proptest::prelude::*;
+use ramus::lsystem::ModuleString;
+
+use super::{derive, draw, parse};
+
+/// A module: name, at most one parameter, birth.
+#[derive(Clone, Debug, PartialEq)]
+struct Mod {
+    name: char,
+    value: Option<i64>,
+    birth: u32,
+}
+
+/// A successor's module: its parameter is a bound one (counted over predecessor, left, right) plus a number.
+#[derive(Clone, Debug)]
+struct Template {
+    name: char,
+    from: usize,
+    plus: i64,
+}
+
+#[derive(Clone, Debug)]
+struct Rule {
+    pred: char,
+    left: Vec<char>,
+    right: Vec<char>,
+    /// The first bound parameter is at least this.
+    at_least: Option<i64>,
+    successor: Vec<Template>,
+}
+
+#[derive(Clone, Debug)]
+struct Spec {
+    rules: Vec<Rule>,
+    axiom: Vec<Template>,
+    ignored: Vec<char>,
+    literal: bool,
+    specific: bool,
+}
+
+/// A and C have a parameter, the others none.
+fn has_parameter(name: char) -> bool {
+    matches!(name, 'A' | 'C')
+}
+
+fn bound_names(rule: &Rule) -> Vec<String> {
+    let all = std::iter::once(rule.pred)
+        .chain(rule.left.iter().copied())
+        .chain(rule.right.iter().copied());
+    all.filter(|n| has_parameter(*n))
+        .enumerate()
+        .map(|(i, _)| format!("p{i}"))
+        .collect()
+}
+
+impl Spec {
+    fn text(&self) -> String {
+        let mut text = String::new();
+        if self.literal {
+            text += "context literal\n";
+        } else if !self.ignored.is_empty() {
+            writeln!(text, "ignore {}", self.ignored.iter().collect::<String>()).unwrap();
+        }
+        if self.specific {
+            text += "order specific\n";
+        }
+        writeln!(text, "axiom {}", templates(&self.axiom, &[])).unwrap();
+        for rule in &self.rules {
+            let names = bound_names(rule);
+            let mut next = names.iter();
+            let mut written = |list: &[char]| -> String {
+                list.iter()
+                    .map(|n| {
+                        if has_parameter(*n) {
+                            format!("{n}({})", next.next().unwrap())
+                        } else {
+                            n.to_string()
+                        }
+                    })
+                    .collect()
+            };
+            let (pred, left, right) = (
+                written(&[rule.pred]),
+                written(&rule.left),
+                written(&rule.right),
+            );
+            if !left.is_empty() {
+                write!(text, "{left} < ").unwrap();
+            }
+            text += &pred;
+            if !right.is_empty() {
+                write!(text, " > {right}").unwrap();
+            }
+            if let (Some(least), Some(name)) = (rule.at_least, names.first()) {
+                write!(text, " : {name} >= {least}").unwrap();
+            }
+            writeln!(text, " -> {}", templates(&rule.successor, &names)).unwrap();
+        }
+        text
+    }
+
+    fn has_condition(rule: &Rule) -> bool {
+        rule.at_least.is_some() && !bound_names(rule).is_empty()
+    }
+
+    fn ordered(&self) -> Vec<&Rule> {
+        let mut rules: Vec<&Rule> = self.rules.iter().collect();
+        if self.specific {
+            let length =
+                |r: &Rule| r.left.len() + r.right.iter().filter(|c| !"[]".contains(**c)).count();
+            rules.sort_by_key(|r| std::cmp::Reverse((length(r), Self::has_condition(r))));
+        }
+        rules
+    }
+
+    fn derive(&self, steps: u32) -> Vec<Mod> {
+        let mut string: Vec<Mod> = self
+            .axiom
+            .iter()
+            .map(|t| Mod {
+                name: t.name,
+                value: has_parameter(t.name).then_some(t.plus),
+                birth: 0,
+            })
+            .collect();
+        for step in 1..=steps {
+            string = cut(&string);
+            let mut next = Vec::new();
+            for at in 0..string.len() {
+                let found = self
+                    .ordered()
+                    .into_iter()
+                    .find_map(|rule| Some((rule, self.matches(rule, &string, at)?)));
+                match found {
+                    None => next.push(string[at].clone()),
+                    Some((rule, bound)) => {
+                        let mut inherited = false;
+                        for t in &rule.successor {
+                            let value = has_parameter(t.name)
+                                .then(|| bound.get(t.from).copied().unwrap_or(0) + t.plus);
+                            let same = !inherited
+                                && t.name == string[at].name
+                                && value == string[at].value;
+                            inherited |= same;
+                            next.push(Mod {
+                                name: t.name,
+                                value,
+                                birth: if same { string[at].birth } else { step },
+                            });
+                        }
+                    }
+                }
+            }
+            string = next;
+        }
+        cut(&string)
+    }
+
+    fn matches(&self, rule: &Rule, string: &[Mod], at: usize) -> Option<Vec<i64>> {
+        if string[at].name != rule.pred {
+            return None;
+        }
+        let mut bound: Vec<i64> = string[at].value.into_iter().collect();
+        // Left: nearest first, then turned round.
+        let mut left = Vec::new();
+        let mut here = at;
+        for wanted in rule.left.iter().rev() {
+            here = self.left_of(string, here)?;
+            if string[here].name != *wanted {
+                return None;
+            }
+            left.splice(0..0, string[here].value);
+        }
+        bound.extend(left);
+        if self.literal {
+            for (i, wanted) in rule.right.iter().enumerate() {
+                let found = string.get(at + 1 + i)?;
+                if found.name != *wanted {
+                    return None;
+                }
+                bound.extend(found.value);
+            }
+        } else {
+            bound.extend(self.right(&rule.right, string, at + 1)?);
+        }
+        if let (Some(least), Some(first)) = (rule.at_least, bound.first())
+            && first < &least
+        {
+            return None;
+        }
+        Some(bound)
+    }
+
+    fn left_of(&self, string: &[Mod], mut at: usize) -> Option<usize> {
+        loop {
+            at = at.checked_sub(1)?;
+            match string[at].name {
+                '[' | ']' if self.literal => return None,
+                ']' => {
+                    let mut depth = 1;
+                    while depth > 0 {
+                        at = at.checked_sub(1)?;
+                        depth +=
+                            i32::from(string[at].name == ']') - i32::from(string[at].name == '[');
+                    }
+                }
+                '[' => {}
+                n if !self.literal && self.ignored.contains(&n) => {}
+                _ => return Some(at),
+            }
+        }
+    }
+
+    fn right(&self, pattern: &[char], string: &[Mod], mut at: usize) -> Option<Vec<i64>> {
+        let mut bound = Vec::new();
+        let mut k = 0;
+        while k < pattern.len() {
+            let found = string.get(at)?;
+            if found.name == ']' {
+                return None;
+            }
+            if self.ignored.contains(&found.name) {
+                at += 1;
+                continue;
+            }
+            if pattern[k] == '[' {
+                if found.name != '[' {
+                    return None;
+                }
+                let close = partner(|i| pattern.get(i).copied(), k);
+                if let Some(inner) = self.right(&pattern[k + 1..close], string, at + 1) {
+                    bound.extend(inner);
+                    k = close + 1;
+                }
+                at = partner(|i| string.get(i).map(|m| m.name), at) + 1;
+                continue;
+            }
+            if found.name == '[' {
+                at = partner(|i| string.get(i).map(|m| m.name), at) + 1;
+            } else if found.name == pattern[k] {
+                bound.extend(found.value);
+                k += 1;
+                at += 1;
+            } else {
+                return None;
+            }
+        }
+        Some(bound)
+    }
+}
+
+/// The bracket that closes the one at `at`.
+fn partner(name: impl Fn(usize) -> Option<char>, mut at: usize) -> usize {
+    let mut depth = 0;
+    loop {
+        match name(at) {
+            Some('[') => depth += 1,
+            Some(']') => depth -= 1,
+            Some(_) => {}
+            None => return at,
+        }
+        if depth == 0 {
+            return at;
+        }
+        at += 1;
+    }
+}
+
+fn cut(string: &[Mod]) -> Vec<Mod> {
+    let mut kept = Vec::new();
+    let mut at = 0;
+    while at < string.len() {
+        if string[at].name == '%' {
+            while at < string.len() && string[at].name != ']' {
+                at = partner(|i| string.get(i).map(|m| m.name), at) + 1;
+            }
+        } else {
+            kept.push(string[at].clone());
+            at += 1;
+        }
+    }
+    kept
+}
+
+fn templates(list: &[Template], names: &[String]) -> String {
+    if list.is_empty() {
+        return "*".into();
+    }
+    list.iter()
+        .map(|t| match names.get(t.from) {
+            _ if !has_parameter(t.name) => t.name.to_string(),
+            Some(name) => format!("{}({name} + {})", t.name, t.plus),
+            None => format!("{}({})", t.name, t.plus),
+        })
+        .collect()
+}
+
+fn of_engine(grammar: &ramus::lsystem::Grammar, string: &ModuleString) -> Vec<Mod> {
+    string
+        .iter()
+        .map(|m| Mod {
+            name: grammar.name(m.symbol).chars().next().unwrap(),
+            value: m.parameters.first().map(|v| *v as i64),
+            birth: m.birth,
+        })
+        .collect()
+}
+
+/// Balanced successors: a list of modules, some of them in branches.
+fn successor() -> impl Strategy<Value = Vec<Template>> {
+    let one = (
+        prop::sample::select(vec!['A', 'B', 'C', 'D', 'F', '%']),
+        0..3_usize,
+        0..3_i64,
+    )
+        .prop_map(|(name, from, plus)| Template { name, from, plus });
+    let leaf = prop::collection::vec(one, 0..3);
+    leaf.prop_recursive(2, 8, 3, |inner| {
+        prop::collection::vec((inner, any::<bool>()), 1..3).prop_map(|parts| {
+            let bracket = |name| Template {
+                name,
+                from: 0,
+                plus: 0,
+            };
+            let mut list = Vec::new();
+            for (part, branch) in parts {
+                if branch {
+                    list.push(bracket('['));
+                    list.extend(part);
+                    list.push(bracket(']'));
+                } else {
+                    list.extend(part);
+                }
+            }
+            list
+        })
+    })
+}
+
+fn letters(least: usize) -> impl Strategy<Value = Vec<char>> {
+    prop::collection::vec(
+        prop::sample::select(vec!['A', 'B', 'C', 'D', 'F']),
+        least..3,
+    )
+}
+
+fn rule(literal: bool) -> impl Strategy<Value = Rule> {
+    let inner = (letters(1), letters(1), any::<bool>()).prop_map(|(mut outer, inner, nested)| {
+        if nested {
+            let at = outer.len().min(1);
+            outer.splice(
+                at..at,
+                std::iter::once('[')
+                    .chain(inner)
+                    .chain(std::iter::once(']')),
+            );
+        }
+        outer
+    });
+    let right = (letters(0), inner, any::<bool>(), 0..3_usize).prop_map(
+        move |(plain, inner, branch, at)| {
+            let mut right = plain;
+            if branch && !literal {
+                let at = at.min(right.len());
+                right.splice(
+                    at..at,
+                    std::iter::once('[')
+                        .chain(inner)
+                        .chain(std::iter::once(']')),
+                );
+            }
+            right
+        },
+    );
+    let right = prop_oneof![2 => Just(Vec::new()), 3 => right];
+    (
+        prop::sample::select(vec!['A', 'B', 'C', 'D']),
+        prop_oneof![2 => Just(Vec::new()), 2 => letters(0)],
+        right,
+        prop::option::of(0..4_i64),
+        successor(),
+    )
+        .prop_map(|(pred, left, right, at_least, successor)| Rule {
+            pred,
+            left,
+            right,
+            at_least,
+            successor,
+        })
+}
+
+fn spec() -> impl Strategy<Value = Spec> {
+    (any::<bool>(), any::<bool>()).prop_flat_map(|(literal, specific)| {
+        let ignored = prop_oneof![Just(vec![]), Just(vec!['F']), Just(vec!['F', 'D'])];
+        (
+            prop::collection::vec(rule(literal), 1..6),
+            successor(),
+            ignored,
+        )
+            .prop_map(move |(rules, mut axiom, ignored)| {
+                axiom.insert(
+                    0,
+                    Template {
+                        name: 'A',
+                        from: 0,
+                        plus: 1,
+                    },
+                );
+                axiom.push(Template {
+                    name: 'B',
+                    from: 0,
+                    plus: 0,
+                });
+                let ignored = if literal { vec![] } else { ignored };
+                Spec {
+                    rules,
+                    axiom,
+                    ignored,
+                    literal,
+                    specific,
+                }
+            })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_engine_does_what_the_slow_interpreter_does(spec in spec()) {
+        let text = spec.text();
+        let grammar = parse(&text);
+        for steps in 0..5 {
+            let slow = spec.derive(steps);
+            if slow.len() > 2000 {
+                break;
+            }
+            let fast = of_engine(&grammar, &derive(&grammar, steps));
+            prop_assert_eq!(&fast, &slow, "after {} steps of\n{}", steps, &text);
+        }
+    }
+}
+
+/// Strings, trees and errors do not depend on the number of threads.
+#[test]
+fn any_number_of_threads() {
+    let text = "ignore +\naxiom A(1)[B]A(2)\nA(x) < B > A(y) -> B A(x+y)\nA(x) : x > 40 -> A(x/3)\n\
+                A(x) : weight 1 -> A(x+1)[+B A(uniform(0, x))]F(x)\nA(x) : weight 2 -> A(x)B[A(normal(x, 0.1)*0.5+1)]A(1)\n\
+                B > A(x) -> B\nB : weight 1 -> B+F(1)\nB : weight 1 -> F(2)B\n";
+    let grammar = parse(text);
+    let bad = parse(&text.replace("F(2)B", "F(1/0)B"));
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let string = derive(&grammar, 12);
+            let tree = draw(&grammar, &string);
+            let error = bad
+                .derive(
+                    12,
+                    &ramus::lsystem::Limits::default(),
+                    &std::sync::atomic::AtomicBool::new(false),
+                )
+                .unwrap_err();
+            (string, tree, error)
+        })
+    };
+    let one = run(1);
+    assert!(
+        one.0.len() > 100_000,
+        "{} modules: large enough for several chunks",
+        one.0.len()
+    );
+    for threads in [2, 5] {
+        assert!(run(threads) == one, "{threads} threads");
+    }
+}

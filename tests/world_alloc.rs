@@ -1,0 +1,90 @@
+//! A warm frame of the world allocates nothing.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_assert_message,
+    reason = "a test that fails shows the line"
+)]
+
+mod person;
+
+use std::{
+    alloc::{GlobalAlloc, Layout, System},
+    cell::Cell,
+};
+
+use glam::Vec3;
+use person::{Button, LEFT, Person, RIGHT};
+use ramus::{sketch::Letter, world::scene::Scene};
+
+thread_local! {
+    /// Allocations of this thread; the test runner's own threads count for themselves.
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: hands every call on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn counted(act: impl FnOnce()) -> u64 {
+    let before = COUNT.with(Cell::get);
+    act();
+    COUNT.with(Cell::get) - before
+}
+
+#[test]
+fn a_warm_frame_allocates_nothing() {
+    assert!(
+        counted(|| drop(std::hint::black_box(Box::new(1_u8)))) > 0,
+        "the counter counts"
+    );
+    let mut person = Person::new();
+    let trunk: Vec<Vec3> = (1..=6_u8).map(|n| Vec3::Y * 0.3 * f32::from(n)).collect();
+    person.draw(RIGHT, &trunk);
+    for _ in 0..4 {
+        person.click(RIGHT, Button::Lower);
+    }
+    let node = person.node(Letter::TRUNK, 3);
+    person.world.show_message("Hello.".into());
+    let mut scene = Scene::default();
+    // Hands that hover, point at the rim, leave, and come back untracked; the tree still growing.
+    let play = |person: &mut Person, scene: &mut Scene| {
+        for n in 0..40_u8 {
+            let aside = Vec3::X * 0.01 * f32::from(n % 20);
+            person.aim(LEFT, node + aside, Vec3::NEG_Z);
+            person.aim(
+                RIGHT,
+                node + Vec3::new(0.0, 0.3, 0.2) - aside,
+                Vec3::new(0.0, -1.0, -0.4),
+            );
+            person.input.hands[RIGHT].tracked = n % 8 != 0;
+            person.input.time += 0.01;
+            person.world.update(&person.input);
+            person.world.scene(scene);
+        }
+    };
+    play(&mut person, &mut scene);
+    let warm = counted(|| play(&mut person, &mut scene));
+    assert_eq!(warm, 0, "allocations in 40 warm frames");
+}

@@ -1,0 +1,594 @@
+//! A runtime inside the test's own process: it gives what a test scripts, fails where a test wants it, and writes down
+//! what a strict runtime would object to (the rules of Khronos' best-practices layer).
+//!
+//! Its state belongs to the thread, as each test does.
+
+use std::cell::RefCell;
+use std::collections::{HashMap, VecDeque};
+use std::ffi::{CStr, c_char};
+use std::ptr;
+
+use ::openxr as xr;
+use xr::sys::{self, Handle as _, Result as Code, pfn};
+
+use super::connect::{ConnectError, connect_through};
+use super::system::System;
+
+/// Nanoseconds between two frames, unless a test says when they are shown.
+const PERIOD: i64 = 11_000_000;
+
+/// What `xrPollEvent` gives.
+#[derive(Clone, Copy)]
+pub(super) enum FakeEvent {
+    State(xr::SessionState),
+    Recentre(xr::ReferenceSpaceType, i64),
+    InstanceLoss,
+    Profile,
+}
+
+/// What came with `xrEndFrame`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Ended {
+    pub(super) layers: u32,
+    /// nearZ and farZ of the left eye's depth.
+    pub(super) depth: Option<[f32; 2]>,
+}
+
+pub(super) struct Fake {
+    /// Names of the calls so far.
+    pub(super) calls: Vec<&'static str>,
+    /// The call that gives a code instead of doing its work, from now on.
+    pub(super) fail: Option<(&'static str, Code)>,
+    pub(super) extensions: Vec<&'static CStr>,
+    pub(super) knows_1_1: bool,
+    pub(super) formats: Vec<i64>,
+    pub(super) spaces: Vec<xr::ReferenceSpaceType>,
+    pub(super) events: VecDeque<FakeEvent>,
+    /// When the next frames are shown; after them one each period.
+    pub(super) times: VecDeque<i64>,
+    pub(super) should_render: bool,
+    pub(super) views_known: xr::ViewStateFlags,
+    pub(super) hands_known: xr::SpaceLocationFlags,
+    /// What every number, and every axis of a stick, is.
+    pub(super) number: f32,
+    pub(super) button: bool,
+    pub(super) orientation: [f32; 4],
+    pub(super) fov: xr::Fovf,
+    /// Where a strict runtime would have objected.
+    pub(super) objections: Vec<String>,
+    pub(super) ended: Vec<Ended>,
+    pub(super) haptics: usize,
+    /// Reference spaces that were made.
+    pub(super) made: Vec<(xr::ReferenceSpaceType, f32)>,
+    pub(super) api: Option<xr::Version>,
+    pub(super) bound: HashMap<String, Vec<String>>,
+    paths: Vec<String>,
+    handles: u64,
+    time: i64,
+    running: bool,
+    stage: u8,
+    synced: bool,
+    acquired: HashMap<u64, u8>,
+    located: [sys::View; 2],
+}
+
+impl Default for Fake {
+    fn default() -> Self {
+        let view = sys::View {
+            ty: sys::View::TYPE,
+            next: ptr::null_mut(),
+            pose: xr::Posef::IDENTITY,
+            fov: xr::Fovf::default(),
+        };
+        Self {
+            calls: Vec::new(),
+            fail: None,
+            extensions: vec![
+                c"XR_KHR_vulkan_enable2",
+                c"XR_KHR_composition_layer_depth",
+                c"XR_EXT_local_floor",
+            ],
+            knows_1_1: true,
+            formats: vec![97, 50, 43, 126], // half floats, BGRA sRGB, RGBA sRGB, 32-bit depth
+            spaces: vec![
+                xr::ReferenceSpaceType::VIEW,
+                xr::ReferenceSpaceType::LOCAL,
+                xr::ReferenceSpaceType::STAGE,
+                xr::ReferenceSpaceType::LOCAL_FLOOR,
+            ],
+            events: VecDeque::new(),
+            times: VecDeque::new(),
+            should_render: true,
+            views_known: xr::ViewStateFlags::ORIENTATION_VALID | xr::ViewStateFlags::POSITION_VALID,
+            hands_known: xr::SpaceLocationFlags::ORIENTATION_VALID
+                | xr::SpaceLocationFlags::POSITION_VALID,
+            number: 0.5,
+            button: true,
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            fov: xr::Fovf {
+                angle_left: -0.9,
+                angle_right: 0.8,
+                angle_up: 0.7,
+                angle_down: -0.6,
+            },
+            objections: Vec::new(),
+            ended: Vec::new(),
+            haptics: 0,
+            made: Vec::new(),
+            api: None,
+            bound: HashMap::new(),
+            paths: Vec::new(),
+            handles: 100,
+            time: 1_000_000_000,
+            running: false,
+            stage: 0,
+            synced: false,
+            acquired: HashMap::new(),
+            located: [view; 2],
+        }
+    }
+}
+
+impl Fake {
+    fn expect(&mut self, holds: bool, what: &str) {
+        if !holds {
+            let call = self.calls.last().copied().unwrap_or_default();
+            self.objections.push(format!("{call}: {what}"));
+        }
+    }
+
+    fn handle(&mut self) -> u64 {
+        self.handles += 1;
+        self.handles
+    }
+}
+
+thread_local! {
+    static FAKE: RefCell<Fake> = RefCell::new(Fake::default());
+}
+
+/// Reads or changes this thread's runtime.
+pub(super) fn with<R>(use_it: impl FnOnce(&mut Fake) -> R) -> R {
+    FAKE.with_borrow_mut(use_it)
+}
+
+/// Connects to this thread's runtime.
+pub(super) fn connect() -> Result<System, ConnectError> {
+    // SAFETY: the functions that it gives have the signatures of the specification (`find`).
+    let entry = unsafe { xr::Entry::from_get_instance_proc_addr(get_instance_proc_addr, &()) }
+        .map_err(|code| ConnectError::Failed {
+            call: "entry",
+            code,
+        })?;
+    connect_through(&entry, 1)
+}
+
+/// Does a call's work, unless the test wants it to fail.
+fn call(name: &'static str, work: impl FnOnce(&mut Fake) -> Code) -> Code {
+    with(|fake| {
+        fake.calls.push(name);
+        match fake.fail {
+            Some((failing, code)) if failing == name => code,
+            _ => work(fake),
+        }
+    })
+}
+
+/// The two-call idiom.
+///
+/// # Safety
+/// `count` must be writable, and `out` for as many as `capacity` says.
+unsafe fn fill<T: Clone>(items: &[T], capacity: u32, count: *mut u32, out: *mut T) -> Code {
+    // SAFETY: the caller vouches for both.
+    unsafe {
+        *count = u32::try_from(items.len()).unwrap_or_default();
+        if capacity == 0 {
+            return Code::SUCCESS;
+        }
+        if (capacity as usize) < items.len() {
+            return Code::ERROR_SIZE_INSUFFICIENT;
+        }
+        for (at, item) in items.iter().enumerate() {
+            out.add(at).write(item.clone());
+        }
+    }
+    Code::SUCCESS
+}
+
+fn text<const SIZE: usize>(text: &CStr) -> [c_char; SIZE] {
+    let mut out = [0; SIZE];
+    for (to, from) in out.iter_mut().zip(text.to_bytes()) {
+        *to = from.cast_signed();
+    }
+    out
+}
+
+/// Defines functions of the C interface; the body runs with the runtime's state as `fake`.
+macro_rules! functions {
+    ($($name:literal $function:ident : $type:ident ($($argument:ident : $of:ty),* $(,)?) |$fake:ident| $body:block)*) => {
+        $(
+            unsafe extern "system" fn $function($($argument: $of),*) -> Code {
+                // SAFETY: the arguments are the crate's own, valid by the specification.
+                #[allow(unused_unsafe, reason = "some bodies touch no pointer")]
+                call($name, |$fake| unsafe { $body })
+            }
+        )*
+
+        /// The function of that name; one that gives an error for what Ramus does not use.
+        fn find(name: &CStr) -> pfn::VoidFunction {
+            unsafe extern "system" fn unused() -> Code {
+                Code::ERROR_FUNCTION_UNSUPPORTED
+            }
+            $(
+                if name.to_bytes() == $name.as_bytes() {
+                    let function: pfn::$type = $function;
+                    // SAFETY: only the pointer's type is forgotten; the crate gives it back.
+                    return unsafe { std::mem::transmute::<pfn::$type, pfn::VoidFunction>(function) };
+                }
+            )*
+            // SAFETY: as above; the C calling convention lets a function ignore its arguments.
+            unsafe { std::mem::transmute::<unsafe extern "system" fn() -> Code, pfn::VoidFunction>(unused) }
+        }
+    };
+}
+
+unsafe extern "system" fn get_instance_proc_addr(
+    _: sys::Instance,
+    name: *const c_char,
+    function: *mut Option<pfn::VoidFunction>,
+) -> Code {
+    // SAFETY: the crate gives a C string and a place for the pointer.
+    unsafe { *function = Some(find(CStr::from_ptr(name))) };
+    Code::SUCCESS
+}
+
+functions! {
+    "xrEnumerateInstanceExtensionProperties" extensions: EnumerateInstanceExtensionProperties(
+        _layer: *const c_char, capacity: u32, count: *mut u32, out: *mut sys::ExtensionProperties,
+    ) |fake| {
+        let offered: Vec<_> = fake.extensions.iter().map(|name| sys::ExtensionProperties {
+            ty: sys::ExtensionProperties::TYPE,
+            next: ptr::null_mut(),
+            extension_name: text(name),
+            extension_version: 1,
+        }).collect();
+        fill(&offered, capacity, count, out)
+    }
+    "xrCreateInstance" create_instance: CreateInstance(info: *const sys::InstanceCreateInfo, out: *mut sys::Instance) |fake| {
+        let api = (*info).application_info.api_version;
+        if api.minor() > 0 && !fake.knows_1_1 {
+            return Code::ERROR_API_VERSION_UNSUPPORTED;
+        }
+        fake.api = Some(api);
+        *out = sys::Instance::from_raw(1);
+        Code::SUCCESS
+    }
+    "xrGetInstanceProperties" properties: GetInstanceProperties(_i: sys::Instance, out: *mut sys::InstanceProperties) |_fake| {
+        (*out).runtime_name = text(c"Fake");
+        (*out).runtime_version = xr::Version::new(1, 2, 3);
+        Code::SUCCESS
+    }
+    "xrGetSystem" system: GetSystem(_i: sys::Instance, _info: *const sys::SystemGetInfo, out: *mut sys::SystemId) |_fake| {
+        *out = sys::SystemId::from_raw(1);
+        Code::SUCCESS
+    }
+    "xrGetSystemProperties" system_properties: GetSystemProperties(
+        _i: sys::Instance, _s: sys::SystemId, out: *mut sys::SystemProperties,
+    ) |_fake| {
+        (*out).system_name = text(c"Cardboard");
+        (*out).graphics_properties =
+            sys::SystemGraphicsProperties { max_swapchain_image_height: 4096, max_swapchain_image_width: 4096, max_layer_count: 16 };
+        Code::SUCCESS
+    }
+    "xrEnumerateViewConfigurationViews" configuration_views: EnumerateViewConfigurationViews(
+        _i: sys::Instance, _s: sys::SystemId, _t: xr::ViewConfigurationType,
+        capacity: u32, count: *mut u32, out: *mut sys::ViewConfigurationView,
+    ) |_fake| {
+        let view = sys::ViewConfigurationView {
+            ty: sys::ViewConfigurationView::TYPE,
+            next: ptr::null_mut(),
+            recommended_image_rect_width: 640,
+            max_image_rect_width: 2048,
+            recommended_image_rect_height: 5000,
+            max_image_rect_height: 4800,
+            recommended_swapchain_sample_count: 1,
+            max_swapchain_sample_count: 1,
+        };
+        fill(&[view; 2], capacity, count, out)
+    }
+    "xrEnumerateEnvironmentBlendModes" blend_modes: EnumerateEnvironmentBlendModes(
+        _i: sys::Instance, _s: sys::SystemId, _t: xr::ViewConfigurationType,
+        capacity: u32, count: *mut u32, out: *mut xr::EnvironmentBlendMode,
+    ) |_fake| {
+        fill(&[xr::EnvironmentBlendMode::ADDITIVE, xr::EnvironmentBlendMode::OPAQUE], capacity, count, out)
+    }
+    "xrGetVulkanGraphicsRequirements2KHR" requirements: GetVulkanGraphicsRequirements2KHR(
+        _i: sys::Instance, _s: sys::SystemId, out: *mut sys::GraphicsRequirementsVulkanKHR,
+    ) |_fake| {
+        (*out).min_api_version_supported = xr::Version::new(1, 1, 0);
+        (*out).max_api_version_supported = xr::Version::new(1, 4, 0);
+        Code::SUCCESS
+    }
+    "xrCreateSession" create_session: CreateSession(
+        _i: sys::Instance, _info: *const sys::SessionCreateInfo, out: *mut sys::Session,
+    ) |fake| {
+        let asked = fake.calls.contains(&"xrGetVulkanGraphicsRequirements2KHR");
+        fake.expect(asked, "the graphics requirements were not asked for");
+        *out = sys::Session::from_raw(2);
+        Code::SUCCESS
+    }
+    "xrEnumerateReferenceSpaces" reference_spaces: EnumerateReferenceSpaces(
+        _s: sys::Session, capacity: u32, count: *mut u32, out: *mut xr::ReferenceSpaceType,
+    ) |fake| { fill(&fake.spaces, capacity, count, out) }
+    "xrCreateReferenceSpace" reference_space: CreateReferenceSpace(
+        _s: sys::Session, info: *const sys::ReferenceSpaceCreateInfo, out: *mut sys::Space,
+    ) |fake| {
+        fake.made.push(((*info).reference_space_type, (*info).pose_in_reference_space.position.y));
+        *out = sys::Space::from_raw(fake.handle());
+        Code::SUCCESS
+    }
+    "xrCreateActionSpace" action_space: CreateActionSpace(
+        _s: sys::Session, _info: *const sys::ActionSpaceCreateInfo, out: *mut sys::Space,
+    ) |fake| {
+        *out = sys::Space::from_raw(fake.handle());
+        Code::SUCCESS
+    }
+    "xrStringToPath" string_to_path: StringToPath(_i: sys::Instance, string: *const c_char, out: *mut sys::Path) |fake| {
+        let string = CStr::from_ptr(string).to_string_lossy().into_owned();
+        let at = fake.paths.iter().position(|path| *path == string).unwrap_or_else(|| {
+            fake.paths.push(string);
+            fake.paths.len() - 1
+        });
+        *out = sys::Path::from_raw(at as u64 + 1);
+        Code::SUCCESS
+    }
+    "xrPathToString" path_to_string: PathToString(
+        _i: sys::Instance, _path: sys::Path, capacity: u32, count: *mut u32, out: *mut c_char,
+    ) |_fake| { fill(&text::<4>(c"/p"), capacity, count, out) }
+    "xrCreateActionSet" action_set: CreateActionSet(
+        _i: sys::Instance, _info: *const sys::ActionSetCreateInfo, out: *mut sys::ActionSet,
+    ) |fake| {
+        *out = sys::ActionSet::from_raw(fake.handle());
+        Code::SUCCESS
+    }
+    "xrCreateAction" action: CreateAction(
+        _s: sys::ActionSet, info: *const sys::ActionCreateInfo, out: *mut sys::Action,
+    ) |fake| {
+        fake.expect((*info).count_subaction_paths == 2, "an action without both hands");
+        *out = sys::Action::from_raw(fake.handle());
+        Code::SUCCESS
+    }
+    "xrSuggestInteractionProfileBindings" suggest: SuggestInteractionProfileBindings(
+        _i: sys::Instance, info: *const sys::InteractionProfileSuggestedBinding,
+    ) |fake| {
+        let info = &*info;
+        let bindings = std::slice::from_raw_parts(info.suggested_bindings, info.count_suggested_bindings as usize);
+        let path = |path: sys::Path| fake.paths[usize::try_from(path.into_raw()).unwrap_or_default() - 1].clone();
+        let profile = path(info.interaction_profile);
+        let bound = bindings.iter().map(|binding| path(binding.binding)).collect();
+        fake.bound.insert(profile, bound);
+        Code::SUCCESS
+    }
+    "xrAttachSessionActionSets" attach: AttachSessionActionSets(
+        _s: sys::Session, _info: *const sys::SessionActionSetsAttachInfo,
+    ) |_fake| { Code::SUCCESS }
+    "xrGetCurrentInteractionProfile" profile: GetCurrentInteractionProfile(
+        _s: sys::Session, _hand: sys::Path, out: *mut sys::InteractionProfileState,
+    ) |_fake| {
+        (*out).interaction_profile = sys::Path::from_raw(1);
+        Code::SUCCESS
+    }
+    "xrEnumerateSwapchainFormats" formats: EnumerateSwapchainFormats(
+        _s: sys::Session, capacity: u32, count: *mut u32, out: *mut i64,
+    ) |fake| { fill(&fake.formats, capacity, count, out) }
+    "xrCreateSwapchain" swapchain: CreateSwapchain(
+        _s: sys::Session, info: *const sys::SwapchainCreateInfo, out: *mut sys::Swapchain,
+    ) |fake| {
+        let info = &*info;
+        fake.expect(info.array_size == 2 && info.face_count == 1 && info.mip_count == 1 && info.sample_count == 1, "shape");
+        fake.expect(fake.formats.contains(&info.format), "a format that was not offered");
+        *out = sys::Swapchain::from_raw(fake.handle());
+        Code::SUCCESS
+    }
+    "xrEnumerateSwapchainImages" images: EnumerateSwapchainImages(
+        chain: sys::Swapchain, capacity: u32, count: *mut u32, out: *mut sys::SwapchainImageBaseHeader,
+    ) |_fake| {
+        let images = [0, 1, 2].map(|at| sys::SwapchainImageVulkanKHR {
+            ty: sys::SwapchainImageVulkanKHR::TYPE,
+            next: ptr::null_mut(),
+            image: chain.into_raw() * 10 + at,
+        });
+        fill(&images, capacity, count, out.cast())
+    }
+    "xrAcquireSwapchainImage" acquire: AcquireSwapchainImage(
+        chain: sys::Swapchain, _info: *const sys::SwapchainImageAcquireInfo, out: *mut u32,
+    ) |fake| {
+        fake.expect(fake.stage == 2, "outside a frame");
+        let before = fake.acquired.insert(chain.into_raw(), 1);
+        fake.expect(matches!(before, None | Some(0)), "twice");
+        *out = 1;
+        Code::SUCCESS
+    }
+    "xrWaitSwapchainImage" wait_image: WaitSwapchainImage(
+        chain: sys::Swapchain, _info: *const sys::SwapchainImageWaitInfo,
+    ) |fake| {
+        let before = fake.acquired.insert(chain.into_raw(), 2);
+        fake.expect(before == Some(1), "not acquired");
+        Code::SUCCESS
+    }
+    "xrReleaseSwapchainImage" release: ReleaseSwapchainImage(
+        chain: sys::Swapchain, _info: *const sys::SwapchainImageReleaseInfo,
+    ) |fake| {
+        let before = fake.acquired.insert(chain.into_raw(), 0);
+        fake.expect(before == Some(2), "not waited for");
+        Code::SUCCESS
+    }
+    "xrBeginSession" begin_session: BeginSession(_s: sys::Session, _info: *const sys::SessionBeginInfo) |fake| {
+        fake.expect(!fake.running, "it runs already");
+        fake.running = true;
+        fake.stage = 0;
+        Code::SUCCESS
+    }
+    "xrEndSession" end_session: EndSession(_s: sys::Session) |fake| {
+        fake.expect(fake.running && fake.stage == 0, "it does not run, or in the middle of a frame");
+        fake.running = false;
+        Code::SUCCESS
+    }
+    "xrRequestExitSession" request_exit: RequestExitSession(_s: sys::Session) |fake| {
+        if !fake.running {
+            return Code::ERROR_SESSION_NOT_RUNNING;
+        }
+        for state in [xr::SessionState::STOPPING, xr::SessionState::IDLE, xr::SessionState::EXITING] {
+            fake.events.push_back(FakeEvent::State(state));
+        }
+        Code::SUCCESS
+    }
+    "xrPollEvent" poll: PollEvent(_i: sys::Instance, out: *mut sys::EventDataBuffer) |fake| {
+        let session = sys::Session::from_raw(2);
+        let Some(event) = fake.events.pop_front() else { return Code::EVENT_UNAVAILABLE };
+        match event {
+            FakeEvent::State(state) => out.cast::<sys::EventDataSessionStateChanged>().write(sys::EventDataSessionStateChanged {
+                ty: sys::EventDataSessionStateChanged::TYPE,
+                next: ptr::null(),
+                session,
+                state,
+                time: sys::Time::from_nanos(fake.time),
+            }),
+            FakeEvent::Recentre(kind, at) => {
+                out.cast::<sys::EventDataReferenceSpaceChangePending>().write(sys::EventDataReferenceSpaceChangePending {
+                    ty: sys::EventDataReferenceSpaceChangePending::TYPE,
+                    next: ptr::null(),
+                    session,
+                    reference_space_type: kind,
+                    change_time: sys::Time::from_nanos(at),
+                    pose_valid: sys::FALSE,
+                    pose_in_previous_space: xr::Posef::IDENTITY,
+                });
+            }
+            FakeEvent::InstanceLoss => out.cast::<sys::EventDataInstanceLossPending>().write(sys::EventDataInstanceLossPending {
+                ty: sys::EventDataInstanceLossPending::TYPE,
+                next: ptr::null(),
+                loss_time: sys::Time::from_nanos(fake.time),
+            }),
+            FakeEvent::Profile => {
+                out.cast::<sys::EventDataInteractionProfileChanged>().write(sys::EventDataInteractionProfileChanged {
+                    ty: sys::EventDataInteractionProfileChanged::TYPE,
+                    next: ptr::null(),
+                    session,
+                });
+            }
+        }
+        Code::SUCCESS
+    }
+    "xrWaitFrame" wait_frame: WaitFrame(
+        _s: sys::Session, _info: *const sys::FrameWaitInfo, out: *mut sys::FrameState,
+    ) |fake| {
+        fake.expect(fake.running && fake.stage == 0, "twice, or outside the session");
+        fake.stage = 1;
+        fake.synced = false;
+        fake.time = fake.times.pop_front().unwrap_or_else(|| fake.time.wrapping_add(PERIOD));
+        (*out).predicted_display_time = sys::Time::from_nanos(fake.time);
+        (*out).predicted_display_period = sys::Duration::from_nanos(PERIOD);
+        (*out).should_render = fake.should_render.into();
+        Code::SUCCESS
+    }
+    "xrSyncActions" sync: SyncActions(_s: sys::Session, _info: *const sys::ActionsSyncInfo) |fake| {
+        fake.expect(fake.stage == 1 && !fake.synced, "not once between wait and begin");
+        fake.synced = true;
+        Code::SUCCESS
+    }
+    "xrBeginFrame" begin_frame: BeginFrame(_s: sys::Session, _info: *const sys::FrameBeginInfo) |fake| {
+        fake.expect(fake.running && fake.stage == 1, "without a wait");
+        fake.stage = 2;
+        Code::SUCCESS
+    }
+    "xrLocateViews" locate_views: LocateViews(
+        _s: sys::Session, info: *const sys::ViewLocateInfo, state: *mut sys::ViewState,
+        capacity: u32, count: *mut u32, out: *mut sys::View,
+    ) |fake| {
+        fake.expect((*info).display_time.as_nanos() == fake.time && fake.stage > 0, "with another time than the frame's");
+        (*state).view_state_flags = fake.views_known;
+        let [x, y, z, w] = fake.orientation;
+        for (view, side) in fake.located.iter_mut().zip([-0.03, 0.03]) {
+            view.pose = xr::Posef {
+                orientation: xr::Quaternionf { x, y, z, w },
+                position: xr::Vector3f { x: side, y: 1.7, z: 0.0 },
+            };
+            view.fov = fake.fov;
+        }
+        fill(&fake.located, capacity, count, out)
+    }
+    "xrLocateSpace" locate_space: LocateSpace(
+        _s: sys::Space, _base: sys::Space, time: sys::Time, out: *mut sys::SpaceLocation,
+    ) |fake| {
+        fake.expect(time.as_nanos() == fake.time && fake.stage > 0, "with another time than the frame's");
+        (*out).location_flags = fake.hands_known;
+        let [x, y, z, w] = fake.orientation;
+        (*out).pose = xr::Posef {
+            orientation: xr::Quaternionf { x, y, z, w },
+            position: xr::Vector3f { x: 0.1, y: 1.0, z: -0.3 },
+        };
+        Code::SUCCESS
+    }
+    "xrGetActionStateFloat" state_float: GetActionStateFloat(
+        _s: sys::Session, _info: *const sys::ActionStateGetInfo, out: *mut sys::ActionStateFloat,
+    ) |fake| {
+        (*out).current_state = fake.number;
+        (*out).changed_since_last_sync = sys::FALSE;
+        (*out).last_change_time = sys::Time::from_nanos(0);
+        (*out).is_active = sys::TRUE;
+        Code::SUCCESS
+    }
+    "xrGetActionStateVector2f" state_vector: GetActionStateVector2f(
+        _s: sys::Session, _info: *const sys::ActionStateGetInfo, out: *mut sys::ActionStateVector2f,
+    ) |fake| {
+        (*out).current_state = xr::Vector2f { x: fake.number, y: -fake.number };
+        (*out).changed_since_last_sync = sys::FALSE;
+        (*out).last_change_time = sys::Time::from_nanos(0);
+        (*out).is_active = sys::TRUE;
+        Code::SUCCESS
+    }
+    "xrGetActionStateBoolean" state_boolean: GetActionStateBoolean(
+        _s: sys::Session, _info: *const sys::ActionStateGetInfo, out: *mut sys::ActionStateBoolean,
+    ) |fake| {
+        (*out).current_state = fake.button.into();
+        (*out).changed_since_last_sync = sys::FALSE;
+        (*out).last_change_time = sys::Time::from_nanos(0);
+        (*out).is_active = sys::TRUE;
+        Code::SUCCESS
+    }
+    "xrApplyHapticFeedback" haptic: ApplyHapticFeedback(
+        _s: sys::Session, _info: *const sys::HapticActionInfo, _event: *const sys::HapticBaseHeader,
+    ) |fake| {
+        fake.haptics += 1;
+        Code::SUCCESS
+    }
+    "xrEndFrame" end_frame: EndFrame(_s: sys::Session, info: *const sys::FrameEndInfo) |fake| {
+        let info = &*info;
+        fake.expect(fake.running && fake.stage == 2, "without a begin");
+        fake.expect(info.display_time.as_nanos() == fake.time, "another time than the frame's");
+        fake.expect(info.environment_blend_mode == xr::EnvironmentBlendMode::OPAQUE, "blend mode");
+        fake.expect(fake.acquired.values().all(|stage| *stage == 0), "an image was not released");
+        fake.stage = 0;
+        let mut ended = Ended { layers: info.layer_count, depth: None };
+        if info.layer_count == 1 {
+            let layer = &*(*info.layers).cast::<sys::CompositionLayerProjection>();
+            fake.expect(layer.ty == sys::CompositionLayerProjection::TYPE && layer.view_count == 2, "not a projection");
+            let views = std::slice::from_raw_parts(layer.views, 2);
+            for (at, view) in views.iter().enumerate() {
+                let located = fake.located[at];
+                let same = view.pose == located.pose && view.fov == located.fov;
+                fake.expect(same, "another pose or field of view than located");
+                fake.expect(view.sub_image.image_array_index == u32::from(at == 1), "the other eye's layer");
+            }
+            if !views[0].next.is_null() {
+                let depth = &*views[0].next.cast::<sys::CompositionLayerDepthInfoKHR>();
+                ended.depth = Some([depth.near_z, depth.far_z]);
+            }
+        }
+        fake.ended.push(ended);
+        Code::SUCCESS
+    }
+    "xrDestroyInstance" destroy_instance: DestroyInstance(_i: sys::Instance) |_fake| { Code::SUCCESS }
+    "xrDestroySession" destroy_session: DestroySession(_s: sys::Session) |_fake| { Code::SUCCESS }
+}
