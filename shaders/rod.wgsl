@@ -62,6 +62,6 @@ fn rod_fragment(point: Point) -> @location(0) vec4f {
 // Ghosts cover some samples only: nothing needs sorting, and overlaps do not add up.
 @fragment
 fn ghost_fragment(point: Point) -> @location(0) vec4f {
-    // Whole quarters: an even veil without the pattern; never nothing.
-    return vec4f(shade(point), clamp(round(point.color.a * 4.0), 1.0, 4.0) / 4.0);
+    // Never nothing.
+    return vec4f(shade(point), max(coverage(point.color.a), 0.25));
 }

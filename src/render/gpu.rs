@@ -16,9 +16,10 @@ use std::{
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
+use ramus_xr::vulkan::VulkanHost;
+
 use super::{
     error::{RenderError, Trying as _},
-    host::VulkanHost,
     validation::{self, Messages},
 };
 
@@ -119,7 +120,7 @@ impl Gpu {
         let loader = unsafe { entry.try_enumerate_instance_version() }
             .trying("asking the Vulkan loader for its version")?
             .unwrap_or(vk::API_VERSION_1_0);
-        let api_version = host.api_version(loader);
+        let api_version = host.api_version(loader, vk::API_VERSION_1_3);
 
         let layers = available_layers(&entry)?;
         let validation = params.validation && layers;
@@ -217,11 +218,6 @@ impl GpuInner {
     /// What the validation layers said.
     pub fn messages(&self) -> &Messages {
         &self.messages
-    }
-
-    /// The raw handles that an OpenXR session is made with: instance, physical device, device, queue family, queue index.
-    pub fn handles(&self) -> (vk::Instance, vk::PhysicalDevice, vk::Device, u32, u32) {
-        (self.instance.handle(), self.physical_device, self.device.handle(), self.family, 0)
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {

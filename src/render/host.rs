@@ -1,60 +1,42 @@
 //! Who makes the Vulkan handles: the program itself, or an OpenXR runtime.
 //!
-//! `XR_KHR_vulkan_enable2` wants the runtime between us and Vulkan for three
-//! calls. They are this trait, so that `render` need not know OpenXR; the
-//! application implements it over the `xr` crate.
+//! `XR_KHR_vulkan_enable2` wants the runtime between us and Vulkan for three calls: they are
+//! the trait [`VulkanHost`] of `ramus_xr::vulkan`, which names handles only. Nothing else of the
+//! headset's crate is known here but its images, which only a headset can make.
 
 use ash::vk;
+use ramus_xr::openxr::VulkanHandles;
+use ramus_xr::vulkan::{HostError, VulkanDevice, VulkanHost};
 
 use super::error::{RenderError, Trying as _};
+use super::gpu::Gpu;
 
-/// Makes the Vulkan instance and device, and says which physical device it must be.
-pub trait VulkanHost {
-    /// The Vulkan version to ask for, given the loader's; a host with an upper bound lowers it.
-    fn api_version(&self, loader: u32) -> u32 {
-        loader.min(vk::API_VERSION_1_3)
+impl From<HostError> for RenderError {
+    /// Our own errors come back as they were; a runtime's are told in its words.
+    fn from(error: HostError) -> Self {
+        match error.downcast::<Self>() {
+            Ok(ours) => *ours,
+            Err(theirs) => Self::Host(theirs.to_string()),
+        }
+    }
+}
+
+// SAFETY: a `Gpu` keeps its device alive, and its queue is used by the thread that draws alone.
+unsafe impl VulkanDevice for Gpu {
+    fn handles(&self) -> VulkanHandles {
+        VulkanHandles {
+            instance: self.instance.handle(),
+            physical_device: self.physical_device,
+            device: self.device.handle(),
+            queue_family: self.family,
+            queue_index: 0,
+        }
     }
 
-    /// Makes the instance.
-    ///
-    /// # Errors
-    /// [`RenderError`] when the host or the driver refuses.
-    ///
-    /// # Safety
-    /// `info` must be valid for `vkCreateInstance`, and `get_instance_proc_addr` the loader's.
-    unsafe fn create_instance(
-        &self,
-        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
-        info: &vk::InstanceCreateInfo<'_>,
-    ) -> Result<vk::Instance, RenderError>;
-
-    /// Chooses the physical device.
-    ///
-    /// # Errors
-    /// [`RenderError`] when there is none.
-    ///
-    /// # Safety
-    /// `instance` must come from this host's `create_instance`.
-    unsafe fn physical_device(
-        &self,
-        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
-        instance: vk::Instance,
-    ) -> Result<vk::PhysicalDevice, RenderError>;
-
-    /// Makes the device.
-    ///
-    /// # Errors
-    /// [`RenderError`] when the host or the driver refuses.
-    ///
-    /// # Safety
-    /// The handles must come from this host, and `info` be valid for `vkCreateDevice`.
-    unsafe fn create_device(
-        &self,
-        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
-        instance: vk::Instance,
-        physical_device: vk::PhysicalDevice,
-        info: &vk::DeviceCreateInfo<'_>,
-    ) -> Result<vk::Device, RenderError>;
+    fn wait_idle(&self) {
+        // A lost device has nothing to do any more either.
+        let _ = super::gpu::GpuInner::wait_idle(self);
+    }
 }
 
 /// Plain Vulkan without a headset: offscreen pictures, the simulated headset, tests.
@@ -69,13 +51,13 @@ impl VulkanHost for Headless {
         &self,
         get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
         info: &vk::InstanceCreateInfo<'_>,
-    ) -> Result<vk::Instance, RenderError> {
+    ) -> Result<vk::Instance, HostError> {
         let entry = entry(get_instance_proc_addr);
         // SAFETY: the caller vouches for `info`.
         match unsafe { entry.create_instance(info, None) } {
             Ok(instance) => Ok(instance.handle()),
-            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => Err(RenderError::NoDevice(String::new())),
-            Err(result) => Err(RenderError::from_vulkan("making the Vulkan instance", result)),
+            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => Err(RenderError::NoDevice(String::new()).into()),
+            Err(result) => Err(RenderError::from_vulkan("making the Vulkan instance", result).into()),
         }
     }
 
@@ -83,7 +65,7 @@ impl VulkanHost for Headless {
         &self,
         get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
         instance: vk::Instance,
-    ) -> Result<vk::PhysicalDevice, RenderError> {
+    ) -> Result<vk::PhysicalDevice, HostError> {
         // SAFETY: the instance is alive and was made through the same loader.
         let instance = unsafe { ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance) };
         // SAFETY: as above.
@@ -108,7 +90,7 @@ impl VulkanHost for Headless {
             .max_by_key(|(rank, _)| *rank)
             .map(|(_, device)| device)
             .ok_or_else(|| {
-                RenderError::NoDevice(self.device.as_ref().map_or_else(String::new, |name| format!(" with '{name}' in its name")))
+                RenderError::NoDevice(self.device.as_ref().map_or_else(String::new, |name| format!(" with '{name}' in its name"))).into()
             })
     }
 
@@ -118,7 +100,7 @@ impl VulkanHost for Headless {
         instance: vk::Instance,
         physical_device: vk::PhysicalDevice,
         info: &vk::DeviceCreateInfo<'_>,
-    ) -> Result<vk::Device, RenderError> {
+    ) -> Result<vk::Device, HostError> {
         // SAFETY: the caller vouches for the handles and `info`.
         unsafe {
             let instance = ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance);

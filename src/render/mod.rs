@@ -1,13 +1,13 @@
 //! Draws a [`Scene`](crate::world::scene::Scene) with Vulkan, for two eyes.
 //!
 //! ```text
-//! VulkanHost (Headless, or the application's over OpenXR)
+//! VulkanHost (Headless, or an OpenXR runtime)
 //!     └▶ Gpu ── probe::multiview ──▶ StereoMode
 //!          ├▶ Renderer::draw(scene, eyes, target) ──▶ StereoImage: a headset's swapchain image, or
 //!          └▶ Offscreen ──▶ read_color, read_depth
 //! ```
 //!
-//! Knows scenes, trees and egui's triangles; never tools, never OpenXR. The frame's path and what its
+//! Knows scenes, trees and egui's triangles; never tools; of headsets only the handles in `ramus_xr::vulkan`. The frame's path and what its
 //! synchronisation covers are written down in `docs/src/rendering.md`.
 
 mod data;
@@ -36,7 +36,8 @@ mod shaders {
 pub use error::RenderError;
 pub use eye::{Eye, Fov, NEAR, Pose};
 pub use gpu::{DeviceInfo, Gpu, GpuInner, GpuParams};
-pub use host::{Headless, VulkanHost};
+pub use host::Headless;
+pub use probe::Multiview;
 pub use offscreen::{COLOR_FORMAT, DEPTH_FORMAT, Offscreen, read_color, read_depth};
 pub use renderer::{Backdrop, DrawReport, Renderer, RendererParams, StereoMode, TreeState};
 pub use target::{StereoImage, Target};

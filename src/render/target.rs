@@ -1,6 +1,7 @@
 //! What is drawn into: two-layer images, ours or a headset's, and the multisampled images behind them.
 
 use ash::vk;
+use ramus_xr::Swapchain;
 
 use super::{
     error::RenderError,
@@ -35,6 +36,22 @@ impl StereoImage {
     pub unsafe fn new(gpu: &Gpu, image: vk::Image, format: vk::Format, extent: vk::Extent2D) -> Result<Self, RenderError> {
         let view = View::new(gpu, image, format, aspects(format), 0..2, 0..1)?;
         Ok(Self { image, format, extent, view, gpu: gpu.clone() })
+    }
+
+    /// The images of a headset, colour and depth, to draw into. Drop them before the headset.
+    ///
+    /// # Errors
+    /// [`RenderError`] when no view can be made.
+    pub fn of_swapchain(gpu: &Gpu, swapchain: &Swapchain) -> Result<(Vec<Self>, Vec<Self>), RenderError> {
+        let stereo = |format: vk::Format| {
+            move |image: &vk::Image| {
+                // SAFETY: only a headset makes a `Swapchain`, with images of two layers, this format, extent and usage.
+                unsafe { Self::new(gpu, *image, format, swapchain.extent()) }
+            }
+        };
+        let color = swapchain.color().iter().map(stereo(swapchain.color_format())).collect::<Result<_, _>>()?;
+        let depth = swapchain.depth().iter().map(stereo(swapchain.depth_format())).collect::<Result<_, _>>()?;
+        Ok((color, depth))
     }
 
     /// Pixels of one eye.

@@ -437,7 +437,7 @@ impl<'a> Words<'a> {
             position: Vec3::new(x, y, z),
         };
         if pose.is_sane() {
-            Ok(pose)
+            Ok(pose.settled())
         } else {
             Err(self.fault(
                 column,

@@ -338,6 +338,35 @@ fn the_writer_refuses_what_the_reader_would() {
 }
 
 #[test]
+fn rounded_quaternions_become_unit_and_unit_ones_stay() {
+    let text = b"ramus-session 1\nframe 0\nhead 0 1 0 -0.1707 0 0 0.9853\nleft eye -1 1 1 -1 0 0 0 0 0.7071 0 0.7071\n";
+    let frames = from_bytes(text).unwrap();
+    for orientation in [
+        frames[0].head.orientation,
+        frames[0].views[0].pose.orientation,
+    ] {
+        assert!((orientation.length() - 1.0).abs() < 2e-7, "{orientation}");
+    }
+    assert_eq!(frames[0].settled(), Ok(frames[0]));
+    // The writer does the same to what is brought to it.
+    let rough = Quat::from_xyzw(-0.1707, 0.0, 0.0, 0.9853);
+    let head = Pose {
+        orientation: rough,
+        ..Frame::start().head
+    };
+    let read = from_bytes(
+        &to_bytes(&[Frame {
+            head,
+            ..Frame::start()
+        }])
+        .unwrap(),
+    )
+    .unwrap();
+    assert_eq!(read[0].head, head.settled());
+    assert_ne!(read[0].head, head);
+}
+
+#[test]
 fn a_missing_file_is_named() {
     let error = read_file(Path::new("no-such.session"))
         .unwrap_err()

@@ -40,7 +40,7 @@ impl<W: Write> SessionWriter<W> {
     /// [`SessionError`] where the frame is not sane, its time does not follow, or the output fails.
     pub fn write(&mut self, frame: &Frame) -> Result<(), SessionError> {
         let number = self.frames + 1;
-        frame.check().map_err(|fault| SessionError::Fault {
+        let frame = &frame.settled().map_err(|fault| SessionError::Fault {
             frame: number,
             fault,
         })?;
