@@ -623,7 +623,7 @@ fn pictures_are_as_they_were_when_looked_at() {
     snapshot("joint", &shoot(&gpu, &RendererParams::new(200, 200, mode), &scene, &joint).color[0]);
     let (tree, before) = grove(5, 5);
     let alone = Scene { tree: Some(placed(tree, before, 5, Affine3A::IDENTITY)), ..Scene::default() };
-    let eyes = Eye::looking_at(Vec3::new(1.0, 1.5, 4.2), Vec3::new(0.0, 1.4, 0.0), field()).pair(0.063);
+    let eyes = Eye::looking_at(Vec3::new(0.6, 1.2, 2.5), Vec3::new(0.0, 1.05, 0.0), field()).pair(0.063);
     snapshot("tree-alone", &shoot(&gpu, &plain(mode, 0.75), &alone, &eyes).color[0]);
     silent(&gpu);
 }
