@@ -6,7 +6,7 @@ use ramus_xr::{Acquired, Swapchain, View};
 
 use crate::app::worker::Worker;
 use crate::render::{
-    DrawReport, Eye, Fov, Gpu, Multiview, Offscreen, Pose, RenderError, Renderer, RendererParams,
+    DrawReport, Eye, Fov, Gpu, Offscreen, Pose, RenderError, Renderer, RendererParams,
     StereoImage, StereoMode, Target, TreeState, TreeUpload, probe,
 };
 use crate::ui::BoardUi;
@@ -47,19 +47,9 @@ fn eyes(views: &[View; 2]) -> [Eye; 2] {
     })
 }
 
-/// How this device draws both eyes, found by trying; a broken multiview is told once.
-///
-/// # Errors
-/// Where the device fails in the attempt.
-pub fn stereo_mode(gpu: &Gpu) -> Result<StereoMode, RenderError> {
-    let found = probe::multiview(gpu)?;
-    if found == Multiview::Broken {
-        tracing::warn!(
-            "the driver {} draws multiview wrongly; each eye is drawn in a pass of its own (`ramus doctor` says how to mend it)",
-            gpu.info().driver
-        );
-    }
-    Ok(found.mode(gpu))
+/// How this device draws both eyes, found by trying; a broken multiview is told in the log.
+fn stereo_mode(gpu: &Gpu) -> Result<StereoMode, RenderError> {
+    Ok(probe::multiview(gpu)?.mode(gpu))
 }
 
 impl Picture {

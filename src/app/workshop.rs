@@ -41,8 +41,10 @@ pub struct Workshop {
     store: Option<Store>,
     params: WorkshopParams,
     worker: Worker<Wanted, Ready>,
-    /// The request that is being worked on, so that it is asked for once.
+    /// The request that the worker is busy with.
     growing: Option<u64>,
+    /// Actions so far.
+    edits: u64,
     scene: Scene,
     pulses: Vec<Pulse>,
 }
@@ -84,6 +86,7 @@ impl Workshop {
             params,
             worker: Worker::start("ramus-grow", grow)?,
             growing: None,
+            edits: 0,
             scene: Scene::default(),
             pulses: Vec::new(),
         })
@@ -121,6 +124,18 @@ impl Workshop {
         self.world.document()
     }
 
+    /// How many actions there were in this session.
+    #[must_use]
+    pub fn edits(&self) -> u64 {
+        self.edits
+    }
+
+    /// Whether a tree is growing on the worker.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.growing.is_some()
+    }
+
     /// Waits for a tree that is growing on the worker, if any.
     pub fn finish_tree(&mut self) {
         if self.growing.is_some()
@@ -155,6 +170,7 @@ impl Workshop {
 
     fn keep_journal(&mut self) {
         let actions = self.world.take_edits();
+        self.edits += actions.len() as u64;
         let Some(store) = &mut self.store else { return };
         // A warm frame without edits neither writes nor allocates.
         let kept = if actions.is_empty() { store.check() } else { store.append(&actions) };
@@ -165,13 +181,10 @@ impl Workshop {
 
     fn grow_tree(&mut self) {
         if let Some((id, grown)) = self.worker.poll() {
-            self.growing = None;
+            self.growing = self.growing.filter(|&newest| newest != id);
             self.world.set_tree(id, grown);
         }
         let Some(request) = self.world.tree_request() else { return };
-        if self.growing == Some(request.id) {
-            return;
-        }
         let wanted = (request.id, Arc::clone(&request.sketch), request.step);
         if sketch::predict_segments(&wanted.1, wanted.2) <= self.params.at_once {
             let (id, grown) = grow(&wanted, &AtomicBool::new(false));
