@@ -15,8 +15,8 @@ use proptest::prelude::*;
 use ramus::{
     lsystem::{Grammar, Limits},
     sketch::{
-        BOUNDS, GROW, GrowParams, Grown, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Stroke,
-        Wrap, grow, grow_within, predict_segments, sketch_nodes,
+        BOUNDS, GROW, GrowParams, Grower, Grown, Letter, NodeRef, SelfSimilar, Sketch, SketchError,
+        Stroke, Wrap, grow, predict_segments, sketch_nodes,
     },
     tree::NO_PARENT,
     world::{document::Edit, history::History, journal::Journal, project},
@@ -27,7 +27,9 @@ fn grown(sketch: &Sketch, step: u32) -> Grown {
         string_bytes: 1 << 20,
         ..GROW
     };
-    grow_within(sketch, step, &params, &AtomicBool::new(false)).unwrap()
+    Grower::new(params)
+        .grow(sketch, step, &AtomicBool::new(false))
+        .unwrap()
 }
 
 fn letter(index: u16) -> Letter {
@@ -287,6 +289,26 @@ proptest! {
             sketch.with_self_similar(stroke.letter, None).unwrap()
         });
         first_copies_are_as_drawn(&plain, 24);
+    }
+
+    #[test]
+    fn a_grower_gives_what_growing_anew_gives(
+        one in sketches(), other in sketches(),
+        visits in proptest::collection::vec((any::<bool>(), 0..9_u32, any::<bool>()), 1..8),
+    ) {
+        let never = AtomicBool::new(false);
+        let mut grower = Grower::new(GrowParams { segments: 20_000, ..GROW });
+        for (first, step, moved) in visits {
+            let mut sketch = if first { one.clone() } else { other.clone() };
+            if moved {
+                let at = NodeRef::new(Letter::TRUNK, 1);
+                sketch = sketch.move_node(at, Vec3::new(0.3, 0.77, 0.1)).unwrap();
+            }
+            let kept = grower.grow(&sketch, step, &never);
+            if !matches!(kept, Err(SketchError::TooLarge { .. })) {
+                prop_assert_eq!(kept, grow(&sketch, step, &never));
+            }
+        }
     }
 
     #[test]
