@@ -26,11 +26,13 @@ impl Source {
         }
         self.included.push(name.to_owned());
         let path = folder.join(name);
-        let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let text =
+            fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         for (number, line) in text.lines().enumerate() {
             if let Some(rest) = line.trim().strip_prefix("#include") {
                 let inner = rest.trim().trim_matches('"');
-                self.paste(folder, inner).map_err(|error| format!("{error}\n  included by {name}:{}", number + 1))?;
+                self.paste(folder, inner)
+                    .map_err(|error| format!("{error}\n  included by {name}:{}", number + 1))?;
             } else {
                 self.text.push_str(line);
                 self.text.push('\n');
@@ -43,22 +45,38 @@ impl Source {
     /// "shaders/tree.wgsl:12" for a line of the pasted text.
     fn origin(&self, line: Option<u32>) -> String {
         line.and_then(|line| self.lines.get(line as usize - 1))
-            .map_or_else(|| "shaders/".to_owned(), |(file, number)| format!("shaders/{file}:{number}"))
+            .map_or_else(
+                || "shaders/".to_owned(),
+                |(file, number)| format!("shaders/{file}:{number}"),
+            )
     }
 }
 
 fn compile(folder: &Path, name: &str) -> Result<(Vec<u32>, Vec<String>), String> {
-    let mut source = Source { text: String::new(), lines: Vec::new(), included: Vec::new() };
+    let mut source = Source {
+        text: String::new(),
+        lines: Vec::new(),
+        included: Vec::new(),
+    };
     source.paste(folder, name)?;
     let module = wgsl::parse_str(&source.text).map_err(|error| {
         let at = source.origin(error.location(&source.text).map(|place| place.line_number));
-        format!("{at}: {}\n{}", error.message(), error.emit_to_string_with_path(&source.text, name))
+        format!(
+            "{at}: {}\n{}",
+            error.message(),
+            error.emit_to_string_with_path(&source.text, name)
+        )
     })?;
     let capabilities = Capabilities::MULTIVIEW | Capabilities::IMMEDIATES;
-    let info = Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(|error| {
-        let at = source.origin(error.location(&source.text).map(|place| place.line_number));
-        format!("{at}: {error}\n{}", error.emit_to_string_with_path(&source.text, name))
-    })?;
+    let info = Validator::new(ValidationFlags::all(), capabilities)
+        .validate(&module)
+        .map_err(|error| {
+            let at = source.origin(error.location(&source.text).map(|place| place.line_number));
+            format!(
+                "{at}: {error}\n{}",
+                error.emit_to_string_with_path(&source.text, name)
+            )
+        })?;
     // No ADJUST_COORDINATE_SPACE: our projection turns y over itself. SPIR-V 1.3 is Vulkan 1.1's.
     // No CLAMP_FRAG_DEPTH: nothing writes depth. No loop bounding: our loops have constant ends.
     let options = spv::Options {
@@ -68,8 +86,16 @@ fn compile(folder: &Path, name: &str) -> Result<(Vec<u32>, Vec<String>), String>
         zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None,
         ..spv::Options::default()
     };
-    let words = spv::write_vec(&module, &info, &options, None).map_err(|error| format!("shaders/{name}: {error}"))?;
-    Ok((words, module.entry_points.iter().map(|entry| entry.name.clone()).collect()))
+    let words = spv::write_vec(&module, &info, &options, None)
+        .map_err(|error| format!("shaders/{name}: {error}"))?;
+    Ok((
+        words,
+        module
+            .entry_points
+            .iter()
+            .map(|entry| entry.name.clone())
+            .collect(),
+    ))
 }
 
 fn run() -> Result<(), String> {
@@ -92,7 +118,11 @@ fn run() -> Result<(), String> {
                 let _ = writeln!(code, "/// `shaders/{name}`.\npub(crate) mod {module} {{");
                 let _ = writeln!(code, "    pub(crate) const SPIRV: &[u32] = &{words:?};");
                 for entry in entries {
-                    let _ = writeln!(code, "    pub(crate) const {}: &core::ffi::CStr = c\"{entry}\";", entry.to_uppercase());
+                    let _ = writeln!(
+                        code,
+                        "    pub(crate) const {}: &core::ffi::CStr = c\"{entry}\";",
+                        entry.to_uppercase()
+                    );
                 }
                 code.push_str("}\n");
             }

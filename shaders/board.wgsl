@@ -67,5 +67,5 @@ fn board_fragment(point: Point, @builtin(front_facing) front: bool) -> @location
     }
     let border = smoothstep(-0.004 - pixel, -0.004, edge);
     color = mix(color, vec3f(0.10, 0.13, 0.14), border * 0.8);
-    return vec4f(air(color, offset), coverage(clamp(0.5 - edge / pixel, 0.0, 1.0), point.position.xy));
+    return vec4f(air(color, offset), coverage(clamp(0.5 - edge / pixel, 0.0, 1.0)));
 }

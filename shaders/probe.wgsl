@@ -18,7 +18,8 @@ fn cell_point(cell: u32, corner: u32, view: u32) -> Point {
     let x = cell % probe.side;
     let y = cell / probe.side;
     let far = vec2u(corner & 1u, corner >> 1u);
-    let at = (vec2f(vec2u(x, y) + far) / f32(probe.side)) * 2.0 - 1.0;
+    // The grid is half as large again as the picture, so that some cells are clipped.
+    let at = ((vec2f(vec2u(x, y) + far) / f32(probe.side)) * 2.0 - 1.0) * 1.5;
     var out: Point;
     out.position = vec4f(at, 0.5, 1.0);
     // View 0 red, view 1 green; the cell in blue.

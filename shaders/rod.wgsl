@@ -62,5 +62,6 @@ fn rod_fragment(point: Point) -> @location(0) vec4f {
 // Ghosts cover some samples only: nothing needs sorting, and overlaps do not add up.
 @fragment
 fn ghost_fragment(point: Point) -> @location(0) vec4f {
-    return vec4f(shade(point), coverage(point.color.a, point.position.xy));
+    // Never nothing.
+    return vec4f(shade(point), max(coverage(point.color.a), 0.25));
 }

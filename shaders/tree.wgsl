@@ -184,5 +184,5 @@ fn tree_fragment(point: Point) -> @location(0) vec4f {
     let sunny = sunlight(point.world, smooth_normal);
     // Furrows lie in their own shade.
     let color = lit(albedo, normal, -normalize(offset), sunny) * (0.72 + 0.28 * height);
-    return vec4f(air(color, offset), coverage(point.bark.z, point.position.xy));
+    return vec4f(air(color, offset), coverage(point.bark.z));
 }

@@ -35,7 +35,10 @@ pub(crate) struct FrameData {
     pub(crate) spots: [Vec4; SPOTS],
 }
 
-const _: () = assert!(size_of::<FrameData>() == 560, "shaders/shared/frame.wgsl reads 560 bytes");
+const _: () = assert!(
+    size_of::<FrameData>() == 560,
+    "shaders/shared/frame.wgsl reads 560 bytes"
+);
 
 /// `Rod` of shaders/rod.wgsl.
 #[repr(C)]
@@ -48,7 +51,10 @@ pub(crate) struct RodData {
     color: Color,
 }
 
-const _: () = assert!(size_of::<RodData>() == 48, "shaders/rod.wgsl reads 48 bytes");
+const _: () = assert!(
+    size_of::<RodData>() == 48,
+    "shaders/rod.wgsl reads 48 bytes"
+);
 
 /// `Solid` of shaders/solid.wgsl and board.wgsl.
 #[repr(C)]
@@ -59,7 +65,10 @@ pub(crate) struct SolidData {
     kind: Vec4,
 }
 
-const _: () = assert!(size_of::<SolidData>() == 80, "shaders/solid.wgsl reads 80 bytes");
+const _: () = assert!(
+    size_of::<SolidData>() == 80,
+    "shaders/solid.wgsl reads 80 bytes"
+);
 
 impl ViewData {
     pub(crate) fn new(eye: &Eye, width_px: u32) -> Self {
@@ -83,11 +92,23 @@ impl ViewData {
 
 impl RodData {
     fn rod(rod: &Rod) -> Self {
-        Self { start: rod.from, radius: rod.radius, end: rod.to, pad: 0.0, color: rod.color }
+        Self {
+            start: rod.from,
+            radius: rod.radius,
+            end: rod.to,
+            pad: 0.0,
+            color: rod.color,
+        }
     }
 
     fn ball(ball: &Ball) -> Self {
-        Self { start: ball.center, radius: ball.radius, end: ball.center, pad: 0.0, color: ball.color }
+        Self {
+            start: ball.center,
+            radius: ball.radius,
+            end: ball.center,
+            pad: 0.0,
+            color: ball.color,
+        }
     }
 }
 
@@ -98,7 +119,11 @@ fn rows(map: &Affine3A) -> [Vec4; 3] {
 
 impl SolidData {
     fn plate(plate: &Plate) -> Self {
-        Self { rows: rows(&plate.world_from_plate), color: plate.color, kind: Vec4::ZERO }
+        Self {
+            rows: rows(&plate.world_from_plate),
+            color: plate.color,
+            kind: Vec4::ZERO,
+        }
     }
 
     fn controller(controller: &Controller) -> Self {
@@ -136,7 +161,10 @@ pub(crate) struct Counts {
 
 /// How many records a scene needs: rods and solids.
 pub(crate) fn room(scene: &Scene) -> (usize, usize) {
-    (scene.rods.len() + scene.balls.len(), scene.plates.len() + scene.controllers.len() + 1)
+    (
+        scene.rods.len() + scene.balls.len(),
+        scene.plates.len() + scene.controllers.len() + 1,
+    )
 }
 
 fn index(n: usize) -> u32 {
@@ -144,7 +172,12 @@ fn index(n: usize) -> u32 {
 }
 
 /// Writes all instances; what does not fit is left out (the caller made room).
-pub(crate) fn fill(scene: &Scene, painted: bool, rods: &mut [RodData], solids: &mut [SolidData]) -> Counts {
+pub(crate) fn fill(
+    scene: &Scene,
+    painted: bool,
+    rods: &mut [RodData],
+    solids: &mut [SolidData],
+) -> Counts {
     let mut counts = Counts::default();
     let mut at = 0;
     let mut put = |data: RodData| {
@@ -159,11 +192,21 @@ pub(crate) fn fill(scene: &Scene, painted: bool, rods: &mut [RodData], solids: &
         index(at)
     };
     let opaque = |color: &Color| color[3] >= 1.0;
-    for (ghost, ends) in [(false, [&mut counts.rods, &mut counts.balls]), (true, [&mut counts.ghost_rods, &mut counts.ghost_balls])] {
+    for (ghost, ends) in [
+        (false, [&mut counts.rods, &mut counts.balls]),
+        (true, [&mut counts.ghost_rods, &mut counts.ghost_balls]),
+    ] {
         let [rods_end, balls_end] = ends;
-        *rods_end = scene.rods.iter().filter(|rod| opaque(&rod.color) != ghost).fold(put(ZERO), |_, rod| put(RodData::rod(rod)));
-        *balls_end =
-            scene.balls.iter().filter(|ball| opaque(&ball.color) != ghost).fold(put(ZERO), |_, ball| put(RodData::ball(ball)));
+        *rods_end = scene
+            .rods
+            .iter()
+            .filter(|rod| opaque(&rod.color) != ghost)
+            .fold(put(ZERO), |_, rod| put(RodData::rod(rod)));
+        *balls_end = scene
+            .balls
+            .iter()
+            .filter(|ball| opaque(&ball.color) != ghost)
+            .fold(put(ZERO), |_, ball| put(RodData::ball(ball)));
     }
 
     let mut at = 0;
@@ -176,16 +219,37 @@ pub(crate) fn fill(scene: &Scene, painted: bool, rods: &mut [RodData], solids: &
         }
         index(at)
     };
-    counts.plates = scene.plates.iter().fold(0, |_, plate| put(Some(SolidData::plate(plate))));
-    let hand = |hand: usize| scene.controllers.iter().filter(move |controller| (controller.hand == 0) == (hand == 0));
-    counts.left = hand(0).fold(put(None), |_, controller| put(Some(SolidData::controller(controller))));
-    counts.right = hand(1).fold(put(None), |_, controller| put(Some(SolidData::controller(controller))));
-    counts.board = put(scene.board.as_ref().map(|board| SolidData::board(board, painted)));
+    counts.plates = scene
+        .plates
+        .iter()
+        .fold(0, |_, plate| put(Some(SolidData::plate(plate))));
+    let hand = |hand: usize| {
+        scene
+            .controllers
+            .iter()
+            .filter(move |controller| (controller.hand == 0) == (hand == 0))
+    };
+    counts.left = hand(0).fold(put(None), |_, controller| {
+        put(Some(SolidData::controller(controller)))
+    });
+    counts.right = hand(1).fold(put(None), |_, controller| {
+        put(Some(SolidData::controller(controller)))
+    });
+    counts.board = put(scene
+        .board
+        .as_ref()
+        .map(|board| SolidData::board(board, painted)));
     counts
 }
 
 /// A record that `fill` leaves out: no radius.
-const ZERO: RodData = RodData { start: Vec3::ZERO, radius: 0.0, end: Vec3::ZERO, pad: 0.0, color: [0.0; 4] };
+const ZERO: RodData = RodData {
+    start: Vec3::ZERO,
+    radius: 0.0,
+    end: Vec3::ZERO,
+    pad: 0.0,
+    color: [0.0; 4],
+};
 
 /// The tree's root as the ground's contact shadow needs it: radius at the foot, in the tree's own metres.
 pub(crate) fn spots(scene: &Scene, tree: Option<(&PlacedTree, f32)>) -> [Vec4; SPOTS] {
@@ -193,14 +257,28 @@ pub(crate) fn spots(scene: &Scene, tree: Option<(&PlacedTree, f32)>) -> [Vec4; S
     let tree = tree.map(|(placed, foot)| {
         let scale = placed.world_from_tree.x_axis.length();
         let at = placed.world_from_tree.translation;
-        Vec4::new(at.x, at.z, (foot * scale * 3.0).max(0.05), 0.55 * near_ground(at.y))
+        Vec4::new(
+            at.x,
+            at.z,
+            (foot * scale * 3.0).max(0.05),
+            0.55 * near_ground(at.y),
+        )
     });
     let plates = scene.plates.iter().map(|plate| {
         let map = &plate.world_from_plate;
         let (at, under) = (map.translation, map.translation - map.matrix3.y_axis);
-        Vec4::new(at.x, at.z, map.matrix3.x_axis.length(), 0.5 * near_ground(under.y.min(at.y)))
+        Vec4::new(
+            at.x,
+            at.z,
+            map.matrix3.x_axis.length(),
+            0.5 * near_ground(under.y.min(at.y)),
+        )
     });
-    for (place, spot) in spots.iter_mut().zip(tree.into_iter().chain(plates).filter(|spot| spot.is_finite() && spot.w > 0.0)) {
+    for (place, spot) in spots.iter_mut().zip(
+        tree.into_iter()
+            .chain(plates)
+            .filter(|spot| spot.is_finite() && spot.w > 0.0),
+    ) {
         *place = spot;
     }
     spots
@@ -217,26 +295,69 @@ mod tests {
     use super::*;
 
     fn rod(alpha: f32, radius: f32) -> Rod {
-        Rod { from: Vec3::ZERO, to: Vec3::Y, radius, color: [1.0, 0.0, 0.0, alpha] }
+        Rod {
+            from: Vec3::ZERO,
+            to: Vec3::Y,
+            radius,
+            color: [1.0, 0.0, 0.0, alpha],
+        }
     }
 
     #[test]
     fn instances_are_sorted_into_runs_and_nonsense_is_left_out() {
         let mut scene = Scene::default();
-        scene.rods.extend([rod(1.0, 0.1), rod(0.5, 0.1), rod(1.0, f32::NAN), rod(1.0, 0.0), rod(1.0, 0.2)]);
-        scene.rods.push(Rod { from: Vec3::NAN, ..rod(1.0, 0.1) });
-        scene.balls.push(Ball { center: Vec3::X, radius: 0.3, color: [1.0; 4] });
-        scene.balls.push(Ball { center: Vec3::X, radius: 0.4, color: [0.2; 4] });
+        scene.rods.extend([
+            rod(1.0, 0.1),
+            rod(0.5, 0.1),
+            rod(1.0, f32::NAN),
+            rod(1.0, 0.0),
+            rod(1.0, 0.2),
+        ]);
+        scene.rods.push(Rod {
+            from: Vec3::NAN,
+            ..rod(1.0, 0.1)
+        });
+        scene.balls.push(Ball {
+            center: Vec3::X,
+            radius: 0.3,
+            color: [1.0; 4],
+        });
+        scene.balls.push(Ball {
+            center: Vec3::X,
+            radius: 0.4,
+            color: [0.2; 4],
+        });
         for hand in [1, 0, 1] {
-            scene.controllers.push(Controller { world_from_grip: Affine3A::IDENTITY, hand, trigger: 2.0 });
+            scene.controllers.push(Controller {
+                world_from_grip: Affine3A::IDENTITY,
+                hand,
+                trigger: 2.0,
+            });
         }
-        scene.plates.push(Plate { world_from_plate: Affine3A::IDENTITY, color: [0.5; 4] });
+        scene.plates.push(Plate {
+            world_from_plate: Affine3A::IDENTITY,
+            color: [0.5; 4],
+        });
         let mut rods = [ZERO; 16];
         let mut solids = [SolidData::zeroed(); 8];
         let counts = fill(&scene, false, &mut rods, &mut solids);
-        assert_eq!((counts.rods, counts.balls, counts.ghost_rods, counts.ghost_balls), (2, 3, 4, 5));
-        assert_eq!((counts.plates, counts.left, counts.right, counts.board), (1, 2, 4, 4));
-        assert_eq!(rods.map(|rod| rod.radius)[..6], [0.1, 0.2, 0.3, 0.1, 0.4, 0.0]);
+        assert_eq!(
+            (
+                counts.rods,
+                counts.balls,
+                counts.ghost_rods,
+                counts.ghost_balls
+            ),
+            (2, 3, 4, 5)
+        );
+        assert_eq!(
+            (counts.plates, counts.left, counts.right, counts.board),
+            (1, 2, 4, 4)
+        );
+        assert_eq!(
+            rods.map(|rod| rod.radius)[..6],
+            [0.1, 0.2, 0.3, 0.1, 0.4, 0.0]
+        );
         assert_eq!(solids[1].kind.z, 1.0, "the left hand is mirrored");
         assert_eq!(solids[2].kind.y, 1.0, "the trigger is clamped");
         // Too little room is no crash.

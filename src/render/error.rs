@@ -6,13 +6,19 @@ use ash::vk;
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// There is no Vulkan loader.
-    #[error("there is no Vulkan loader on this machine ({0}); install it, on Debian: apt-get install libvulkan1 mesa-vulkan-drivers")]
+    #[error(
+        "there is no Vulkan loader on this machine ({0}); install it, on Debian: apt-get install libvulkan1 mesa-vulkan-drivers"
+    )]
     NoLoader(String),
     /// The loader found no device that could draw.
-    #[error("Vulkan found no device{0}; install the driver of your graphics card, or for drawing by the processor, on Debian: apt-get install -t bookworm-backports mesa-vulkan-drivers")]
+    #[error(
+        "Vulkan found no device{0}; install the driver of your graphics card, or for drawing by the processor, on Debian: apt-get install -t bookworm-backports mesa-vulkan-drivers"
+    )]
     NoDevice(String),
     /// The driver lacks something that Ramus needs.
-    #[error("{device} (driver {driver}, Vulkan {version}) is too old for Ramus: it lacks {missing}; install a newer graphics driver (Mesa 23 or later, or the maker's current one)")]
+    #[error(
+        "{device} (driver {driver}, Vulkan {version}) is too old for Ramus: it lacks {missing}; install a newer graphics driver (Mesa 23 or later, or the maker's current one)"
+    )]
     OldDriver {
         /// The device's name.
         device: String,
@@ -24,10 +30,14 @@ pub enum RenderError {
         missing: String,
     },
     /// No memory on the device or the host.
-    #[error("the graphics memory is full ({0}); close other programs that draw, or show a smaller tree")]
+    #[error(
+        "the graphics memory is full ({0}); close other programs that draw, or show a smaller tree"
+    )]
     OutOfMemory(&'static str),
     /// The device stopped answering.
-    #[error("the graphics device was lost ({0}); your work is saved: start Ramus again, and if it comes back, update the graphics driver")]
+    #[error(
+        "the graphics device was lost ({0}); your work is saved: start Ramus again, and if it comes back, update the graphics driver"
+    )]
     DeviceLost(&'static str),
     /// The host (an OpenXR runtime) could not make the Vulkan handles.
     #[error("the runtime could not set up Vulkan: {0}")]
@@ -70,7 +80,9 @@ impl<T> Trying<T> for Result<T, gpu_allocator::AllocationError> {
     fn trying(self, what: &'static str) -> Result<T, RenderError> {
         self.map_err(|error| match error {
             gpu_allocator::AllocationError::OutOfMemory => RenderError::OutOfMemory(what),
-            other => RenderError::Unsupported(format!("the graphics memory could not be set up for {what}: {other}")),
+            other => RenderError::Unsupported(format!(
+                "the graphics memory could not be set up for {what}: {other}"
+            )),
         })
     }
 }

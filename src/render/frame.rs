@@ -35,18 +35,36 @@ pub(crate) struct Commands {
 
 impl Commands {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, RenderError> {
-        let mut commands =
-            Self { buffer: vk::CommandBuffer::null(), pool: vk::CommandPool::null(), fence: vk::Fence::null(), gpu: gpu.clone() };
-        let pool =
-            vk::CommandPoolCreateInfo::default().flags(vk::CommandPoolCreateFlags::TRANSIENT).queue_family_index(gpu.family);
+        let mut commands = Self {
+            buffer: vk::CommandBuffer::null(),
+            pool: vk::CommandPool::null(),
+            fence: vk::Fence::null(),
+            gpu: gpu.clone(),
+        };
+        let pool = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT)
+            .queue_family_index(gpu.family);
         let fence = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
         // SAFETY: plain objects of this device; `Drop` frees what was made.
         unsafe {
-            commands.pool = gpu.device.create_command_pool(&pool, None).trying("making a command pool")?;
-            let info = vk::CommandBufferAllocateInfo::default().command_pool(commands.pool).command_buffer_count(1);
-            commands.buffer =
-                gpu.device.allocate_command_buffers(&info).trying("making a command buffer")?.first().copied().unwrap_or_default();
-            commands.fence = gpu.device.create_fence(&fence, None).trying("making a fence")?;
+            commands.pool = gpu
+                .device
+                .create_command_pool(&pool, None)
+                .trying("making a command pool")?;
+            let info = vk::CommandBufferAllocateInfo::default()
+                .command_pool(commands.pool)
+                .command_buffer_count(1);
+            commands.buffer = gpu
+                .device
+                .allocate_command_buffers(&info)
+                .trying("making a command buffer")?
+                .first()
+                .copied()
+                .unwrap_or_default();
+            commands.fence = gpu
+                .device
+                .create_fence(&fence, None)
+                .trying("making a fence")?;
         }
         Ok(commands)
     }
@@ -54,17 +72,29 @@ impl Commands {
     /// Waits until the last submission is done.
     pub(crate) fn wait(&self) -> Result<(), RenderError> {
         // SAFETY: the fence is ours.
-        unsafe { self.gpu.device.wait_for_fences(&[self.fence], true, LONGEST_WAIT) }.trying("waiting for a frame")
+        unsafe {
+            self.gpu
+                .device
+                .wait_for_fences(&[self.fence], true, LONGEST_WAIT)
+        }
+        .trying("waiting for a frame")
     }
 
     /// Waits, then begins to record.
     pub(crate) fn begin(&self) -> Result<vk::CommandBuffer, RenderError> {
         self.wait()?;
-        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let info = vk::CommandBufferBeginInfo::default()
+            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the fence says that the device is done with the pool.
         unsafe {
-            self.gpu.device.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty()).trying("resetting a command pool")?;
-            self.gpu.device.begin_command_buffer(self.buffer, &info).trying("beginning a frame")?;
+            self.gpu
+                .device
+                .reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
+                .trying("resetting a command pool")?;
+            self.gpu
+                .device
+                .begin_command_buffer(self.buffer, &info)
+                .trying("beginning a frame")?;
         }
         Ok(self.buffer)
     }
@@ -73,8 +103,14 @@ impl Commands {
     pub(crate) fn submit(&self) -> Result<(), RenderError> {
         // SAFETY: recording was begun; the fence is not in use (see `begin`).
         unsafe {
-            self.gpu.device.end_command_buffer(self.buffer).trying("ending a frame")?;
-            self.gpu.device.reset_fences(&[self.fence]).trying("resetting a fence")?;
+            self.gpu
+                .device
+                .end_command_buffer(self.buffer)
+                .trying("ending a frame")?;
+            self.gpu
+                .device
+                .reset_fences(&[self.fence])
+                .trying("resetting a fence")?;
         }
         self.gpu.submit(self.buffer, self.fence)
     }
@@ -93,7 +129,10 @@ impl Drop for Commands {
 }
 
 /// Records and runs commands at once, waiting for their end. Only for start-up and read-back.
-pub(crate) fn run_now(gpu: &Gpu, record: impl FnOnce(vk::CommandBuffer)) -> Result<(), RenderError> {
+pub(crate) fn run_now(
+    gpu: &Gpu,
+    record: impl FnOnce(vk::CommandBuffer),
+) -> Result<(), RenderError> {
     let commands = Commands::new(gpu)?;
     record(commands.begin()?);
     commands.submit()?;
@@ -102,13 +141,19 @@ pub(crate) fn run_now(gpu: &Gpu, record: impl FnOnce(vk::CommandBuffer)) -> Resu
 
 /// Waits for everything before and makes it seen by everything after: for start-up, uploads and read-back, where being simple
 /// matters more than overlap.
-pub(crate) fn full_barrier(gpu: &Gpu, commands: vk::CommandBuffer, images: &[vk::ImageMemoryBarrier2<'_>]) {
+pub(crate) fn full_barrier(
+    gpu: &Gpu,
+    commands: vk::CommandBuffer,
+    images: &[vk::ImageMemoryBarrier2<'_>],
+) {
     let memory = [vk::MemoryBarrier2::default()
         .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
         .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
         .dst_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
         .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
-    let info = vk::DependencyInfo::default().memory_barriers(&memory).image_memory_barriers(images);
+    let info = vk::DependencyInfo::default()
+        .memory_barriers(&memory)
+        .image_memory_barriers(images);
     // SAFETY: the command buffer is recording; images are alive.
     unsafe { (gpu.newer.barrier)(commands, &raw const info) };
 }
@@ -150,21 +195,43 @@ pub(crate) struct Pool {
 
 impl Pool {
     /// Room for `sets` sets with so many of each type.
-    pub(crate) fn new(gpu: &Gpu, sets: u32, sizes: &[(vk::DescriptorType, u32)]) -> Result<Self, RenderError> {
-        let sizes: Vec<_> =
-            sizes.iter().map(|(kind, count)| vk::DescriptorPoolSize::default().ty(*kind).descriptor_count(*count)).collect();
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(sets).pool_sizes(&sizes);
+    pub(crate) fn new(
+        gpu: &Gpu,
+        sets: u32,
+        sizes: &[(vk::DescriptorType, u32)],
+    ) -> Result<Self, RenderError> {
+        let sizes: Vec<_> = sizes
+            .iter()
+            .map(|(kind, count)| {
+                vk::DescriptorPoolSize::default()
+                    .ty(*kind)
+                    .descriptor_count(*count)
+            })
+            .collect();
+        let info = vk::DescriptorPoolCreateInfo::default()
+            .max_sets(sets)
+            .pool_sizes(&sizes);
         // SAFETY: a plain pool.
-        let handle = unsafe { gpu.device.create_descriptor_pool(&info, None) }.trying("making a descriptor pool")?;
-        Ok(Self { handle, gpu: gpu.clone() })
+        let handle = unsafe { gpu.device.create_descriptor_pool(&info, None) }
+            .trying("making a descriptor pool")?;
+        Ok(Self {
+            handle,
+            gpu: gpu.clone(),
+        })
     }
 
     /// A set from the pool.
-    pub(crate) fn set(&self, layout: vk::DescriptorSetLayout) -> Result<vk::DescriptorSet, RenderError> {
+    pub(crate) fn set(
+        &self,
+        layout: vk::DescriptorSetLayout,
+    ) -> Result<vk::DescriptorSet, RenderError> {
         let layouts = [layout];
-        let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.handle).set_layouts(&layouts);
+        let info = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(self.handle)
+            .set_layouts(&layouts);
         // SAFETY: pool and layout are alive.
-        let sets = unsafe { self.gpu.device.allocate_descriptor_sets(&info) }.trying("making a descriptor set")?;
+        let sets = unsafe { self.gpu.device.allocate_descriptor_sets(&info) }
+            .trying("making a descriptor set")?;
         Ok(sets.first().copied().unwrap_or_default())
     }
 }
@@ -204,14 +271,23 @@ impl Slot {
     }
 
     /// Makes room for so many rods and solids; true when buffers changed and the set must be written anew.
-    pub(crate) fn make_room(&mut self, gpu: &Gpu, rods: usize, solids: usize) -> Result<bool, RenderError> {
+    pub(crate) fn make_room(
+        &mut self,
+        gpu: &Gpu,
+        rods: usize,
+        solids: usize,
+    ) -> Result<bool, RenderError> {
         let mut changed = false;
         if (rods * size_of::<RodData>()) as u64 > self.rods.size {
             self.rods = instances::<RodData>(gpu, "the rods", rods.next_power_of_two())?;
             changed = true;
         }
         if (solids * size_of::<SolidData>()) as u64 > self.solids.size {
-            self.solids = instances::<SolidData>(gpu, "the plates and controllers", solids.next_power_of_two())?;
+            self.solids = instances::<SolidData>(
+                gpu,
+                "the plates and controllers",
+                solids.next_power_of_two(),
+            )?;
             changed = true;
         }
         Ok(changed)
@@ -219,10 +295,17 @@ impl Slot {
 }
 
 fn instances<T>(gpu: &Gpu, name: &'static str, count: usize) -> Result<Buffer, RenderError> {
-    Buffer::new(gpu, name, (count * size_of::<T>()) as u64, vk::BufferUsageFlags::STORAGE_BUFFER, MemoryLocation::CpuToGpu)
+    Buffer::new(
+        gpu,
+        name,
+        (count * size_of::<T>()) as u64,
+        vk::BufferUsageFlags::STORAGE_BUFFER,
+        MemoryLocation::CpuToGpu,
+    )
 }
 
 /// Bytes from one block of `FrameData` to the next.
 pub(crate) fn block_stride(gpu: &Gpu) -> u64 {
-    (size_of::<FrameData>() as u64).next_multiple_of(gpu.limits.min_uniform_buffer_offset_alignment.max(16))
+    (size_of::<FrameData>() as u64)
+        .next_multiple_of(gpu.limits.min_uniform_buffer_offset_alignment.max(16))
 }

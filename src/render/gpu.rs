@@ -38,12 +38,19 @@ pub struct GpuParams {
 impl GpuParams {
     /// Everything checked: what tests use.
     pub const fn checked() -> Self {
-        Self { validation: true, sync_validation: true }
+        Self {
+            validation: true,
+            sync_validation: true,
+        }
     }
 
     /// From the environment: `RAMUS_VALIDATION=1` checks everything.
     pub fn from_env() -> Self {
-        if std::env::var_os("RAMUS_VALIDATION").is_some_and(|value| value == "1") { Self::checked() } else { Self::default() }
+        if std::env::var_os("RAMUS_VALIDATION").is_some_and(|value| value == "1") {
+            Self::checked()
+        } else {
+            Self::default()
+        }
     }
 }
 
@@ -114,7 +121,8 @@ impl Gpu {
     /// [`RenderError`]: no loader, no device, a driver that is too old, or what the host says.
     pub fn new(host: &dyn VulkanHost, params: &GpuParams) -> Result<Self, RenderError> {
         // SAFETY: the loader's library is trusted, as for every Vulkan program.
-        let entry = unsafe { ash::Entry::load() }.map_err(|error| RenderError::NoLoader(one_line(&error.to_string())))?;
+        let entry = unsafe { ash::Entry::load() }
+            .map_err(|error| RenderError::NoLoader(one_line(&error.to_string())))?;
         let get_proc = entry.static_fn().get_instance_proc_addr;
         // SAFETY: no preconditions.
         let loader = unsafe { entry.try_enumerate_instance_version() }
@@ -125,13 +133,26 @@ impl Gpu {
         let layers = available_layers(&entry)?;
         let validation = params.validation && layers;
         if params.validation && !layers {
-            tracing::warn!("the Vulkan validation layer is not installed; on Debian: apt-get install vulkan-validationlayers");
+            tracing::warn!(
+                "the Vulkan validation layer is not installed; on Debian: apt-get install vulkan-validationlayers"
+            );
         }
-        let layer_names: &[*const c_char] = if validation { &[VALIDATION_LAYER.as_ptr()] } else { &[] };
-        let extension_names: &[*const c_char] =
-            if validation { &[ash::ext::debug_utils::NAME.as_ptr(), VALIDATION_FEATURES.as_ptr()] } else { &[] };
+        let layer_names: &[*const c_char] = if validation {
+            &[VALIDATION_LAYER.as_ptr()]
+        } else {
+            &[]
+        };
+        let extension_names: &[*const c_char] = if validation {
+            &[
+                ash::ext::debug_utils::NAME.as_ptr(),
+                VALIDATION_FEATURES.as_ptr(),
+            ]
+        } else {
+            &[]
+        };
         let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+        let mut features =
+            vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
         let application = vk::ApplicationInfo::default()
             .application_name(c"Ramus")
             .application_version(1)
@@ -154,15 +175,23 @@ impl Gpu {
         let messenger = if validation {
             let functions = ash::ext::debug_utils::Instance::new(&entry, &instance);
             // SAFETY: `messages` is boxed and outlives the messenger (see `Drop`).
-            let messenger = unsafe { functions.create_debug_utils_messenger(&validation::messenger(&messages), None) }
-                .trying("turning validation on")?;
+            let messenger = unsafe {
+                functions.create_debug_utils_messenger(&validation::messenger(&messages), None)
+            }
+            .trying("turning validation on")?;
             Some((functions, messenger))
         } else {
             None
         };
 
         let opened = open_device(host, get_proc, &instance, api_version, validation);
-        let Opened { physical_device, device, newer, family, info } = match opened {
+        let Opened {
+            physical_device,
+            device,
+            newer,
+            family,
+            info,
+        } = match opened {
             Ok(opened) => opened,
             Err(error) => {
                 // SAFETY: nothing else uses the messenger and the instance.
@@ -221,16 +250,24 @@ impl GpuInner {
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
-        self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
+        self.allocator
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Hands one command buffer to the queue.
-    pub(crate) fn submit(&self, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<(), RenderError> {
+    pub(crate) fn submit(
+        &self,
+        commands: vk::CommandBuffer,
+        fence: vk::Fence,
+    ) -> Result<(), RenderError> {
         let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
         let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
         // SAFETY: the queue is locked, the command buffer recorded, the fence unsignalled.
-        unsafe { (self.newer.submit)(*queue, 1, &raw const submit, fence) }.result().trying("submitting a frame")
+        unsafe { (self.newer.submit)(*queue, 1, &raw const submit, fence) }
+            .result()
+            .trying("submitting a frame")
     }
 
     /// Waits until the device has nothing to do. Only for ends and tests: it stalls.
@@ -282,9 +319,19 @@ fn open_device(
     // SAFETY: as above.
     let extensions = unsafe { instance.enumerate_device_extension_properties(physical_device) }
         .trying("asking the driver for its extensions")?;
-    let has = |name: &CStr| extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name));
+    let has = |name: &CStr| {
+        extensions
+            .iter()
+            .any(|extension| extension.extension_name_as_c_str() == Ok(name))
+    };
     let version = properties.api_version.min(api_version);
-    let info = describe(instance, physical_device, &properties, has(ash::khr::driver_properties::NAME), validation);
+    let info = describe(
+        instance,
+        physical_device,
+        &properties,
+        has(ash::khr::driver_properties::NAME),
+        validation,
+    );
     let too_old = |missing: &str| RenderError::OldDriver {
         device: info.device.clone(),
         driver: info.driver.clone(),
@@ -299,7 +346,10 @@ fn open_device(
     let mut names: Vec<*const c_char> = Vec::new();
     if !core {
         let wanted: &[&CStr] = if version >= vk::API_VERSION_1_2 {
-            &[ash::khr::dynamic_rendering::NAME, ash::khr::synchronization2::NAME]
+            &[
+                ash::khr::dynamic_rendering::NAME,
+                ash::khr::synchronization2::NAME,
+            ]
         } else {
             &[
                 ash::khr::dynamic_rendering::NAME,
@@ -319,8 +369,10 @@ fn open_device(
     let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default();
     let mut dynamic = vk::PhysicalDeviceDynamicRenderingFeatures::default();
     let mut sync = vk::PhysicalDeviceSynchronization2Features::default();
-    let mut found =
-        vk::PhysicalDeviceFeatures2::default().push_next(&mut multiview).push_next(&mut dynamic).push_next(&mut sync);
+    let mut found = vk::PhysicalDeviceFeatures2::default()
+        .push_next(&mut multiview)
+        .push_next(&mut dynamic)
+        .push_next(&mut sync);
     // SAFETY: the chain is made of structures that this device knows (version and extensions were checked).
     unsafe { instance.get_physical_device_features2(physical_device, &mut found) };
     for (there, name) in [
@@ -332,7 +384,8 @@ fn open_device(
             return Err(too_old(name));
         }
     }
-    let counts = properties.limits.framebuffer_color_sample_counts & properties.limits.framebuffer_depth_sample_counts;
+    let counts = properties.limits.framebuffer_color_sample_counts
+        & properties.limits.framebuffer_depth_sample_counts;
     if !counts.contains(vk::SampleCountFlags::TYPE_4) {
         return Err(too_old("4 samples a pixel"));
     }
@@ -346,7 +399,9 @@ fn open_device(
         .ok_or_else(|| too_old("a graphics queue"))?;
 
     let priorities = [1.0];
-    let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
+    let queues = [vk::DeviceQueueCreateInfo::default()
+        .queue_family_index(family)
+        .queue_priorities(&priorities)];
     let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default().multiview(true);
     let mut dynamic = vk::PhysicalDeviceDynamicRenderingFeatures::default().dynamic_rendering(true);
     let mut sync = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
@@ -357,7 +412,8 @@ fn open_device(
         .push_next(&mut dynamic)
         .push_next(&mut sync);
     // SAFETY: everything `create` points to lives until the call returns.
-    let handle = unsafe { host.create_device(get_proc, instance.handle(), physical_device, &create) }?;
+    let handle =
+        unsafe { host.create_device(get_proc, instance.handle(), physical_device, &create) }?;
     // SAFETY: the device was just made from this instance.
     let device = unsafe { ash::Device::load(instance.fp_v1_0(), handle) };
     let newer = if core {
@@ -378,7 +434,13 @@ fn open_device(
             submit: sync.fp().queue_submit2_khr,
         }
     };
-    Ok(Opened { physical_device, device, newer, family, info })
+    Ok(Opened {
+        physical_device,
+        device,
+        newer,
+        family,
+        info,
+    })
 }
 
 fn describe(
@@ -394,11 +456,19 @@ fn describe(
         // SAFETY: the device is alive and knows the extension that the structure belongs to.
         unsafe { instance.get_physical_device_properties2(physical_device, &mut chain) };
     }
-    let name = format!("{} {}", text(&driver.driver_name), text(&driver.driver_info));
+    let name = format!(
+        "{} {}",
+        text(&driver.driver_name),
+        text(&driver.driver_info)
+    );
     let version = properties.api_version;
     DeviceInfo {
         device: text(&properties.device_name),
-        driver: if has_driver { name.trim().to_owned() } else { format!("version {:#x}", properties.driver_version) },
+        driver: if has_driver {
+            name.trim().to_owned()
+        } else {
+            format!("version {:#x}", properties.driver_version)
+        },
         version: format!(
             "{}.{}.{}",
             vk::api_version_major(version),
@@ -412,13 +482,20 @@ fn describe(
 
 fn available_layers(entry: &ash::Entry) -> Result<bool, RenderError> {
     // SAFETY: no preconditions.
-    let layers = unsafe { entry.enumerate_instance_layer_properties() }.trying("asking for Vulkan's layers")?;
-    Ok(layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)))
+    let layers = unsafe { entry.enumerate_instance_layer_properties() }
+        .trying("asking for Vulkan's layers")?;
+    Ok(layers
+        .iter()
+        .any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)))
 }
 
 /// A fixed C string as text.
 pub(crate) fn text(bytes: &[c_char]) -> String {
-    bytes.iter().take_while(|byte| **byte != 0).map(|byte| char::from(byte.cast_unsigned())).collect()
+    bytes
+        .iter()
+        .take_while(|byte| **byte != 0)
+        .map(|byte| char::from(byte.cast_unsigned()))
+        .collect()
 }
 
 fn one_line(text: &str) -> String {

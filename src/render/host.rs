@@ -56,8 +56,12 @@ impl VulkanHost for Headless {
         // SAFETY: the caller vouches for `info`.
         match unsafe { entry.create_instance(info, None) } {
             Ok(instance) => Ok(instance.handle()),
-            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => Err(RenderError::NoDevice(String::new()).into()),
-            Err(result) => Err(RenderError::from_vulkan("making the Vulkan instance", result).into()),
+            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => {
+                Err(RenderError::NoDevice(String::new()).into())
+            }
+            Err(result) => {
+                Err(RenderError::from_vulkan("making the Vulkan instance", result).into())
+            }
         }
     }
 
@@ -67,9 +71,17 @@ impl VulkanHost for Headless {
         instance: vk::Instance,
     ) -> Result<vk::PhysicalDevice, HostError> {
         // SAFETY: the instance is alive and was made through the same loader.
-        let instance = unsafe { ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance) };
+        let instance = unsafe {
+            ash::Instance::load(
+                &ash::StaticFn {
+                    get_instance_proc_addr,
+                },
+                instance,
+            )
+        };
         // SAFETY: as above.
-        let devices = unsafe { instance.enumerate_physical_devices() }.trying("looking for graphics devices")?;
+        let devices = unsafe { instance.enumerate_physical_devices() }
+            .trying("looking for graphics devices")?;
         let wanted = self.device.as_ref().map(|name| name.to_lowercase());
         devices
             .into_iter()
@@ -83,14 +95,22 @@ impl VulkanHost for Headless {
                     vk::PhysicalDeviceType::VIRTUAL_GPU => 2,
                     _ => 1,
                 };
-                wanted.as_ref().is_none_or(|part| name.contains(part.as_str())).then_some((rank, device))
+                wanted
+                    .as_ref()
+                    .is_none_or(|part| name.contains(part.as_str()))
+                    .then_some((rank, device))
             })
             // The first of the strongest kind: `max_by_key` would take the last.
             .rev()
             .max_by_key(|(rank, _)| *rank)
             .map(|(_, device)| device)
             .ok_or_else(|| {
-                RenderError::NoDevice(self.device.as_ref().map_or_else(String::new, |name| format!(" with '{name}' in its name"))).into()
+                RenderError::NoDevice(
+                    self.device
+                        .as_ref()
+                        .map_or_else(String::new, |name| format!(" with '{name}' in its name")),
+                )
+                .into()
             })
     }
 
@@ -103,8 +123,16 @@ impl VulkanHost for Headless {
     ) -> Result<vk::Device, HostError> {
         // SAFETY: the caller vouches for the handles and `info`.
         unsafe {
-            let instance = ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance);
-            Ok(instance.create_device(physical_device, info, None).trying("making the Vulkan device")?.handle())
+            let instance = ash::Instance::load(
+                &ash::StaticFn {
+                    get_instance_proc_addr,
+                },
+                instance,
+            );
+            Ok(instance
+                .create_device(physical_device, info, None)
+                .trying("making the Vulkan device")?
+                .handle())
         }
     }
 }
@@ -112,5 +140,9 @@ impl VulkanHost for Headless {
 /// An entry that only knows where functions are found.
 fn entry(get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr) -> ash::Entry {
     // SAFETY: the pointer is the loader's, which outlives the entry: `Gpu` holds the library.
-    unsafe { ash::Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr }) }
+    unsafe {
+        ash::Entry::from_static_fn(ash::StaticFn {
+            get_instance_proc_addr,
+        })
+    }
 }

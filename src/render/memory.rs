@@ -27,10 +27,17 @@ impl Buffer {
         usage: vk::BufferUsageFlags,
         location: MemoryLocation,
     ) -> Result<Self, RenderError> {
-        let info = vk::BufferCreateInfo::default().size(size.max(16)).usage(usage);
+        let info = vk::BufferCreateInfo::default()
+            .size(size.max(16))
+            .usage(usage);
         // SAFETY: a plain exclusive buffer.
         let handle = unsafe { gpu.device.create_buffer(&info, None) }.trying(name)?;
-        let mut buffer = Self { handle, size: size.max(16), allocation: None, gpu: gpu.clone() };
+        let mut buffer = Self {
+            handle,
+            size: size.max(16),
+            allocation: None,
+            gpu: gpu.clone(),
+        };
         // SAFETY: the buffer was just made.
         let requirements = unsafe { gpu.device.get_buffer_memory_requirements(handle) };
         let allocation = gpu
@@ -44,7 +51,10 @@ impl Buffer {
             })
             .trying(name)?;
         // SAFETY: memory and offset come from the allocator for these requirements.
-        let bound = unsafe { gpu.device.bind_buffer_memory(handle, allocation.memory(), allocation.offset()) };
+        let bound = unsafe {
+            gpu.device
+                .bind_buffer_memory(handle, allocation.memory(), allocation.offset())
+        };
         buffer.allocation = Some(allocation);
         bound.trying(name)?;
         Ok(buffer)
@@ -63,8 +73,14 @@ impl Buffer {
     /// Copies `data` to `offset`; false when it does not fit or the processor does not see the buffer.
     pub(crate) fn write<T: bytemuck::NoUninit>(&mut self, offset: u64, data: &[T]) -> bool {
         let data: &[u8] = bytemuck::cast_slice(data);
-        let Ok(offset) = usize::try_from(offset) else { return false };
-        let Some(place) = self.bytes().get_mut(offset..).and_then(|bytes| bytes.get_mut(..data.len())) else {
+        let Ok(offset) = usize::try_from(offset) else {
+            return false;
+        };
+        let Some(place) = self
+            .bytes()
+            .get_mut(offset..)
+            .and_then(|bytes| bytes.get_mut(..data.len()))
+        else {
             return false;
         };
         place.copy_from_slice(data);
@@ -98,7 +114,12 @@ pub(crate) struct ImageDesc {
 
 impl ImageDesc {
     /// A one-sample, two-layer image.
-    pub(crate) fn stereo(name: &'static str, format: vk::Format, extent: vk::Extent2D, usage: vk::ImageUsageFlags) -> Self {
+    pub(crate) fn stereo(
+        name: &'static str,
+        format: vk::Format,
+        extent: vk::Extent2D,
+        usage: vk::ImageUsageFlags,
+    ) -> Self {
         Self {
             name,
             format,
@@ -126,7 +147,11 @@ impl Image {
             .flags(desc.flags)
             .image_type(vk::ImageType::TYPE_2D)
             .format(desc.format)
-            .extent(vk::Extent3D { width: desc.extent.width, height: desc.extent.height, depth: 1 })
+            .extent(vk::Extent3D {
+                width: desc.extent.width,
+                height: desc.extent.height,
+                depth: 1,
+            })
             .mip_levels(desc.mips)
             .array_layers(desc.layers)
             .samples(desc.samples)
@@ -135,7 +160,12 @@ impl Image {
             .initial_layout(vk::ImageLayout::UNDEFINED);
         // SAFETY: a plain exclusive image.
         let handle = unsafe { gpu.device.create_image(&info, None) }.trying(desc.name)?;
-        let mut image = Self { handle, desc, allocation: None, gpu: gpu.clone() };
+        let mut image = Self {
+            handle,
+            desc,
+            allocation: None,
+            gpu: gpu.clone(),
+        };
         // SAFETY: the image was just made.
         let requirements = unsafe { gpu.device.get_image_memory_requirements(handle) };
         let allocation = gpu
@@ -149,7 +179,10 @@ impl Image {
             })
             .trying(desc.name)?;
         // SAFETY: memory and offset come from the allocator for these requirements.
-        let bound = unsafe { gpu.device.bind_image_memory(handle, allocation.memory(), allocation.offset()) };
+        let bound = unsafe {
+            gpu.device
+                .bind_image_memory(handle, allocation.memory(), allocation.offset())
+        };
         image.allocation = Some(allocation);
         bound.trying(desc.name)?;
         Ok(image)
@@ -185,7 +218,11 @@ impl View {
         let count = layers.end - layers.start;
         let info = vk::ImageViewCreateInfo::default()
             .image(image)
-            .view_type(if count == 1 { vk::ImageViewType::TYPE_2D } else { vk::ImageViewType::TYPE_2D_ARRAY })
+            .view_type(if count == 1 {
+                vk::ImageViewType::TYPE_2D
+            } else {
+                vk::ImageViewType::TYPE_2D_ARRAY
+            })
             .format(format)
             .subresource_range(vk::ImageSubresourceRange {
                 aspect_mask: aspect,
@@ -195,8 +232,12 @@ impl View {
                 layer_count: count,
             });
         // SAFETY: the image is alive and has these layers and levels.
-        let handle = unsafe { gpu.device.create_image_view(&info, None) }.trying("making an image view")?;
-        Ok(Self { handle, gpu: gpu.clone() })
+        let handle =
+            unsafe { gpu.device.create_image_view(&info, None) }.trying("making an image view")?;
+        Ok(Self {
+            handle,
+            gpu: gpu.clone(),
+        })
     }
 }
 
@@ -210,7 +251,9 @@ impl Drop for View {
 /// Whether a depth format has a stencil part too.
 pub(crate) fn depth_aspects(format: vk::Format) -> vk::ImageAspectFlags {
     match format {
-        vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT | vk::Format::D16_UNORM_S8_UINT => {
+        vk::Format::D24_UNORM_S8_UINT
+        | vk::Format::D32_SFLOAT_S8_UINT
+        | vk::Format::D16_UNORM_S8_UINT => {
             vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL
         }
         _ => vk::ImageAspectFlags::DEPTH,

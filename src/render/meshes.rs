@@ -211,7 +211,7 @@ impl Solid {
 
     fn ellipsoid(&mut self, center: Vec3, radii: Vec3, turned: Quat, part: f32) {
         let first = index(self.vertices.len());
-        let (points, indices) = sphere(16, 4);
+        let (points, indices) = sphere(28, 8);
         for point in points {
             let unit = point.truncate();
             self.vertex(center + turned * (unit * radii), (turned * (unit / radii)).normalize_or_zero(), part);
@@ -271,12 +271,12 @@ fn controller() -> Solid {
     let tilt = Quat::from_rotation_x(0.35);
     solid.capsule(Vec3::new(0.0, -0.004, 0.060), Vec3::new(0.0, 0.003, -0.030), [0.0145, 0.0185], BODY);
     solid.ellipsoid(Vec3::new(0.0, 0.012, -0.048), Vec3::new(0.026, 0.015, 0.030), tilt, BODY);
-    solid.ellipsoid(Vec3::new(0.0, 0.0185, -0.049), Vec3::new(0.022, 0.0105, 0.025), tilt, DARK);
+    solid.ellipsoid(Vec3::new(0.0, 0.0215, -0.048), Vec3::new(0.0185, 0.0085, 0.0215), tilt, DARK);
     solid.torus(Vec3::new(0.0, 0.006, -0.070), Quat::from_rotation_x(0.75), 0.044, 0.0042, DARK);
-    solid.capsule(Vec3::new(-0.007, 0.024, -0.055), Vec3::new(-0.007, 0.035, -0.058), [0.0035, 0.0035], LIGHT);
-    solid.ellipsoid(Vec3::new(-0.007, 0.0365, -0.0585), Vec3::new(0.0075, 0.0026, 0.0075), tilt, LIGHT);
+    solid.capsule(Vec3::new(-0.007, 0.024, -0.055), Vec3::new(-0.007, 0.0365, -0.0585), [0.0035, 0.0035], LIGHT);
+    solid.ellipsoid(Vec3::new(-0.007, 0.0375, -0.0590), Vec3::new(0.0075, 0.0026, 0.0075), tilt, LIGHT);
     for (x, z) in [(0.009, -0.044), (0.010, -0.058)] {
-        solid.ellipsoid(Vec3::new(x, 0.0285 - (z + 0.044) * 0.3, z), Vec3::new(0.0042, 0.0018, 0.0042), tilt, LIGHT);
+        solid.ellipsoid(Vec3::new(x, 0.0292 - (z + 0.044) * 0.3, z), Vec3::new(0.0042, 0.0018, 0.0042), tilt, LIGHT);
     }
     solid.ellipsoid(Vec3::new(0.0, -0.010, -0.046), Vec3::new(0.0085, 0.0100, 0.0150), Quat::from_rotation_x(-0.5), TRIGGER);
     solid.capsule(Vec3::new(-0.013, -0.004, 0.010), Vec3::new(-0.015, -0.004, 0.026), [0.0055, 0.0055], DARK);

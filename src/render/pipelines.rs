@@ -22,8 +22,16 @@ pub(crate) struct Layout {
 
 impl Layout {
     /// `sets`: for each set its bindings' types; `immediates`: bytes of push constants.
-    pub(crate) fn new(gpu: &Gpu, sets: &[&[vk::DescriptorType]], immediates: u32) -> Result<Self, RenderError> {
-        let mut layout = Self { handle: vk::PipelineLayout::null(), sets: Vec::new(), gpu: gpu.clone() };
+    pub(crate) fn new(
+        gpu: &Gpu,
+        sets: &[&[vk::DescriptorType]],
+        immediates: u32,
+    ) -> Result<Self, RenderError> {
+        let mut layout = Self {
+            handle: vk::PipelineLayout::null(),
+            sets: Vec::new(),
+            gpu: gpu.clone(),
+        };
         for types in sets {
             let bindings: Vec<_> = (0..)
                 .zip(*types)
@@ -37,7 +45,8 @@ impl Layout {
                 .collect();
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
             // SAFETY: plain bindings.
-            let set = unsafe { gpu.device.create_descriptor_set_layout(&info, None) }.trying("making a descriptor layout")?;
+            let set = unsafe { gpu.device.create_descriptor_set_layout(&info, None) }
+                .trying("making a descriptor layout")?;
             layout.sets.push(set);
         }
         let ranges = [vk::PushConstantRange::default()
@@ -47,7 +56,8 @@ impl Layout {
             .set_layouts(&layout.sets)
             .push_constant_ranges(if immediates == 0 { &[] } else { &ranges });
         // SAFETY: the set layouts were just made.
-        layout.handle = unsafe { gpu.device.create_pipeline_layout(&info, None) }.trying("making a pipeline layout")?;
+        layout.handle = unsafe { gpu.device.create_pipeline_layout(&info, None) }
+            .trying("making a pipeline layout")?;
         Ok(layout)
     }
 }
@@ -93,7 +103,11 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
-    pub(crate) fn new(gpu: &Gpu, layout: &Layout, desc: &PipelineDesc<'_>) -> Result<Self, RenderError> {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        layout: &Layout,
+        desc: &PipelineDesc<'_>,
+    ) -> Result<Self, RenderError> {
         let code = vk::ShaderModuleCreateInfo::default().code(desc.spirv);
         // SAFETY: naga made and validated the code.
         let module = unsafe { gpu.device.create_shader_module(&code, None) }.trying(desc.name)?;
@@ -103,17 +117,33 @@ impl Pipeline {
         made
     }
 
-    fn with_module(gpu: &Gpu, layout: &Layout, desc: &PipelineDesc<'_>, module: vk::ShaderModule) -> Result<Self, RenderError> {
-        let stage = |flag, name| vk::PipelineShaderStageCreateInfo::default().stage(flag).module(module).name(name);
+    fn with_module(
+        gpu: &Gpu,
+        layout: &Layout,
+        desc: &PipelineDesc<'_>,
+        module: vk::ShaderModule,
+    ) -> Result<Self, RenderError> {
+        let stage = |flag, name| {
+            vk::PipelineShaderStageCreateInfo::default()
+                .stage(flag)
+                .module(module)
+                .name(name)
+        };
         let mut stages = vec![stage(vk::ShaderStageFlags::VERTEX, desc.vertex)];
-        stages.extend(desc.fragment.map(|name| stage(vk::ShaderStageFlags::FRAGMENT, name)));
+        stages.extend(
+            desc.fragment
+                .map(|name| stage(vk::ShaderStageFlags::FRAGMENT, name)),
+        );
 
         // An attribute has four floats, except in the panel's vertices.
         let mut stride = 0;
         let attributes: Vec<_> = (0..)
             .zip(desc.attributes)
             .map(|(location, format)| {
-                let attribute = vk::VertexInputAttributeDescription::default().location(location).format(*format).offset(stride);
+                let attribute = vk::VertexInputAttributeDescription::default()
+                    .location(location)
+                    .format(*format)
+                    .offset(stride);
                 stride += match *format {
                     vk::Format::R32G32B32A32_SFLOAT => 16,
                     vk::Format::R32G32_SFLOAT => 8,
@@ -122,13 +152,20 @@ impl Pipeline {
                 attribute
             })
             .collect();
-        let bindings = [vk::VertexInputBindingDescription::default().stride(stride).input_rate(vk::VertexInputRate::VERTEX)];
+        let bindings = [vk::VertexInputBindingDescription::default()
+            .stride(stride)
+            .input_rate(vk::VertexInputRate::VERTEX)];
         let mut input = vk::PipelineVertexInputStateCreateInfo::default();
         if !attributes.is_empty() {
-            input = input.vertex_binding_descriptions(&bindings).vertex_attribute_descriptions(&attributes);
+            input = input
+                .vertex_binding_descriptions(&bindings)
+                .vertex_attribute_descriptions(&attributes);
         }
-        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
-        let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let viewport = vk::PipelineViewportStateCreateInfo::default()
+            .viewport_count(1)
+            .scissor_count(1);
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)
             .cull_mode(desc.cull)
@@ -141,16 +178,23 @@ impl Pipeline {
             .depth_test_enable(desc.depth_compare.is_some())
             .depth_write_enable(desc.depth_write)
             .depth_compare_op(desc.depth_compare.unwrap_or(vk::CompareOp::ALWAYS));
-        let rgb = vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B;
-        let written = if desc.covered { rgb } else { vk::ColorComponentFlags::RGBA };
-        let attachments =
-            [desc.blend.unwrap_or_else(|| vk::PipelineColorBlendAttachmentState::default().color_write_mask(written))];
+        let rgb =
+            vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B;
+        let written = if desc.covered {
+            rgb
+        } else {
+            vk::ColorComponentFlags::RGBA
+        };
+        let attachments = [desc.blend.unwrap_or_else(|| {
+            vk::PipelineColorBlendAttachmentState::default().color_write_mask(written)
+        })];
         let mut blend = vk::PipelineColorBlendStateCreateInfo::default();
-        let dynamic =
-            vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+            .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
         let formats = [desc.color];
-        let mut rendering =
-            vk::PipelineRenderingCreateInfo::default().view_mask(desc.view_mask).depth_attachment_format(desc.depth);
+        let mut rendering = vk::PipelineRenderingCreateInfo::default()
+            .view_mask(desc.view_mask)
+            .depth_attachment_format(desc.depth);
         if desc.fragment.is_some() {
             rendering = rendering.color_attachment_formats(&formats);
             blend = blend.attachments(&attachments);
@@ -168,8 +212,14 @@ impl Pipeline {
             .layout(layout.handle)
             .push_next(&mut rendering);
         // SAFETY: everything `info` points to lives until the call returns.
-        match unsafe { gpu.device.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) } {
-            Ok(made) => Ok(Self { handle: made.first().copied().unwrap_or_default(), gpu: gpu.clone() }),
+        match unsafe {
+            gpu.device
+                .create_graphics_pipelines(vk::PipelineCache::null(), &[info], None)
+        } {
+            Ok(made) => Ok(Self {
+                handle: made.first().copied().unwrap_or_default(),
+                gpu: gpu.clone(),
+            }),
             Err((_, result)) => Err(RenderError::from_vulkan(desc.name, result)),
         }
     }
@@ -220,7 +270,11 @@ impl Pipelines {
             Kind::STORAGE_BUFFER,
             Kind::STORAGE_BUFFER,
         ];
-        let tree_layout = Layout::new(gpu, &[&frame, &[Kind::STORAGE_BUFFER, Kind::STORAGE_BUFFER]], 0)?;
+        let tree_layout = Layout::new(
+            gpu,
+            &[&frame, &[Kind::STORAGE_BUFFER, Kind::STORAGE_BUFFER]],
+            0,
+        )?;
         let board_layout = Layout::new(gpu, &[&frame, &[Kind::SAMPLED_IMAGE, Kind::SAMPLER]], 0)?;
 
         let plain = PipelineDesc {
@@ -240,8 +294,12 @@ impl Pipelines {
             color: formats.color,
             depth: formats.depth,
         };
-        let solid =
-            PipelineDesc { cull: vk::CullModeFlags::BACK, depth_compare: Some(vk::CompareOp::GREATER), depth_write: true, ..plain };
+        let solid = PipelineDesc {
+            cull: vk::CullModeFlags::BACK,
+            depth_compare: Some(vk::CompareOp::GREATER),
+            depth_write: true,
+            ..plain
+        };
         let sphere = [vk::Format::R32G32B32A32_SFLOAT];
         let model = [vk::Format::R32G32B32A32_SFLOAT; 2];
         let tubes = PipelineDesc {
@@ -271,7 +329,10 @@ impl Pipelines {
                 ..solid
             })?,
             tubes: pipeline(tubes)?,
-            caps: pipeline(PipelineDesc { vertex: shaders::tree::CAP_VERTEX, ..tubes })?,
+            caps: pipeline(PipelineDesc {
+                vertex: shaders::tree::CAP_VERTEX,
+                ..tubes
+            })?,
             shadow: pipeline(PipelineDesc {
                 name: "the shadow's pipeline",
                 vertex: shaders::tree::SHADOW_VERTEX,

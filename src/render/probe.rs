@@ -45,9 +45,12 @@ impl Multiview {
     }
 }
 
-/// Cells along a side, and pixels of a cell.
-const SIDE: u32 = 16;
-const CELL_PX: u32 = 2;
+/// Cells along a side and pixels of a cell; the picture's middle is the grid's, and cells reach over its edge by `OVER_PX` on each side,
+/// so that some are clipped and some lie outside.
+const SIDE: u32 = 64;
+const CELL_PX: u32 = 6;
+const OVER_PX: u32 = 64;
+const PICTURE_PX: u32 = SIDE * CELL_PX - 2 * OVER_PX;
 const CELLS: u32 = SIDE * SIDE;
 
 /// The draws that are tried: cells of one instance, and whether through an index buffer.
@@ -58,7 +61,7 @@ const SHAPES: [(u32, bool); 6] = [(1, true), (8, true), (64, true), (CELLS, true
 /// # Errors
 /// [`RenderError`] when the device fails; a wrong picture is no error.
 pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
-    let extent = vk::Extent2D { width: SIDE * CELL_PX, height: SIDE * CELL_PX };
+    let extent = vk::Extent2D { width: PICTURE_PX, height: PICTURE_PX };
     let format = vk::Format::R8G8B8A8_UNORM;
     let depth_format = vk::Format::D32_SFLOAT;
     let attachments = Attachments::new(gpu, format, depth_format, extent, false)?;
@@ -120,7 +123,7 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
                 .view_mask(0b11)
                 .color_attachments(&many_color)
                 .depth_attachment(&many_depth);
-            #[allow(clippy::cast_precision_loss, reason = "32 pixels")]
+            #[allow(clippy::cast_precision_loss, reason = "256 pixels")]
             let viewport =
                 [vk::Viewport { width: extent.width as f32, height: extent.height as f32, max_depth: 1.0, ..Default::default() }];
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
@@ -155,11 +158,15 @@ fn right(layers: &[image::RgbaImage; 2]) -> bool {
     let marks = [[255, 0], [0, 255]];
     layers.iter().zip(marks).all(|(picture, mark)| {
         picture.enumerate_pixels().all(|(x, y, pixel)| {
-            let cell = y / CELL_PX * SIDE + x / CELL_PX;
-            let blue = u8::try_from(cell % 16 * 17).unwrap_or(0);
-            pixel.0[..2] == mark && pixel.0[2].abs_diff(blue) <= 1
+            pixel.0[..2] == mark && pixel.0[2].abs_diff(blue(x, y)) <= 1
         })
     })
+}
+
+/// The mark of the cell at a pixel.
+fn blue(x: u32, y: u32) -> u8 {
+    let cell = (y + OVER_PX) / CELL_PX * SIDE + (x + OVER_PX) / CELL_PX;
+    u8::try_from(cell % 16 * 17).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -170,10 +177,7 @@ mod tests {
     #[test]
     fn a_missing_or_misplaced_view_is_wrong() {
         let drawn = |mark: [u8; 2]| {
-            image::RgbaImage::from_fn(SIDE * CELL_PX, SIDE * CELL_PX, |x, y| {
-                let cell = y / CELL_PX * SIDE + x / CELL_PX;
-                image::Rgba([mark[0], mark[1], u8::try_from(cell % 16 * 17).unwrap_or(0), 255])
-            })
+            image::RgbaImage::from_fn(PICTURE_PX, PICTURE_PX, |x, y| image::Rgba([mark[0], mark[1], blue(x, y), 255]))
         };
         let (left, second) = (drawn([255, 0]), drawn([0, 255]));
         assert!(right(&[left.clone(), second.clone()]));

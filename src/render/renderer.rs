@@ -170,7 +170,12 @@ impl Renderer {
             ],
         )?;
         let shadow = Shadow::new(gpu)?;
-        let layout = pipelines.tree_layout.sets.first().copied().unwrap_or_default();
+        let layout = pipelines
+            .tree_layout
+            .sets
+            .first()
+            .copied()
+            .unwrap_or_default();
         let slot = || {
             let slot = Slot::new(gpu, pool.set(layout)?)?;
             write_set(gpu, &slot, &shadow);
@@ -179,7 +184,13 @@ impl Renderer {
         let slots = [slot()?, slot()?];
         Ok(Self {
             meshes: Meshes::new(gpu)?,
-            attachments: Attachments::new(gpu, params.color_format, params.depth_format, params.extent, per_eye)?,
+            attachments: Attachments::new(
+                gpu,
+                params.color_format,
+                params.depth_format,
+                params.extent,
+                per_eye,
+            )?,
             panel: Panel::new(gpu, &pipelines.board_layout)?,
             params,
             pipelines,
@@ -223,14 +234,20 @@ impl Renderer {
         size_px: [u32; 2],
         pixels_per_point: f32,
     ) -> Result<(), RenderError> {
-        self.panel.paint(primitives, textures, size_px, pixels_per_point, self.frame)
+        self.panel
+            .paint(primitives, textures, size_px, pixels_per_point, self.frame)
     }
 
     /// Draws a scene into a target. Returns when the work is handed over, before it is done.
     ///
     /// # Errors
     /// [`RenderError`]; after [`RenderError::DeviceLost`] everything must be made anew.
-    pub fn draw(&mut self, scene: &Scene, eyes: &[Eye; 2], target: &Target<'_>) -> Result<DrawReport, RenderError> {
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        eyes: &[Eye; 2],
+        target: &Target<'_>,
+    ) -> Result<DrawReport, RenderError> {
         self.check_target(target)?;
         let at = usize::try_from(self.frame % SLOTS as u64).unwrap_or(0);
         let commands = self.slots[at].commands.begin()?;
@@ -239,12 +256,17 @@ impl Renderer {
         self.garbage.retain(|(frame, _)| *frame > done);
 
         let mut state = self.update_tree(scene.tree.as_ref())?;
-        let placed = scene.tree.as_ref().filter(|_| self.tree.is_some() || self.coming.is_some());
+        let placed = scene
+            .tree
+            .as_ref()
+            .filter(|_| self.tree.is_some() || self.coming.is_some());
         let copied = self.copy_tree(commands)?;
         if copied && state == TreeState::Copying {
             state = TreeState::Shown;
         }
-        let painted = self.panel.record(&self.gpu, commands, at, self.frame, done)?;
+        let painted = self
+            .panel
+            .record(&self.gpu, commands, at, self.frame, done)?;
 
         let numbers = self.numbers(scene, eyes, placed);
         let slot = &mut self.slots[at];
@@ -274,7 +296,12 @@ impl Renderer {
         if copied || painted {
             full_barrier(&self.gpu, commands, &[]);
         }
-        let mut report = DrawReport { draws: 0, triangles: 0, segments: pass.tree.map_or(0, |tree| tree.segments), tree: state };
+        let mut report = DrawReport {
+            draws: 0,
+            triangles: 0,
+            segments: pass.tree.map_or(0, |tree| tree.segments),
+            tree: state,
+        };
         if let Some(key) = key
             && self.shadow.drawn != Some(key)
         {
@@ -290,13 +317,18 @@ impl Renderer {
     }
 
     fn check_target(&self, target: &Target<'_>) -> Result<(), RenderError> {
-        let fits = |image: &super::StereoImage, format| image.extent == self.params.extent && image.format == format;
-        let depth = target.depth.is_none_or(|depth| fits(depth, self.params.depth_format));
+        let fits = |image: &super::StereoImage, format| {
+            image.extent == self.params.extent && image.format == format
+        };
+        let depth = target
+            .depth
+            .is_none_or(|depth| fits(depth, self.params.depth_format));
         if fits(target.color, self.params.color_format) && depth {
             Ok(())
         } else {
             Err(RenderError::Unsupported(
-                "the target's size or format is not the renderer's; make a new renderer for it".to_owned(),
+                "the target's size or format is not the renderer's; make a new renderer for it"
+                    .to_owned(),
             ))
         }
     }
@@ -309,7 +341,11 @@ impl Renderer {
             }
             return Ok(TreeState::None);
         };
-        let has = |upload: &Option<TreeUpload>| upload.as_ref().is_some_and(|upload| upload.revision == placed.revision);
+        let has = |upload: &Option<TreeUpload>| {
+            upload
+                .as_ref()
+                .is_some_and(|upload| upload.revision == placed.revision)
+        };
         if has(&self.coming) {
             return Ok(TreeState::Copying);
         }
@@ -330,13 +366,27 @@ impl Renderer {
 
     /// Copies the due part of the coming tree; true when it became the shown one.
     fn copy_tree(&mut self, commands: vk::CommandBuffer) -> Result<bool, RenderError> {
-        let Some(coming) = &mut self.coming else { return Ok(false) };
+        let Some(coming) = &mut self.coming else {
+            return Ok(false);
+        };
         if !coming.copy(&self.gpu, commands, COPY_BYTES) {
             return Ok(false);
         }
-        let layout = self.pipelines.tree_layout.sets.get(1).copied().unwrap_or_default();
-        let count = u32::try_from(coming.chunks.len()).unwrap_or(u32::MAX).max(1);
-        let pool = Pool::new(&self.gpu, count, &[(vk::DescriptorType::STORAGE_BUFFER, 2 * count)])?;
+        let layout = self
+            .pipelines
+            .tree_layout
+            .sets
+            .get(1)
+            .copied()
+            .unwrap_or_default();
+        let count = u32::try_from(coming.chunks.len())
+            .unwrap_or(u32::MAX)
+            .max(1);
+        let pool = Pool::new(
+            &self.gpu,
+            count,
+            &[(vk::DescriptorType::STORAGE_BUFFER, 2 * count)],
+        )?;
         for chunk in &mut coming.chunks {
             chunk.set = pool.set(layout)?;
             let buffers = [chunk.segments.handle, chunk.caps.handle].map(whole_buffer);
@@ -351,7 +401,11 @@ impl Renderer {
             unsafe { self.gpu.device.update_descriptor_sets(&writes, &[]) };
         }
         coming.pool = Some(pool);
-        self.garbage.extend(coming.take_staging().map(|buffer| (self.frame, Garbage::Buffer(buffer))));
+        self.garbage.extend(
+            coming
+                .take_staging()
+                .map(|buffer| (self.frame, Garbage::Buffer(buffer))),
+        );
         if let Some(old) = std::mem::replace(&mut self.tree, self.coming.take()) {
             self.garbage.push((self.frame, Garbage::Tree(old)));
         }
@@ -360,15 +414,29 @@ impl Renderer {
 
     /// The numbers that all shaders read.
     fn numbers(&self, scene: &Scene, eyes: &[Eye; 2], placed: Option<&PlacedTree>) -> FrameData {
-        let bounds = self.tree.as_ref().map(|tree| tree.bounds).unwrap_or_default();
-        let world_from_tree = placed.map(|placed| placed.world_from_tree).filter(|map| map.is_finite()).unwrap_or_default();
-        let shadow =
-            placed.filter(|_| self.params.shadows).and_then(|_| shadow::projection(self.params.sun, &bounds, &world_from_tree));
+        let bounds = self
+            .tree
+            .as_ref()
+            .map(|tree| tree.bounds)
+            .unwrap_or_default();
+        let world_from_tree = placed
+            .map(|placed| placed.world_from_tree)
+            .filter(|map| map.is_finite())
+            .unwrap_or_default();
+        let shadow = placed
+            .filter(|_| self.params.shadows)
+            .and_then(|_| shadow::projection(self.params.sun, &bounds, &world_from_tree));
         let texel = shadow.map_or(0.0, |(_, texel)| texel);
         // A tree that waits for its successor stands whole.
         let growth = placed
-            .filter(|placed| self.tree.as_ref().is_some_and(|tree| tree.revision == placed.revision))
-            .map_or(1.0, |placed| crate::tree::growth::clamp_growth(placed.growth));
+            .filter(|placed| {
+                self.tree
+                    .as_ref()
+                    .is_some_and(|tree| tree.revision == placed.revision)
+            })
+            .map_or(1.0, |placed| {
+                crate::tree::growth::clamp_growth(placed.growth)
+            });
         FrameData {
             views: [0, 1].map(|eye| ViewData::new(&eyes[eye], self.params.extent.width)),
             sun: self.params.sun.extend(0.0),
@@ -377,7 +445,12 @@ impl Renderer {
                 Backdrop::Plain([red, green, blue, _]) => Vec4::new(red, green, blue, 1.0),
             },
             world_from_tree: Mat4::from(world_from_tree),
-            tree: Vec4::new(growth, world_from_tree.x_axis.length(), if shadow.is_some() { 1.0 } else { 0.0 }, texel),
+            tree: Vec4::new(
+                growth,
+                world_from_tree.x_axis.length(),
+                if shadow.is_some() { 1.0 } else { 0.0 },
+                texel,
+            ),
             shadow_from_world: shadow.map_or(Mat4::IDENTITY, |(map, _)| map),
             spots: data::spots(scene, placed.map(|placed| (placed, bounds.foot))),
         }
@@ -396,7 +469,11 @@ impl Renderer {
     /// Draws the tree's depth as the sun sees it.
     fn record_shadow(&self, pass: &Pass<'_>, report: &mut DrawReport) {
         let attachment = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-        full_barrier(&self.gpu, pass.commands, &[self.shadow.barrier(vk::ImageLayout::UNDEFINED, attachment)]);
+        full_barrier(
+            &self.gpu,
+            pass.commands,
+            &[self.shadow.barrier(vk::ImageLayout::UNDEFINED, attachment)],
+        );
         let depth = vk::RenderingAttachmentInfo::default()
             .image_view(self.shadow.view.handle)
             .image_layout(attachment)
@@ -404,14 +481,21 @@ impl Renderer {
             .store_op(vk::AttachmentStoreOp::STORE)
             .clear_value(clear_depth(1.0));
         let info = vk::RenderingInfo::default()
-            .render_area(vk::Rect2D { offset: vk::Offset2D::default(), extent: self.shadow.extent() })
+            .render_area(vk::Rect2D {
+                offset: vk::Offset2D::default(),
+                extent: self.shadow.extent(),
+            })
             .layer_count(1)
             .depth_attachment(&depth);
         self.begin(pass, &info, self.shadow.extent(), 0);
         self.record_tubes(pass, self.pipelines.shadow.handle, report);
         self.end(pass);
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
-        full_barrier(&self.gpu, pass.commands, &[self.shadow.barrier(attachment, read)]);
+        full_barrier(
+            &self.gpu,
+            pass.commands,
+            &[self.shadow.barrier(attachment, read)],
+        );
     }
 
     /// Both eyes in one pass.
@@ -421,11 +505,24 @@ impl Renderer {
             color,
             depth,
             discard(target.color.image, target.color.format),
-            target.depth.map_or_else(|| color, |depth| discard(depth.image, depth.format)),
+            target
+                .depth
+                .map_or_else(|| color, |depth| discard(depth.image, depth.format)),
         ];
         let count = if target.depth.is_some() { 4 } else { 3 };
-        full_barrier(&self.gpu, pass.commands, barriers.get(..count).unwrap_or_default());
-        self.record_stage(pass, target.color.view.handle, target.depth.map(|depth| depth.view.handle), 0b11, 0, report);
+        full_barrier(
+            &self.gpu,
+            pass.commands,
+            barriers.get(..count).unwrap_or_default(),
+        );
+        self.record_stage(
+            pass,
+            target.color.view.handle,
+            target.depth.map(|depth| depth.view.handle),
+            0b11,
+            0,
+            report,
+        );
     }
 
     /// One pass an eye, each copied into its layer of the target.
@@ -440,7 +537,14 @@ impl Renderer {
                 discard(depth.image.handle, self.params.depth_format),
             ];
             full_barrier(&self.gpu, pass.commands, &barriers);
-            self.record_stage(pass, color.view.handle, Some(depth.view.handle), 0, offset, report);
+            self.record_stage(
+                pass,
+                color.view.handle,
+                Some(depth.view.handle),
+                0,
+                offset,
+                report,
+            );
             offset = block_stride(&self.gpu);
             self.copy_layer(pass.commands, color, target.color, layer);
             if let Some(target) = target.depth {
@@ -449,11 +553,24 @@ impl Renderer {
         }
     }
 
-    fn copy_layer(&self, commands: vk::CommandBuffer, from: &super::target::Resolved, to: &super::StereoImage, layer: u32) {
+    fn copy_layer(
+        &self,
+        commands: vk::CommandBuffer,
+        from: &super::target::Resolved,
+        to: &super::StereoImage,
+        layer: u32,
+    ) {
         let aspect = super::target::aspects(to.format);
-        let (source, sink) = (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        let (source, sink) = (
+            vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+            vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+        );
         // The other layer is kept: only the first copy may discard.
-        let before = if layer == 0 { vk::ImageLayout::UNDEFINED } else { to.layout() };
+        let before = if layer == 0 {
+            vk::ImageLayout::UNDEFINED
+        } else {
+            to.layout()
+        };
         full_barrier(
             &self.gpu,
             commands,
@@ -462,14 +579,41 @@ impl Renderer {
                 super::frame::transition(to.image, aspect, before, sink),
             ],
         );
-        let place = |layer| vk::ImageSubresourceLayers::default().aspect_mask(aspect).base_array_layer(layer).layer_count(1);
+        let place = |layer| {
+            vk::ImageSubresourceLayers::default()
+                .aspect_mask(aspect)
+                .base_array_layer(layer)
+                .layer_count(1)
+        };
         let region = [vk::ImageCopy::default()
             .src_subresource(place(0))
             .dst_subresource(place(layer))
-            .extent(vk::Extent3D { width: to.extent.width, height: to.extent.height, depth: 1 })];
+            .extent(vk::Extent3D {
+                width: to.extent.width,
+                height: to.extent.height,
+                depth: 1,
+            })];
         // SAFETY: both images are in these layouts, of one format and size.
-        unsafe { self.gpu.device.cmd_copy_image(commands, from.image.handle, source, to.image, sink, &region) };
-        full_barrier(&self.gpu, commands, &[super::frame::transition(to.image, aspect, sink, to.layout())]);
+        unsafe {
+            self.gpu.device.cmd_copy_image(
+                commands,
+                from.image.handle,
+                source,
+                to.image,
+                sink,
+                &region,
+            )
+        };
+        full_barrier(
+            &self.gpu,
+            commands,
+            &[super::frame::transition(
+                to.image,
+                aspect,
+                sink,
+                to.layout(),
+            )],
+        );
     }
 
     /// The whole stage into the multisampled images, resolved into `color` and `depth`.
@@ -491,7 +635,11 @@ impl Renderer {
             .resolve_image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
             .load_op(vk::AttachmentLoadOp::CLEAR)
             .store_op(vk::AttachmentStoreOp::DONT_CARE)
-            .clear_value(vk::ClearValue { color: vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] } })];
+            .clear_value(vk::ClearValue {
+                color: vk::ClearColorValue {
+                    float32: [0.0, 0.0, 0.0, 1.0],
+                },
+            })];
         let mut many_depth = vk::RenderingAttachmentInfo::default()
             .image_view(self.attachments.depth_view.handle)
             .image_layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)
@@ -505,7 +653,10 @@ impl Renderer {
                 .resolve_image_layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
         }
         let info = vk::RenderingInfo::default()
-            .render_area(vk::Rect2D { offset: vk::Offset2D::default(), extent })
+            .render_area(vk::Rect2D {
+                offset: vk::Offset2D::default(),
+                extent,
+            })
             .layer_count(1)
             .view_mask(view_mask)
             .color_attachments(&many_color)
@@ -525,8 +676,17 @@ impl Renderer {
         self.end(pass);
     }
 
-    fn begin(&self, pass: &Pass<'_>, info: &vk::RenderingInfo<'_>, extent: vk::Extent2D, block: u64) {
-        #[allow(clippy::cast_precision_loss, reason = "pictures are at most some thousands of pixels")]
+    fn begin(
+        &self,
+        pass: &Pass<'_>,
+        info: &vk::RenderingInfo<'_>,
+        extent: vk::Extent2D,
+        block: u64,
+    ) {
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "pictures are at most some thousands of pixels"
+        )]
         let viewport = [vk::Viewport {
             x: 0.0,
             y: 0.0,
@@ -535,14 +695,22 @@ impl Renderer {
             min_depth: 0.0,
             max_depth: 1.0,
         }];
-        let scissor = [vk::Rect2D { offset: vk::Offset2D::default(), extent }];
+        let scissor = [vk::Rect2D {
+            offset: vk::Offset2D::default(),
+            extent,
+        }];
         let device = &self.gpu.device;
         // SAFETY: the command buffer is recording outside of a pass; all handles live until the frame is done.
         unsafe {
             (self.gpu.newer.begin_rendering)(pass.commands, std::ptr::from_ref(info));
             device.cmd_set_viewport(pass.commands, 0, &viewport);
             device.cmd_set_scissor(pass.commands, 0, &scissor);
-            device.cmd_bind_index_buffer(pass.commands, self.meshes.indices.handle, 0, vk::IndexType::UINT16);
+            device.cmd_bind_index_buffer(
+                pass.commands,
+                self.meshes.indices.handle,
+                0,
+                vk::IndexType::UINT16,
+            );
         }
         self.bind_frame(pass, self.pipelines.tree_layout.handle, block);
     }
@@ -569,7 +737,13 @@ impl Renderer {
 
     fn bind(&self, pass: &Pass<'_>, pipeline: vk::Pipeline) {
         // SAFETY: the pipeline fits the pass's formats.
-        unsafe { self.gpu.device.cmd_bind_pipeline(pass.commands, vk::PipelineBindPoint::GRAPHICS, pipeline) };
+        unsafe {
+            self.gpu.device.cmd_bind_pipeline(
+                pass.commands,
+                vk::PipelineBindPoint::GRAPHICS,
+                pipeline,
+            )
+        };
     }
 
     fn record_tubes(&self, pass: &Pass<'_>, pipeline: vk::Pipeline, report: &mut DrawReport) {
@@ -594,7 +768,14 @@ impl Renderer {
         let layout = self.pipelines.tree_layout.handle;
         // SAFETY: the set's layout is the second of the pipeline layout.
         unsafe {
-            self.gpu.device.cmd_bind_descriptor_sets(pass.commands, vk::PipelineBindPoint::GRAPHICS, layout, 1, &[set], &[]);
+            self.gpu.device.cmd_bind_descriptor_sets(
+                pass.commands,
+                vk::PipelineBindPoint::GRAPHICS,
+                layout,
+                1,
+                &[set],
+                &[],
+            );
         }
     }
 
@@ -602,18 +783,42 @@ impl Renderer {
         let counts = pass.counts;
         self.bind(pass, self.pipelines.solids.handle);
         // SAFETY: the buffer lives as long as the renderer.
-        unsafe { self.gpu.device.cmd_bind_vertex_buffers(pass.commands, 0, &[self.meshes.solids.handle], &[0]) };
+        unsafe {
+            self.gpu.device.cmd_bind_vertex_buffers(
+                pass.commands,
+                0,
+                &[self.meshes.solids.handle],
+                &[0],
+            )
+        };
         self.draw_run(pass, self.meshes.plate, 0..counts.plates, report);
         self.draw_run(pass, self.meshes.left, counts.plates..counts.left, report);
         self.draw_run(pass, self.meshes.right, counts.left..counts.right, report);
         // SAFETY: as above.
-        unsafe { self.gpu.device.cmd_bind_vertex_buffers(pass.commands, 0, &[self.meshes.spheres.handle], &[0]) };
+        unsafe {
+            self.gpu.device.cmd_bind_vertex_buffers(
+                pass.commands,
+                0,
+                &[self.meshes.spheres.handle],
+                &[0],
+            )
+        };
         self.bind(pass, self.pipelines.rods.handle);
         self.draw_run(pass, self.meshes.rod, 0..counts.rods, report);
         self.draw_run(pass, self.meshes.ball, counts.rods..counts.balls, report);
         self.bind(pass, self.pipelines.ghosts.handle);
-        self.draw_run(pass, self.meshes.rod, counts.balls..counts.ghost_rods, report);
-        self.draw_run(pass, self.meshes.ball, counts.ghost_rods..counts.ghost_balls, report);
+        self.draw_run(
+            pass,
+            self.meshes.rod,
+            counts.balls..counts.ghost_rods,
+            report,
+        );
+        self.draw_run(
+            pass,
+            self.meshes.ball,
+            counts.ghost_rods..counts.ghost_balls,
+            report,
+        );
     }
 
     fn record_board(&self, pass: &Pass<'_>, block: u64, report: &mut DrawReport) {
@@ -628,7 +833,14 @@ impl Renderer {
         unsafe {
             let device = &self.gpu.device;
             let set = [self.panel.set()];
-            device.cmd_bind_descriptor_sets(pass.commands, vk::PipelineBindPoint::GRAPHICS, layout, 1, &set, &[]);
+            device.cmd_bind_descriptor_sets(
+                pass.commands,
+                vk::PipelineBindPoint::GRAPHICS,
+                layout,
+                1,
+                &set,
+                &[],
+            );
             device.cmd_draw(pass.commands, 6, 1, 0, counts.right);
         }
         report.draws += 1;
@@ -636,7 +848,13 @@ impl Renderer {
         self.bind_frame(pass, self.pipelines.tree_layout.handle, block);
     }
 
-    fn record_plain(&self, pass: &Pass<'_>, pipeline: vk::Pipeline, vertices: u32, report: &mut DrawReport) {
+    fn record_plain(
+        &self,
+        pass: &Pass<'_>,
+        pipeline: vk::Pipeline,
+        vertices: u32,
+        report: &mut DrawReport,
+    ) {
         self.bind(pass, pipeline);
         // SAFETY: the shader makes its vertices itself.
         unsafe { self.gpu.device.cmd_draw(pass.commands, vertices, 1, 0, 0) };
@@ -644,14 +862,27 @@ impl Renderer {
         report.triangles += u64::from(vertices / 3);
     }
 
-    fn draw_run(&self, pass: &Pass<'_>, run: Run, instances: std::ops::Range<u32>, report: &mut DrawReport) {
+    fn draw_run(
+        &self,
+        pass: &Pass<'_>,
+        run: Run,
+        instances: std::ops::Range<u32>,
+        report: &mut DrawReport,
+    ) {
         if instances.is_empty() {
             return;
         }
         let count = instances.end - instances.start;
         // SAFETY: indices and instances lie within the bound buffers.
         unsafe {
-            self.gpu.device.cmd_draw_indexed(pass.commands, run.count, count, run.first, run.vertex, instances.start);
+            self.gpu.device.cmd_draw_indexed(
+                pass.commands,
+                run.count,
+                count,
+                run.first,
+                run.vertex,
+                instances.start,
+            );
         }
         report.draws += 1;
         report.triangles += u64::from(run.count / 3) * u64::from(count);
@@ -673,11 +904,17 @@ impl Drop for Renderer {
 }
 
 fn clear_depth(depth: f32) -> vk::ClearValue {
-    vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } }
+    vk::ClearValue {
+        depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 },
+    }
 }
 
 fn whole_buffer(buffer: vk::Buffer) -> vk::DescriptorBufferInfo {
-    vk::DescriptorBufferInfo { buffer, offset: 0, range: vk::WHOLE_SIZE }
+    vk::DescriptorBufferInfo {
+        buffer,
+        offset: 0,
+        range: vk::WHOLE_SIZE,
+    }
 }
 
 /// The whole records that a buffer holds.
@@ -685,21 +922,36 @@ fn records<T: bytemuck::Pod>(buffer: &mut Buffer) -> &mut [T] {
     let bytes = buffer.bytes();
     let whole = bytes.len() / size_of::<T>() * size_of::<T>();
     // Mapped memory is aligned far beyond 16 bytes; if it ever is not, nothing is drawn rather than crashed.
-    bytes.get_mut(..whole).and_then(|bytes| bytemuck::try_cast_slice_mut(bytes).ok()).unwrap_or_default()
+    bytes
+        .get_mut(..whole)
+        .and_then(|bytes| bytemuck::try_cast_slice_mut(bytes).ok())
+        .unwrap_or_default()
 }
 
 /// Writes a slot's set.
 fn write_set(gpu: &Gpu, slot: &Slot, shadow: &Shadow) {
-    let frame = [vk::DescriptorBufferInfo { buffer: slot.frame.handle, offset: 0, range: size_of::<FrameData>() as u64 }];
+    let frame = [vk::DescriptorBufferInfo {
+        buffer: slot.frame.handle,
+        offset: 0,
+        range: size_of::<FrameData>() as u64,
+    }];
     let map = [vk::DescriptorImageInfo {
         image_view: shadow.view.handle,
         image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
         sampler: vk::Sampler::null(),
     }];
-    let sampler = [vk::DescriptorImageInfo { sampler: shadow.sampler, ..Default::default() }];
+    let sampler = [vk::DescriptorImageInfo {
+        sampler: shadow.sampler,
+        ..Default::default()
+    }];
     let rods = [whole_buffer(slot.rods.handle)];
     let solids = [whole_buffer(slot.solids.handle)];
-    let write = |binding, kind| vk::WriteDescriptorSet::default().dst_set(slot.set).dst_binding(binding).descriptor_type(kind);
+    let write = |binding, kind| {
+        vk::WriteDescriptorSet::default()
+            .dst_set(slot.set)
+            .dst_binding(binding)
+            .descriptor_type(kind)
+    };
     let writes = [
         write(0, vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC).buffer_info(&frame),
         write(1, vk::DescriptorType::SAMPLED_IMAGE).image_info(&map),

@@ -33,24 +33,46 @@ impl StereoImage {
     /// `image` must be a live image of this device with two layers, one level, one sample, this format and extent, and outlive the
     /// returned value. Usage: colour or depth-stencil attachment; for [`super::StereoMode::PerEye`] transfer
     /// destination too; for read-back transfer source too.
-    pub unsafe fn new(gpu: &Gpu, image: vk::Image, format: vk::Format, extent: vk::Extent2D) -> Result<Self, RenderError> {
+    pub unsafe fn new(
+        gpu: &Gpu,
+        image: vk::Image,
+        format: vk::Format,
+        extent: vk::Extent2D,
+    ) -> Result<Self, RenderError> {
         let view = View::new(gpu, image, format, aspects(format), 0..2, 0..1)?;
-        Ok(Self { image, format, extent, view, gpu: gpu.clone() })
+        Ok(Self {
+            image,
+            format,
+            extent,
+            view,
+            gpu: gpu.clone(),
+        })
     }
 
     /// The images of a headset, colour and depth, to draw into. Drop them before the headset.
     ///
     /// # Errors
     /// [`RenderError`] when no view can be made.
-    pub fn of_swapchain(gpu: &Gpu, swapchain: &Swapchain) -> Result<(Vec<Self>, Vec<Self>), RenderError> {
+    pub fn of_swapchain(
+        gpu: &Gpu,
+        swapchain: &Swapchain,
+    ) -> Result<(Vec<Self>, Vec<Self>), RenderError> {
         let stereo = |format: vk::Format| {
             move |image: &vk::Image| {
                 // SAFETY: only a headset makes a `Swapchain`, with images of two layers, this format, extent and usage.
                 unsafe { Self::new(gpu, *image, format, swapchain.extent()) }
             }
         };
-        let color = swapchain.color().iter().map(stereo(swapchain.color_format())).collect::<Result<_, _>>()?;
-        let depth = swapchain.depth().iter().map(stereo(swapchain.depth_format())).collect::<Result<_, _>>()?;
+        let color = swapchain
+            .color()
+            .iter()
+            .map(stereo(swapchain.color_format()))
+            .collect::<Result<_, _>>()?;
+        let depth = swapchain
+            .depth()
+            .iter()
+            .map(stereo(swapchain.depth_format()))
+            .collect::<Result<_, _>>()?;
         Ok((color, depth))
     }
 
@@ -100,7 +122,11 @@ pub(crate) fn is_depth(format: vk::Format) -> bool {
 
 /// The aspects that a view of the format shows.
 pub(crate) fn aspects(format: vk::Format) -> vk::ImageAspectFlags {
-    if is_depth(format) { depth_aspects(format) } else { vk::ImageAspectFlags::COLOR }
+    if is_depth(format) {
+        depth_aspects(format)
+    } else {
+        vk::ImageAspectFlags::COLOR
+    }
 }
 
 /// The four-sample images that passes draw into, and in per-eye mode each eye's own resolved images.
@@ -124,14 +150,25 @@ pub(crate) struct Resolved {
 }
 
 impl Resolved {
-    fn new(gpu: &Gpu, name: &'static str, format: vk::Format, extent: vk::Extent2D) -> Result<Self, RenderError> {
+    fn new(
+        gpu: &Gpu,
+        name: &'static str,
+        format: vk::Format,
+        extent: vk::Extent2D,
+    ) -> Result<Self, RenderError> {
         let attachment = if is_depth(format) {
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
         } else {
             vk::ImageUsageFlags::COLOR_ATTACHMENT
         };
         let usage = attachment | vk::ImageUsageFlags::TRANSFER_SRC;
-        let image = Image::new(gpu, ImageDesc { layers: 1, ..ImageDesc::stereo(name, format, extent, usage) })?;
+        let image = Image::new(
+            gpu,
+            ImageDesc {
+                layers: 1,
+                ..ImageDesc::stereo(name, format, extent, usage)
+            },
+        )?;
         let view = View::new(gpu, image.handle, format, aspects(format), 0..1, 0..1)?;
         Ok(Self { image, view })
     }
@@ -148,10 +185,25 @@ impl Attachments {
         let layers = if per_eye { 1 } else { 2 };
         let multisampled = |name, format, usage| {
             let usage = usage | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
-            Image::new(gpu, ImageDesc { samples: SAMPLES, layers, ..ImageDesc::stereo(name, format, extent, usage) })
+            Image::new(
+                gpu,
+                ImageDesc {
+                    samples: SAMPLES,
+                    layers,
+                    ..ImageDesc::stereo(name, format, extent, usage)
+                },
+            )
         };
-        let color_image = multisampled("the multisampled colour", color, vk::ImageUsageFlags::COLOR_ATTACHMENT)?;
-        let depth_image = multisampled("the multisampled depth", depth, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?;
+        let color_image = multisampled(
+            "the multisampled colour",
+            color,
+            vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        )?;
+        let depth_image = multisampled(
+            "the multisampled depth",
+            depth,
+            vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+        )?;
         let eyes = (0..if per_eye { 2 } else { 0 })
             .map(|_| {
                 Ok((
@@ -161,8 +213,22 @@ impl Attachments {
             })
             .collect::<Result<_, RenderError>>()?;
         Ok(Self {
-            color_view: View::new(gpu, color_image.handle, color, vk::ImageAspectFlags::COLOR, 0..layers, 0..1)?,
-            depth_view: View::new(gpu, depth_image.handle, depth, aspects(depth), 0..layers, 0..1)?,
+            color_view: View::new(
+                gpu,
+                color_image.handle,
+                color,
+                vk::ImageAspectFlags::COLOR,
+                0..layers,
+                0..1,
+            )?,
+            depth_view: View::new(
+                gpu,
+                depth_image.handle,
+                depth,
+                aspects(depth),
+                0..layers,
+                0..1,
+            )?,
             color: color_image,
             depth: depth_image,
             eyes,

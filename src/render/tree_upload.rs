@@ -70,16 +70,35 @@ impl TreeUpload {
         Self::with_scratch(gpu, placed, &mut Scratch::default())
     }
 
-    pub(crate) fn with_scratch(gpu: &Gpu, placed: &PlacedTree, scratch: &mut Scratch) -> Result<Self, RenderError> {
-        scratch.builder.build(&placed.tree, &placed.radius_before, placed.newest, &mut scratch.segments);
-        Self::cut(gpu, &scratch.segments, placed.revision, &mut scratch.caps, CHUNK_BYTES)
+    pub(crate) fn with_scratch(
+        gpu: &Gpu,
+        placed: &PlacedTree,
+        scratch: &mut Scratch,
+    ) -> Result<Self, RenderError> {
+        scratch.builder.build(
+            &placed.tree,
+            &placed.radius_before,
+            placed.newest,
+            &mut scratch.segments,
+        );
+        Self::cut(
+            gpu,
+            &scratch.segments,
+            placed.revision,
+            &mut scratch.caps,
+            CHUNK_BYTES,
+        )
     }
 
     /// The same from segments made elsewhere.
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`].
-    pub fn from_segments(gpu: &Gpu, segments: &[TubeSegment], revision: u64) -> Result<Self, RenderError> {
+    pub fn from_segments(
+        gpu: &Gpu,
+        segments: &[TubeSegment],
+        revision: u64,
+    ) -> Result<Self, RenderError> {
         Self::in_chunks(gpu, segments, revision, CHUNK_BYTES)
     }
 
@@ -87,7 +106,12 @@ impl TreeUpload {
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`].
-    pub fn in_chunks(gpu: &Gpu, segments: &[TubeSegment], revision: u64, chunk_bytes: u64) -> Result<Self, RenderError> {
+    pub fn in_chunks(
+        gpu: &Gpu,
+        segments: &[TubeSegment],
+        revision: u64,
+        chunk_bytes: u64,
+    ) -> Result<Self, RenderError> {
         Self::cut(gpu, segments, revision, &mut Vec::new(), chunk_bytes)
     }
 
@@ -102,7 +126,10 @@ impl TreeUpload {
         let record = size_of::<TubeSegment>() as u64;
         let batches = (range / record / u64::from(BATCH)).max(1);
         let most = usize::try_from(batches * u64::from(BATCH)).unwrap_or(usize::MAX);
-        let chunks = segments.chunks(most).map(|part| Chunk::new(gpu, part, caps)).collect::<Result<_, _>>()?;
+        let chunks = segments
+            .chunks(most)
+            .map(|part| Chunk::new(gpu, part, caps))
+            .collect::<Result<_, _>>()?;
         Ok(Self {
             revision,
             segments: u32::try_from(segments.len()).unwrap_or(u32::MAX),
@@ -119,12 +146,16 @@ impl TreeUpload {
 
     /// Copies up to `budget` bytes more; true when all is there.
     pub(crate) fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, mut budget: u64) -> bool {
-        self.chunks.iter_mut().all(|chunk| chunk.copy(gpu, commands, &mut budget))
+        self.chunks
+            .iter_mut()
+            .all(|chunk| chunk.copy(gpu, commands, &mut budget))
     }
 
     /// Staging memory that is not needed any more; the caller frees it when the device is done.
     pub(crate) fn take_staging(&mut self) -> impl Iterator<Item = Buffer> {
-        self.chunks.iter_mut().filter_map(|chunk| chunk.staging.take())
+        self.chunks
+            .iter_mut()
+            .filter_map(|chunk| chunk.staging.take())
     }
 }
 
@@ -132,7 +163,12 @@ impl Chunk {
     fn new(gpu: &Gpu, segments: &[TubeSegment], caps: &mut Vec<u32>) -> Result<Self, RenderError> {
         let batch = BATCH as usize;
         caps.clear();
-        caps.extend((0_u32..).zip(segments).filter(|(_, segment)| segment.flags & CAPPED != 0).map(|(at, _)| at));
+        caps.extend(
+            (0_u32..)
+                .zip(segments)
+                .filter(|(_, segment)| segment.flags & CAPPED != 0)
+                .map(|(at, _)| at),
+        );
         // Whole batches: spare caps draw the last one again, spare segments are points of no size.
         if let Some(last) = caps.last().copied() {
             caps.resize(caps.len().next_multiple_of(batch), last);
@@ -150,12 +186,27 @@ impl Chunk {
         )?;
         staging.write(0, segments);
         let spare = [TubeSegment::default(); BATCH as usize];
-        staging.write(size_of_val(segments) as u64, spare.get(..padded - segments.len()).unwrap_or_default());
+        staging.write(
+            size_of_val(segments) as u64,
+            spare.get(..padded - segments.len()).unwrap_or_default(),
+        );
         staging.write(segment_bytes, caps);
         let count = |n: usize| u32::try_from(n / batch).unwrap_or(u32::MAX);
         Ok(Self {
-            segments: Buffer::new(gpu, "the tree's segments", segment_bytes, usage, MemoryLocation::GpuOnly)?,
-            caps: Buffer::new(gpu, "the tree's caps", cap_bytes, usage, MemoryLocation::GpuOnly)?,
+            segments: Buffer::new(
+                gpu,
+                "the tree's segments",
+                segment_bytes,
+                usage,
+                MemoryLocation::GpuOnly,
+            )?,
+            caps: Buffer::new(
+                gpu,
+                "the tree's caps",
+                cap_bytes,
+                usage,
+                MemoryLocation::GpuOnly,
+            )?,
             tube_batches: count(padded),
             cap_batches: count(caps.len()),
             staging: Some(staging),
@@ -165,17 +216,30 @@ impl Chunk {
     }
 
     fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, budget: &mut u64) -> bool {
-        let Some(staging) = &self.staging else { return true };
-        let segment_bytes = u64::from(self.tube_batches) * u64::from(BATCH) * size_of::<TubeSegment>() as u64;
+        let Some(staging) = &self.staging else {
+            return true;
+        };
+        let segment_bytes =
+            u64::from(self.tube_batches) * u64::from(BATCH) * size_of::<TubeSegment>() as u64;
         let cap_bytes = u64::from(self.cap_batches) * u64::from(BATCH) * size_of::<u32>() as u64;
-        let parts = [(self.segments.handle, 0, segment_bytes), (self.caps.handle, segment_bytes, cap_bytes)];
+        let parts = [
+            (self.segments.handle, 0, segment_bytes),
+            (self.caps.handle, segment_bytes, cap_bytes),
+        ];
         for (buffer, first, size) in parts {
             let done = self.copied.clamp(first, first + size) - first;
             let now = (size - done).min(*budget);
             if now > 0 {
-                let region = [vk::BufferCopy { src_offset: first + done, dst_offset: done, size: now }];
+                let region = [vk::BufferCopy {
+                    src_offset: first + done,
+                    dst_offset: done,
+                    size: now,
+                }];
                 // SAFETY: both buffers have these ranges and live until the frame is done.
-                unsafe { gpu.device.cmd_copy_buffer(commands, staging.handle, buffer, &region) };
+                unsafe {
+                    gpu.device
+                        .cmd_copy_buffer(commands, staging.handle, buffer, &region)
+                };
                 *budget -= now;
                 self.copied += now;
             }
@@ -189,7 +253,10 @@ fn bounds(segments: &[TubeSegment]) -> Bounds {
     let mut low = Vec3::INFINITY;
     let mut high = Vec3::NEG_INFINITY;
     for segment in segments {
-        for (point, radius) in [(segment.from, segment.radii[1]), (segment.to, segment.radii[3])] {
+        for (point, radius) in [
+            (segment.from, segment.radii[1]),
+            (segment.to, segment.radii[3]),
+        ] {
             let point = Vec3::from(point);
             if point.is_finite() && radius.is_finite() {
                 low = low.min(point - radius);
@@ -199,7 +266,11 @@ fn bounds(segments: &[TubeSegment]) -> Bounds {
     }
     if low.cmple(high).all() {
         let foot = segments.first().map_or(0.0, |segment| segment.radii[1]);
-        Bounds { center: (low + high) / 2.0, radius: low.distance(high) / 2.0, foot }
+        Bounds {
+            center: (low + high) / 2.0,
+            radius: low.distance(high) / 2.0,
+            foot,
+        }
     } else {
         Bounds::default()
     }
@@ -210,4 +281,7 @@ pub(crate) fn segment_count(placed: &PlacedTree) -> usize {
     placed.tree.segment_count()
 }
 
-const _: () = assert!(tubes::GROWING == 1 && CAPPED == 2, "shaders/tree.wgsl knows these bits");
+const _: () = assert!(
+    tubes::GROWING == 1 && CAPPED == 2,
+    "shaders/tree.wgsl knows these bits"
+);

@@ -28,7 +28,10 @@ impl Messages {
 
     /// The first of them.
     pub fn list(&self) -> Vec<String> {
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.kept
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
     }
 
     fn push(&self, text: String) {
@@ -46,8 +49,14 @@ impl Messages {
 /// The returned value holds `messages`' address: it must outlive the messenger.
 pub(crate) fn messenger(messages: &Messages) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
     vk::DebugUtilsMessengerCreateInfoEXT::default()
-        .message_severity(vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR)
-        .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE)
+        .message_severity(
+            vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
+                | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
+        )
+        .message_type(
+            vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
+                | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
+        )
         .pfn_user_callback(Some(said))
         .user_data(std::ptr::from_ref(messages).cast_mut().cast::<c_void>())
 }
@@ -64,9 +73,17 @@ unsafe extern "system" fn said(
     unsafe {
         if let (Some(messages), Some(data)) = (user.cast::<Messages>().as_ref(), data.as_ref()) {
             let text = |pointer: *const std::ffi::c_char| {
-                if pointer.is_null() { String::new() } else { CStr::from_ptr(pointer).to_string_lossy().into_owned() }
+                if pointer.is_null() {
+                    String::new()
+                } else {
+                    CStr::from_ptr(pointer).to_string_lossy().into_owned()
+                }
             };
-            messages.push(format!("{}: {}", text(data.p_message_id_name), text(data.p_message)));
+            messages.push(format!(
+                "{}: {}",
+                text(data.p_message_id_name),
+                text(data.p_message)
+            ));
         }
     }
     vk::FALSE
