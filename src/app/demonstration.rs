@@ -6,9 +6,9 @@ use anyhow::{Context as _, Result};
 use ramus_xr::Frame;
 
 use crate::app::album::Album;
+use crate::app::export;
 use crate::app::picture::{Picture, side_by_side};
 use crate::app::workshop::Workshop;
-use crate::app::export;
 use crate::world::World;
 use crate::world::document::Document;
 use crate::world::history::History;
@@ -43,11 +43,18 @@ pub fn every_step(
     let most = (document.step - first + 1) as usize;
     for (done, step) in steps.enumerate() {
         progress(done, most);
-        let document = Document { step, ..document.clone() };
+        let document = Document {
+            step,
+            ..document.clone()
+        };
         let mut workshop = Workshop::unsaved(World::new(History::new(document)))?;
         let mut frame = frame;
         // A second of standing still: the newest step has grown whole then.
-        while { workshop.update(&frame); workshop.finish_tree(); frame.time < 1.0 } {
+        while {
+            workshop.update(&frame);
+            workshop.finish_tree();
+            frame.time < 1.0
+        } {
             frame.time += 0.1;
         }
         picture.draw_whole(workshop.scene(), &frame.views, None)?;

@@ -2,7 +2,7 @@
 
 use crate::app::headset;
 use crate::app::portrait;
-use crate::render::{GpuParams, Headless, Gpu, Multiview, RenderError, probe};
+use crate::render::{Gpu, GpuParams, Headless, Multiview, RenderError, probe};
 use ramus_xr::openxr::ConnectError;
 
 /// How a part of the machine is.
@@ -31,11 +31,21 @@ pub struct Finding {
 
 impl Finding {
     fn good(part: &'static str, found: impl Into<String>) -> Self {
-        Self { part, health: Health::Good, found: found.into(), mend: None }
+        Self {
+            part,
+            health: Health::Good,
+            found: found.into(),
+            mend: None,
+        }
     }
 
     fn bad(part: &'static str, health: Health, found: impl Into<String>, mend: String) -> Self {
-        Self { part, health, found: found.into(), mend: Some(mend) }
+        Self {
+            part,
+            health,
+            found: found.into(),
+            mend: Some(mend),
+        }
     }
 }
 
@@ -91,10 +101,15 @@ fn install(package: Package, system: System) -> String {
     use Package as P;
     use System as S;
     let (tool, name) = match (system, package) {
-        (S::Bookworm, P::Driver) => return "scripts/setup.sh run  (adds Debian's backports and installs Mesa 25 from them)".to_owned(),
+        (S::Bookworm, P::Driver) => {
+            return "scripts/setup.sh run  (adds Debian's backports and installs Mesa 25 from them)"
+                .to_owned();
+        }
         (S::Bookworm | S::Debian, P::VulkanLoader) => ("sudo apt-get install", "libvulkan1"),
         (S::Debian, P::Driver) => ("sudo apt-get install", "mesa-vulkan-drivers"),
-        (S::Bookworm | S::Debian, P::Validation) => ("sudo apt-get install", "vulkan-validationlayers"),
+        (S::Bookworm | S::Debian, P::Validation) => {
+            ("sudo apt-get install", "vulkan-validationlayers")
+        }
         (S::Bookworm | S::Debian, P::OpenXrLoader) => ("sudo apt-get install", "libopenxr-loader1"),
         (S::Fedora, P::VulkanLoader) => ("sudo dnf install", "vulkan-loader"),
         (S::Fedora, P::Driver) => ("sudo dnf install", "mesa-vulkan-drivers"),
@@ -109,7 +124,10 @@ fn install(package: Package, system: System) -> String {
         (S::Suse, P::Validation) => ("sudo zypper install", "vulkan-validationlayers"),
         (S::Suse, P::OpenXrLoader) => ("sudo zypper install", "libopenxr_loader1"),
         (S::Other, P::VulkanLoader) => ("install", "the Vulkan loader (libvulkan.so.1)"),
-        (S::Other, P::Driver) => ("install", "the Vulkan driver of your graphics card, or Mesa 25's lavapipe"),
+        (S::Other, P::Driver) => (
+            "install",
+            "the Vulkan driver of your graphics card, or Mesa 25's lavapipe",
+        ),
         (S::Other, P::Validation) => ("install", "the Khronos Vulkan validation layer"),
         (S::Other, P::OpenXrLoader) => ("install", "the OpenXR loader (libopenxr_loader.so.1)"),
     };
@@ -135,13 +153,25 @@ fn vulkan(system: System) -> Vec<Finding> {
                 Some(RenderError::NoLoader(_)) => ("Vulkan loader", Package::VulkanLoader),
                 _ => ("Vulkan device", Package::Driver),
             };
-            return vec![Finding::bad(part, Health::Missing, error.to_string(), install(package, system))];
+            return vec![Finding::bad(
+                part,
+                Health::Missing,
+                error.to_string(),
+                install(package, system),
+            )];
         }
     };
     let info = gpu.info();
-    let kind = if info.software { ", drawn by the processor" } else { "" };
+    let kind = if info.software {
+        ", drawn by the processor"
+    } else {
+        ""
+    };
     let mut findings = vec![
-        Finding::good("Vulkan device", format!("{} (Vulkan {}{kind})", info.device, info.version)),
+        Finding::good(
+            "Vulkan device",
+            format!("{} (Vulkan {}{kind})", info.device, info.version),
+        ),
         Finding::good("driver", info.driver.clone()),
     ];
     findings.push(match probe::multiview(&gpu) {
@@ -152,7 +182,12 @@ fn vulkan(system: System) -> Vec<Finding> {
             "broken in this driver: each eye is drawn in a pass of its own, which is slower",
             install(Package::Driver, system),
         ),
-        Err(error) => Finding::bad("multiview", Health::Missing, error.to_string(), install(Package::Driver, system)),
+        Err(error) => Finding::bad(
+            "multiview",
+            Health::Missing,
+            error.to_string(),
+            install(Package::Driver, system),
+        ),
     });
     findings.push(validation(system));
     findings
@@ -160,11 +195,22 @@ fn vulkan(system: System) -> Vec<Finding> {
 
 /// Only developers need the validation layer, but they should know.
 fn validation(system: System) -> Finding {
-    let checked = Gpu::new(&Headless::default(), &GpuParams { validation: true, sync_validation: false });
+    let checked = Gpu::new(
+        &Headless::default(),
+        &GpuParams {
+            validation: true,
+            sync_validation: false,
+        },
+    );
     if checked.is_ok_and(|gpu| gpu.info().validation) {
         Finding::good("validation layer", "installed (used by the tests)")
     } else {
-        Finding::bad("validation layer", Health::Lacking, "not installed (only the tests use it)", install(Package::Validation, system))
+        Finding::bad(
+            "validation layer",
+            Health::Lacking,
+            "not installed (only the tests use it)",
+            install(Package::Validation, system),
+        )
     }
 }
 
@@ -180,23 +226,47 @@ fn openxr(system: System) -> Vec<Finding> {
             vec![
                 loader(),
                 Finding::good(RUNTIME, "answers"),
-                Finding::good(HEADSET, format!("{}, {} × {} pixels an eye", found.describe(), extent.width, extent.height)),
+                Finding::good(
+                    HEADSET,
+                    format!(
+                        "{}, {} × {} pixels an eye",
+                        found.describe(),
+                        extent.width,
+                        extent.height
+                    ),
+                ),
             ]
         }
         Err(error @ ConnectError::NoLoader) => {
             let mend = install(Package::OpenXrLoader, system);
-            vec![Finding::bad(LOADER, Health::Lacking, one_clause(&error), mend)]
+            vec![Finding::bad(
+                LOADER,
+                Health::Lacking,
+                one_clause(&error),
+                mend,
+            )]
         }
         Err(error @ ConnectError::NoRuntime) => {
-            vec![loader(), Finding::bad(RUNTIME, Health::Lacking, one_clause(&error), start())]
+            vec![
+                loader(),
+                Finding::bad(RUNTIME, Health::Lacking, one_clause(&error), start()),
+            ]
         }
         Err(error @ (ConnectError::NoHeadset(_) | ConnectError::NoStereo(_))) => vec![
             loader(),
             Finding::good(RUNTIME, "answers"),
-            Finding::bad(HEADSET, Health::Lacking, one_clause(&error), "connect the headset and switch it on".to_owned()),
+            Finding::bad(
+                HEADSET,
+                Health::Lacking,
+                one_clause(&error),
+                "connect the headset and switch it on".to_owned(),
+            ),
         ],
         Err(error) => {
-            vec![loader(), Finding::bad(RUNTIME, Health::Lacking, one_clause(&error), start())]
+            vec![
+                loader(),
+                Finding::bad(RUNTIME, Health::Lacking, one_clause(&error), start()),
+            ]
         }
     }
 }
@@ -217,10 +287,16 @@ mod tests {
         for (text, expected) in [
             ("ID=debian\nVERSION_CODENAME=bookworm\n", System::Bookworm),
             ("ID=debian\nVERSION_CODENAME=trixie\n", System::Debian),
-            ("ID=ubuntu\nID_LIKE=debian\nVERSION_CODENAME=noble\n", System::Debian),
+            (
+                "ID=ubuntu\nID_LIKE=debian\nVERSION_CODENAME=noble\n",
+                System::Debian,
+            ),
             ("ID=fedora\n", System::Fedora),
             ("ID=manjaro\nID_LIKE=arch\n", System::Arch),
-            ("ID=\"opensuse-tumbleweed\"\nID_LIKE=\"opensuse suse\"\n", System::Suse),
+            (
+                "ID=\"opensuse-tumbleweed\"\nID_LIKE=\"opensuse suse\"\n",
+                System::Suse,
+            ),
             ("", System::Other),
             ("garbage\u{0}===\n=", System::Other),
         ] {
@@ -231,10 +307,20 @@ mod tests {
     #[test]
     fn every_package_has_one_command_everywhere() {
         use {Package as P, System as S};
-        for system in [S::Bookworm, S::Debian, S::Fedora, S::Arch, S::Suse, S::Other] {
+        for system in [
+            S::Bookworm,
+            S::Debian,
+            S::Fedora,
+            S::Arch,
+            S::Suse,
+            S::Other,
+        ] {
             for package in [P::VulkanLoader, P::Driver, P::Validation, P::OpenXrLoader] {
                 let command = install(package, system);
-                assert!(!command.is_empty() && !command.contains('\n'), "{system:?} {package:?}");
+                assert!(
+                    !command.is_empty() && !command.contains('\n'),
+                    "{system:?} {package:?}"
+                );
             }
         }
     }
@@ -242,7 +328,11 @@ mod tests {
     #[test]
     fn everything_that_is_not_well_says_how_to_mend_it() {
         for finding in examine() {
-            assert_eq!(finding.health == Health::Good, finding.mend.is_none(), "{finding:?}");
+            assert_eq!(
+                finding.health == Health::Good,
+                finding.mend.is_none(),
+                "{finding:?}"
+            );
             assert!(!finding.found.is_empty());
         }
     }

@@ -47,12 +47,17 @@ impl Format {
     /// # Errors
     /// [`ExportError::Format`].
     pub fn of(path: &Path) -> Result<Self, ExportError> {
-        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        let ending = path
+            .extension()
+            .and_then(|ending| ending.to_str())
+            .unwrap_or_default();
         match ending.to_ascii_lowercase().as_str() {
             "glb" => Ok(Self::Glb),
             "obj" => Ok(Self::Obj),
             "swc" => Ok(Self::Swc),
-            _ => Err(ExportError::Format { path: path.to_owned() }),
+            _ => Err(ExportError::Format {
+                path: path.to_owned(),
+            }),
         }
     }
 }
@@ -79,6 +84,9 @@ pub fn png(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     picture
         .write_to(&mut bytes, ImageFormat::Png)
-        .map_err(|source| ExportError::Picture { source, path: path.to_owned() })?;
+        .map_err(|source| ExportError::Picture {
+            source,
+            path: path.to_owned(),
+        })?;
     Ok(write_atomically(path, bytes.get_ref())?)
 }

@@ -46,13 +46,16 @@ impl Opened {
     /// [`OpenError`].
     pub fn start(system: System) -> Result<Self, OpenError> {
         let gpu = Gpu::new(&system, &GpuParams::from_env())?;
-        let headset =
-            system.start_on(Box::new(gpu.clone()), StartParams { near: render::NEAR })?;
+        let headset = system.start_on(Box::new(gpu.clone()), StartParams { near: render::NEAR })?;
         let Some(swapchain) = headset.swapchain() else {
             return Err(ConnectError::NoFormat.into());
         };
         let picture = Picture::in_headset(&gpu, swapchain)?;
-        Ok(Self { picture, headset, gpu })
+        Ok(Self {
+            picture,
+            headset,
+            gpu,
+        })
     }
 
     /// One line for people: runtime and device.

@@ -14,6 +14,7 @@ pub mod headset;
 pub mod picture;
 pub mod portrait;
 pub mod session;
+
 pub mod store;
 pub mod take_home;
 pub mod worker;

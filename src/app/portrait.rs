@@ -27,7 +27,12 @@ pub struct PortraitParams {
 
 impl Default for PortraitParams {
     fn default() -> Self {
-        Self { radius: 1.5, rise: 0.12, field: 0.7, room: 1.15 }
+        Self {
+            radius: 1.5,
+            rise: 0.12,
+            field: 0.7,
+            room: 1.15,
+        }
     }
 }
 
@@ -97,6 +102,11 @@ pub fn looking_at(eye: Vec3, target: Vec3, field: f32) -> View {
             orientation: Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch),
             position: eye,
         },
-        fov: Fov { left: -half, right: half, up: half, down: -half },
+        fov: Fov {
+            left: -half,
+            right: half,
+            up: half,
+            down: -half,
+        },
     }
 }

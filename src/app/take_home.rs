@@ -13,10 +13,18 @@ use crate::world::World;
 #[must_use]
 pub fn summary(world: &World) -> String {
     let document = world.document();
-    let lines = document.sketch.strokes.iter().filter(|stroke| stroke.segments() > 0).count();
+    let lines = document
+        .sketch
+        .strokes
+        .iter()
+        .filter(|stroke| stroke.segments() > 0)
+        .count();
     let drawn = document.sketch.segments().count();
     let grown = sketch::predict_segments(&document.sketch, document.step);
-    format!("{lines} lines of {drawn} segments drawn, {grown} segments grown at step {}", document.step)
+    format!(
+        "{lines} lines of {drawn} segments drawn, {grown} segments grown at step {}",
+        document.step
+    )
 }
 
 /// Writes the full-size tree of the document's step.

@@ -4,15 +4,15 @@
 //! [`sketch::grow`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
-use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use ramus_xr::{Frame, Pulse};
 
 use crate::app::convert::input_from_frame;
 use crate::app::store::{Opened, Store, StoreError};
 use crate::app::worker::Worker;
-use crate::sketch::{self, Grown, Sketch};
+use crate::sketch::{self, Grower, Grown, Sketch};
 use crate::world::World;
 use crate::world::document::Document;
 use crate::world::scene::Scene;
@@ -40,6 +40,8 @@ pub struct Workshop {
     world: World,
     store: Option<Store>,
     params: WorkshopParams,
+    /// Grows what is small enough within the frame; both growers keep their last string.
+    grower: Grower,
     worker: Worker<Wanted, Ready>,
     /// The request that the worker is busy with.
     growing: Option<u64>,
@@ -49,9 +51,9 @@ pub struct Workshop {
     pulses: Vec<Pulse>,
 }
 
-fn grow(wanted: &Wanted, cancel: &AtomicBool) -> Ready {
-    let (id, sketch, step) = wanted;
-    (*id, sketch::grow(sketch, *step, cancel).map_err(|error| error.to_string()))
+fn grow(grower: &mut Grower, (id, sketch, step): &Wanted, cancel: &AtomicBool) -> Ready {
+    let grown = grower.grow(sketch, *step, cancel);
+    (*id, grown.map_err(|error| error.to_string()))
 }
 
 impl Workshop {
@@ -84,7 +86,11 @@ impl Workshop {
             world,
             store,
             params,
-            worker: Worker::start("ramus-grow", grow)?,
+            worker: Worker::start("ramus-grow", {
+                let mut grower = Grower::default();
+                move |wanted: &Wanted, cancel: &AtomicBool| grow(&mut grower, wanted, cancel)
+            })?,
+            grower: Grower::default(),
             growing: None,
             edits: 0,
             scene: Scene::default(),
@@ -173,9 +179,15 @@ impl Workshop {
         self.edits += actions.len() as u64;
         let Some(store) = &mut self.store else { return };
         // A warm frame without edits neither writes nor allocates.
-        let kept = if actions.is_empty() { store.check() } else { store.append(&actions) };
+        let kept = if actions.is_empty() {
+            store.check()
+        } else {
+            store.append(&actions)
+        };
         if let Err(error) = kept {
-            self.world.show_message(format!("{error}. Your work is kept in memory and written with the next edit."));
+            self.world.show_message(format!(
+                "{error}. Your work is kept in memory and written with the next edit."
+            ));
         }
     }
 
@@ -184,10 +196,12 @@ impl Workshop {
             self.growing = self.growing.filter(|&newest| newest != id);
             self.world.set_tree(id, grown);
         }
-        let Some(request) = self.world.tree_request() else { return };
+        let Some(request) = self.world.tree_request() else {
+            return;
+        };
         let wanted = (request.id, Arc::clone(&request.sketch), request.step);
         if sketch::predict_segments(&wanted.1, wanted.2) <= self.params.at_once {
-            let (id, grown) = grow(&wanted, &AtomicBool::new(false));
+            let (id, grown) = grow(&mut self.grower, &wanted, &AtomicBool::new(false));
             self.growing = None;
             self.world.set_tree(id, grown);
         } else {

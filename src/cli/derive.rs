@@ -61,9 +61,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     let grammar = read(args)?;
     let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
-        anyhow!("{} states no number of steps: give one with --steps N", args.file.display())
+        anyhow!(
+            "{} states no number of steps: give one with --steps N",
+            args.file.display()
+        )
     })?;
-    let limits = Limits { bytes: args.memory.saturating_mul(1 << 20), ..Limits::default() };
+    let limits = Limits {
+        bytes: args.memory.saturating_mul(1 << 20),
+        ..Limits::default()
+    };
     let never = AtomicBool::new(false);
 
     let began = Instant::now();
@@ -82,8 +88,16 @@ pub(super) fn run(args: &Args) -> Result<()> {
         }
     }
     let began = Instant::now();
-    let tree = interpret(&grammar, &string, &TurtleParams { limits, ..TurtleParams::default() }, &never)
-        .with_context(|| args.file.display().to_string())?;
+    let tree = interpret(
+        &grammar,
+        &string,
+        &TurtleParams {
+            limits,
+            ..TurtleParams::default()
+        },
+        &never,
+    )
+    .with_context(|| args.file.display().to_string())?;
     let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
     let report = Report::new(&grammar, &string, &tree, steps, derive_ms, turtle_ms);
     drop(string);
@@ -109,7 +123,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
 fn read(args: &Args) -> Result<Grammar> {
     let path = &args.file;
     let name = path.display().to_string();
-    let size = std::fs::metadata(path).with_context(|| format!("cannot read {name}"))?.len();
+    let size = std::fs::metadata(path)
+        .with_context(|| format!("cannot read {name}"))?
+        .len();
     if size > MAX_GRAMMAR_BYTES {
         bail!("{name} is {size} bytes long, and no grammar is read beyond {MAX_GRAMMAR_BYTES}");
     }

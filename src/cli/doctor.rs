@@ -17,14 +17,19 @@ pub(super) fn run() -> Result<()> {
             println!("    {:<18} mend it: {mend}", "");
         }
     }
-    let missing = findings.iter().any(|finding| finding.health == Health::Missing);
-    let headset = findings.iter().any(|finding| finding.part == "headset" && finding.health == Health::Good);
+    let missing = findings
+        .iter()
+        .any(|finding| finding.health == Health::Missing);
+    let headset = findings
+        .iter()
+        .any(|finding| finding.part == "headset" && finding.health == Health::Good);
     println!(
         "{}",
         match (missing, headset) {
             (true, _) => "Ramus cannot draw here yet; grammars can be derived and exported.",
             (false, true) => "Ramus can start in the headset.",
-            (false, false) => "Ramus can draw here and play sessions on its simulated headset; for the workshop it needs a headset.",
+            (false, false) =>
+                "Ramus can draw here and play sessions on its simulated headset; for the workshop it needs a headset.",
         }
     );
     Ok(())

@@ -17,7 +17,10 @@ use crate::world::World;
 use crate::world::history::History;
 
 /// Pixels of one eye of the simulated headset.
-pub(super) const EXTENT: vk::Extent2D = vk::Extent2D { width: 1024, height: 1024 };
+pub(super) const EXTENT: vk::Extent2D = vk::Extent2D {
+    width: 1024,
+    height: 1024,
+};
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
@@ -49,7 +52,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let path = &args.session;
     let name = path.display();
     // Read whole before anything is changed: a broken session makes no project.
-    let frames = ramus_xr::session::read_file(path).with_context(|| format!("cannot play {name}"))?;
+    let frames =
+        ramus_xr::session::read_file(path).with_context(|| format!("cannot play {name}"))?;
     let total = frames.len();
     let mut workshop = open(args.project.as_deref())?;
     let mut progress = Progress::new("playing");
@@ -78,12 +82,18 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let world = keep(workshop, args)?;
     outcome?;
     drop(progress);
-    println!("played {played} frames of {name}: {}", take_home::summary(&world));
+    println!(
+        "played {played} frames of {name}: {}",
+        take_home::summary(&world)
+    );
     if let Some(project) = &args.project {
         println!("  project   {}", project.display());
     }
     if let Some(folder) = &args.png {
-        println!("  pictures  {} (stereo, {steps} growth steps)", folder.display());
+        println!(
+            "  pictures  {} (stereo, {steps} growth steps)",
+            folder.display()
+        );
     }
     if let Some(glb) = &args.glb {
         take_home::export(&world, glb)?;

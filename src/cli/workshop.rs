@@ -77,7 +77,11 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     // However the session ended, the work is saved first.
     workshop.finish_tree();
     let world = workshop.close()?;
-    println!("Saved {}: {}.", project.display(), take_home::summary(&world));
+    println!(
+        "Saved {}: {}.",
+        project.display(),
+        take_home::summary(&world)
+    );
     if world.document().step > 0 {
         let glb = project.with_extension("glb");
         take_home::export(&world, &glb)?;
@@ -111,9 +115,14 @@ fn demonstrate(out: &Path) -> Result<()> {
     outcome?;
     let glb = out.join("first-tree.glb");
     take_home::export(&world, &glb)?;
-    println!("A tree was drawn with two controllers and grown: {}.", take_home::summary(&world));
+    println!(
+        "A tree was drawn with two controllers and grown: {}.",
+        take_home::summary(&world)
+    );
     tell(out, steps.len(), Some(&project), &glb);
-    println!("With a headset the same command starts the workshop in it; `ramus doctor` says what is missing.");
+    println!(
+        "With a headset the same command starts the workshop in it; `ramus doctor` says what is missing."
+    );
     Ok(())
 }
 
@@ -135,7 +144,9 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
     drop(progress);
     let world = World::new(crate::world::history::History::new(document));
     println!("{}: {}.", project.display(), take_home::summary(&world));
-    let glb = out.join(project.file_stem().unwrap_or_default()).with_extension("glb");
+    let glb = out
+        .join(project.file_stem().unwrap_or_default())
+        .with_extension("glb");
     if world.document().step > 0 {
         take_home::export(&world, &glb)?;
         tell(out, steps, None, &glb);
@@ -146,7 +157,10 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
 }
 
 fn tell(out: &Path, steps: usize, project: Option<&Path>, glb: &Path) {
-    println!("  pictures  {} ({steps} growth steps, left and right eye)", out.join("step-*.png").display());
+    println!(
+        "  pictures  {} ({steps} growth steps, left and right eye)",
+        out.join("step-*.png").display()
+    );
     if let Some(project) = project {
         println!("  project   {}", project.display());
     }
