@@ -159,14 +159,15 @@ fn tree_fragment(point: Point) -> @location(0) vec4f {
     let radius = max(point.bark.y, 1e-5);
     let around = point.around / max(length(point.around), 1e-3);
     let smooth_normal = normalize(point.normal);
-    let height = furrows(around, point.bark.x);
-
     // Relief from the height's slope on the screen; none where the furrows are finer than pixels.
     let dx = dpdx(point.world);
     let dy = dpdy(point.world);
     let pixel = max(length(dx), length(dy));
     let size = radius * frame.tree.y;
-    let relief = 0.22 * size * (1.0 - smoothstep(0.05, 0.5, pixel / max(size, 1e-6)));
+    let fine = 1.0 - smoothstep(0.05, 0.6, pixel / max(size, 1e-6));
+    // Furrows finer than pixels would flicker: there the bark has its mean colour.
+    let height = mix(0.5, furrows(around, point.bark.x), fine);
+    let relief = 0.22 * size * fine;
     let across = cross(dy, smooth_normal);
     let down = cross(smooth_normal, dx);
     let det = dot(dx, across);

@@ -53,7 +53,11 @@ impl Meshes {
         let mut indices = Vec::new();
         let mut spheres: Vec<Vec4> = Vec::new();
         let mut add = |made: (Vec<Vec4>, Vec<u16>)| {
-            let run = Run { first: index(indices.len()), count: index(made.1.len()), vertex: offset(spheres.len()) };
+            let run = Run {
+                first: index(indices.len()),
+                count: index(made.1.len()),
+                vertex: offset(spheres.len()),
+            };
             indices.extend(made.1);
             spheres.extend(made.0);
             run
@@ -63,9 +67,19 @@ impl Meshes {
 
         let mut solids: Vec<Vertex> = Vec::new();
         let mut add = |made: Solid, mirrored: bool| {
-            let run = Run { first: index(indices.len()), count: index(made.indices.len()), vertex: offset(solids.len()) };
+            let run = Run {
+                first: index(indices.len()),
+                count: index(made.indices.len()),
+                vertex: offset(solids.len()),
+            };
             // The left hand's model is the right one mirrored by the shader, so its triangles turn round.
-            indices.extend(made.indices.chunks_exact(3).flat_map(|t| if mirrored { [t[0], t[2], t[1]] } else { [t[0], t[1], t[2]] }));
+            indices.extend(made.indices.chunks_exact(3).flat_map(|t| {
+                if mirrored {
+                    [t[0], t[2], t[1]]
+                } else {
+                    [t[0], t[1], t[2]]
+                }
+            }));
             solids.extend(made.vertices);
             run
         };
@@ -74,7 +88,11 @@ impl Meshes {
         let right = add(controller(), false);
 
         let mut add = |made: Vec<u16>| {
-            let run = Run { first: index(indices.len()), count: index(made.len()), vertex: 0 };
+            let run = Run {
+                first: index(indices.len()),
+                count: index(made.len()),
+                vertex: 0,
+            };
             indices.extend(made);
             run
         };
@@ -85,7 +103,12 @@ impl Meshes {
         Ok(Self {
             spheres: filled(gpu, "the spheres", vertex, &spheres)?,
             solids: filled(gpu, "the solids", vertex, &solids)?,
-            indices: filled(gpu, "the indices", vk::BufferUsageFlags::INDEX_BUFFER, &indices)?,
+            indices: filled(
+                gpu,
+                "the indices",
+                vk::BufferUsageFlags::INDEX_BUFFER,
+                &indices,
+            )?,
             rod,
             ball,
             plate,
@@ -104,7 +127,13 @@ fn filled<T: bytemuck::NoUninit>(
     usage: vk::BufferUsageFlags,
     data: &[T],
 ) -> Result<Buffer, RenderError> {
-    let mut buffer = Buffer::new(gpu, name, size_of_val(data) as u64, usage, MemoryLocation::CpuToGpu)?;
+    let mut buffer = Buffer::new(
+        gpu,
+        name,
+        size_of_val(data) as u64,
+        usage,
+        MemoryLocation::CpuToGpu,
+    )?;
     buffer.write(0, data);
     Ok(buffer)
 }
@@ -143,7 +172,12 @@ fn sphere(sides: u32, rows: u32) -> (Vec<Vec4>, Vec<u16>) {
         for side in 0..sides {
             let angle = TAU * ratio(side, sides);
             let reach = latitude.cos();
-            points.push(Vec4::new(angle.cos() * reach, latitude.sin(), angle.sin() * reach, if upper { 1.0 } else { 0.0 }));
+            points.push(Vec4::new(
+                angle.cos() * reach,
+                latitude.sin(),
+                angle.sin() * reach,
+                if upper { 1.0 } else { 0.0 },
+            ));
             if row > 0 {
                 let next = (side + 1) % sides;
                 let (low, high) = ((row - 1) * sides, row * sides);
@@ -162,7 +196,12 @@ fn tube_indices() -> Vec<u16> {
             let first = segment * 2 * SIDES;
             sides.clone().flat_map(move |side| {
                 let next = (side + 1) % SIDES;
-                quad(first + side, first + next, first + SIDES + side, first + SIDES + next)
+                quad(
+                    first + side,
+                    first + next,
+                    first + SIDES + side,
+                    first + SIDES + next,
+                )
             })
         })
         .collect()
@@ -174,7 +213,9 @@ fn cap_indices() -> Vec<u16> {
     (0..BATCH)
         .flat_map(|cap| {
             let first = cap * (SIDES + 1);
-            sides.clone().flat_map(move |side| [first + (side + 1) % SIDES, first + side, first + SIDES].map(short))
+            sides.clone().flat_map(move |side| {
+                [first + (side + 1) % SIDES, first + side, first + SIDES].map(short)
+            })
         })
         .collect()
 }
@@ -187,7 +228,10 @@ struct Solid {
 
 impl Solid {
     fn vertex(&mut self, place: Vec3, normal: Vec3, part: f32) -> u32 {
-        self.vertices.push(Vertex { place: place.extend(part), normal: normal.extend(0.0) });
+        self.vertices.push(Vertex {
+            place: place.extend(part),
+            normal: normal.extend(0.0),
+        });
         index(self.vertices.len() - 1)
     }
 
@@ -201,8 +245,13 @@ impl Solid {
                 let normal = (turned * (around * *outward + Vec3::Y * *upward)).normalize_or_zero();
                 let high = self.vertex(place, normal, part);
                 if row > 0 {
-                    let next = if side + 1 == sides { high + 1 - sides } else { high + 1 };
-                    self.indices.extend(quad(high - sides, next - sides, high, next));
+                    let next = if side + 1 == sides {
+                        high + 1 - sides
+                    } else {
+                        high + 1
+                    };
+                    self.indices
+                        .extend(quad(high - sides, next - sides, high, next));
                 }
             }
         }
@@ -214,9 +263,14 @@ impl Solid {
         let (points, indices) = sphere(28, 8);
         for point in points {
             let unit = point.truncate();
-            self.vertex(center + turned * (unit * radii), (turned * (unit / radii)).normalize_or_zero(), part);
+            self.vertex(
+                center + turned * (unit * radii),
+                (turned * (unit / radii)).normalize_or_zero(),
+                part,
+            );
         }
-        self.indices.extend(indices.into_iter().map(|i| short(u32::from(i) + first)));
+        self.indices
+            .extend(indices.into_iter().map(|i| short(u32::from(i) + first)));
     }
 
     /// A rounded cone along the turned y.
@@ -269,17 +323,63 @@ fn controller() -> Solid {
     const LIGHT: f32 = 3.0;
     let mut solid = Solid::default();
     let tilt = Quat::from_rotation_x(0.35);
-    solid.capsule(Vec3::new(0.0, -0.004, 0.060), Vec3::new(0.0, 0.003, -0.030), [0.0145, 0.0185], BODY);
-    solid.ellipsoid(Vec3::new(0.0, 0.012, -0.048), Vec3::new(0.026, 0.015, 0.030), tilt, BODY);
-    solid.ellipsoid(Vec3::new(0.0, 0.0215, -0.048), Vec3::new(0.0185, 0.0085, 0.0215), tilt, DARK);
-    solid.torus(Vec3::new(0.0, 0.006, -0.070), Quat::from_rotation_x(0.75), 0.044, 0.0042, DARK);
-    solid.capsule(Vec3::new(-0.007, 0.024, -0.055), Vec3::new(-0.007, 0.0365, -0.0585), [0.0035, 0.0035], LIGHT);
-    solid.ellipsoid(Vec3::new(-0.007, 0.0375, -0.0590), Vec3::new(0.0075, 0.0026, 0.0075), tilt, LIGHT);
+    solid.capsule(
+        Vec3::new(0.0, -0.004, 0.060),
+        Vec3::new(0.0, 0.003, -0.030),
+        [0.0145, 0.0185],
+        BODY,
+    );
+    solid.ellipsoid(
+        Vec3::new(0.0, 0.012, -0.048),
+        Vec3::new(0.026, 0.015, 0.030),
+        tilt,
+        BODY,
+    );
+    solid.ellipsoid(
+        Vec3::new(0.0, 0.0215, -0.048),
+        Vec3::new(0.0185, 0.0085, 0.0215),
+        tilt,
+        DARK,
+    );
+    solid.torus(
+        Vec3::new(0.0, 0.006, -0.070),
+        Quat::from_rotation_x(0.75),
+        0.044,
+        0.0042,
+        DARK,
+    );
+    solid.capsule(
+        Vec3::new(-0.007, 0.024, -0.055),
+        Vec3::new(-0.007, 0.0365, -0.0585),
+        [0.0035, 0.0035],
+        LIGHT,
+    );
+    solid.ellipsoid(
+        Vec3::new(-0.007, 0.0375, -0.0590),
+        Vec3::new(0.0075, 0.0026, 0.0075),
+        tilt,
+        LIGHT,
+    );
     for (x, z) in [(0.009, -0.044), (0.010, -0.058)] {
-        solid.ellipsoid(Vec3::new(x, 0.0292 - (z + 0.044) * 0.3, z), Vec3::new(0.0042, 0.0018, 0.0042), tilt, LIGHT);
+        solid.ellipsoid(
+            Vec3::new(x, 0.0292 - (z + 0.044) * 0.3, z),
+            Vec3::new(0.0042, 0.0018, 0.0042),
+            tilt,
+            LIGHT,
+        );
     }
-    solid.ellipsoid(Vec3::new(0.0, -0.010, -0.046), Vec3::new(0.0085, 0.0100, 0.0150), Quat::from_rotation_x(-0.5), TRIGGER);
-    solid.capsule(Vec3::new(-0.013, -0.004, 0.010), Vec3::new(-0.015, -0.004, 0.026), [0.0055, 0.0055], DARK);
+    solid.ellipsoid(
+        Vec3::new(0.0, -0.010, -0.046),
+        Vec3::new(0.0085, 0.0100, 0.0150),
+        Quat::from_rotation_x(-0.5),
+        TRIGGER,
+    );
+    solid.capsule(
+        Vec3::new(-0.013, -0.004, 0.010),
+        Vec3::new(-0.015, -0.004, 0.026),
+        [0.0055, 0.0055],
+        DARK,
+    );
     solid
 }
 
@@ -291,7 +391,10 @@ mod tests {
     /// Volume by the divergence theorem: positive when the triangles turn outwards everywhere.
     fn volume(points: &[Vec3], indices: &[u16]) -> f32 {
         let at = |i: u16| points[usize::from(i)];
-        indices.chunks_exact(3).map(|t| at(t[0]).dot(at(t[1]).cross(at(t[2]))) / 6.0).sum()
+        indices
+            .chunks_exact(3)
+            .map(|t| at(t[0]).dot(at(t[1]).cross(at(t[2]))) / 6.0)
+            .sum()
     }
 
     #[test]
@@ -299,7 +402,10 @@ mod tests {
         let (points, indices) = sphere(24, 8);
         let points: Vec<Vec3> = points.iter().map(|p| p.truncate()).collect();
         let found = volume(&points, &indices);
-        assert!((found - 4.0 / 3.0 * PI).abs() < 0.15, "a sphere's volume: {found}");
+        assert!(
+            (found - 4.0 / 3.0 * PI).abs() < 0.15,
+            "a sphere's volume: {found}"
+        );
         let made = plate();
         let points: Vec<Vec3> = made.vertices.iter().map(|v| v.place.truncate()).collect();
         let found = volume(&points, &made.indices);
@@ -310,7 +416,10 @@ mod tests {
                 let p = |v: Vertex| v.place.truncate();
                 let flat = (p(b) - p(a)).cross(p(c) - p(a));
                 let mean = (a.normal + b.normal + c.normal).truncate();
-                assert!(flat.length() < 1e-12 || flat.dot(mean) > -1e-9, "normals point to the outside");
+                assert!(
+                    flat.length() < 1e-12 || flat.dot(mean) > -1e-9,
+                    "normals point to the outside"
+                );
             }
         }
     }
@@ -318,8 +427,14 @@ mod tests {
     #[test]
     fn batches_stay_within_their_vertices() {
         assert_eq!(tube_indices().len(), 384);
-        assert_eq!(u32::from(*tube_indices().iter().max().unwrap()), BATCH * 2 * SIDES - 1);
+        assert_eq!(
+            u32::from(*tube_indices().iter().max().unwrap()),
+            BATCH * 2 * SIDES - 1
+        );
         assert_eq!(cap_indices().len(), 192);
-        assert_eq!(u32::from(*cap_indices().iter().max().unwrap()), BATCH * (SIDES + 1) - 1);
+        assert_eq!(
+            u32::from(*cap_indices().iter().max().unwrap()),
+            BATCH * (SIDES + 1) - 1
+        );
     }
 }

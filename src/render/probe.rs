@@ -54,14 +54,24 @@ const PICTURE_PX: u32 = SIDE * CELL_PX - 2 * OVER_PX;
 const CELLS: u32 = SIDE * SIDE;
 
 /// The draws that are tried: cells of one instance, and whether through an index buffer.
-const SHAPES: [(u32, bool); 6] = [(1, true), (8, true), (64, true), (CELLS, true), (CELLS, false), (1, false)];
+const SHAPES: [(u32, bool); 6] = [
+    (1, true),
+    (8, true),
+    (64, true),
+    (CELLS, true),
+    (CELLS, false),
+    (1, false),
+];
 
 /// Draws for two views and compares.
 ///
 /// # Errors
 /// [`RenderError`] when the device fails; a wrong picture is no error.
 pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
-    let extent = vk::Extent2D { width: PICTURE_PX, height: PICTURE_PX };
+    let extent = vk::Extent2D {
+        width: PICTURE_PX,
+        height: PICTURE_PX,
+    };
     let format = vk::Format::R8G8B8A8_UNORM;
     let depth_format = vk::Format::D32_SFLOAT;
     let attachments = Attachments::new(gpu, format, depth_format, extent, false)?;
@@ -87,9 +97,18 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
         depth: depth_format,
     };
     let indexed = Pipeline::new(gpu, &layout, &desc)?;
-    let flat = Pipeline::new(gpu, &layout, &PipelineDesc { vertex: shaders::probe::FLAT_VERTEX, ..desc })?;
+    let flat = Pipeline::new(
+        gpu,
+        &layout,
+        &PipelineDesc {
+            vertex: shaders::probe::FLAT_VERTEX,
+            ..desc
+        },
+    )?;
     let cell = [0_u16, 1, 2, 2, 1, 3];
-    let corners: Vec<u16> = (0..u16::try_from(CELLS).unwrap_or(0)).flat_map(|n| cell.map(|corner| n * 4 + corner)).collect();
+    let corners: Vec<u16> = (0..u16::try_from(CELLS).unwrap_or(0))
+        .flat_map(|n| cell.map(|corner| n * 4 + corner))
+        .collect();
     let mut indices = Buffer::new(
         gpu,
         "the probe's indices",
@@ -102,7 +121,11 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
     for (batch, through_indices) in SHAPES {
         run_now(gpu, |commands| {
             let [color, depth] = attachments.ready();
-            full_barrier(gpu, commands, &[color, depth, discard(target.image, format)]);
+            full_barrier(
+                gpu,
+                commands,
+                &[color, depth, discard(target.image, format)],
+            );
             let many_color = [vk::RenderingAttachmentInfo::default()
                 .image_view(attachments.color_view.handle)
                 .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
@@ -116,7 +139,10 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
                 .image_layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)
                 .load_op(vk::AttachmentLoadOp::CLEAR)
                 .store_op(vk::AttachmentStoreOp::DONT_CARE);
-            let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
+            let area = vk::Rect2D {
+                offset: vk::Offset2D::default(),
+                extent,
+            };
             let info = vk::RenderingInfo::default()
                 .render_area(area)
                 .layer_count(1)
@@ -124,8 +150,12 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
                 .color_attachments(&many_color)
                 .depth_attachment(&many_depth);
             #[allow(clippy::cast_precision_loss, reason = "256 pixels")]
-            let viewport =
-                [vk::Viewport { width: extent.width as f32, height: extent.height as f32, max_depth: 1.0, ..Default::default() }];
+            let viewport = [vk::Viewport {
+                width: extent.width as f32,
+                height: extent.height as f32,
+                max_depth: 1.0,
+                ..Default::default()
+            }];
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
             let numbers = [SIDE, batch];
             let pipeline = if through_indices { &indexed } else { &flat };
@@ -135,10 +165,25 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
                 (gpu.newer.begin_rendering)(commands, &raw const info);
                 device.cmd_set_viewport(commands, 0, &viewport);
                 device.cmd_set_scissor(commands, 0, &[area]);
-                device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline.handle);
-                device.cmd_push_constants(commands, layout.handle, stages, 0, bytemuck::cast_slice(&numbers));
+                device.cmd_bind_pipeline(
+                    commands,
+                    vk::PipelineBindPoint::GRAPHICS,
+                    pipeline.handle,
+                );
+                device.cmd_push_constants(
+                    commands,
+                    layout.handle,
+                    stages,
+                    0,
+                    bytemuck::cast_slice(&numbers),
+                );
                 if through_indices {
-                    device.cmd_bind_index_buffer(commands, indices.handle, 0, vk::IndexType::UINT16);
+                    device.cmd_bind_index_buffer(
+                        commands,
+                        indices.handle,
+                        0,
+                        vk::IndexType::UINT16,
+                    );
                     device.cmd_draw_indexed(commands, 6 * batch, CELLS / batch, 0, 0, 0);
                 } else {
                     device.cmd_draw(commands, 6 * batch, CELLS / batch, 0, 0);
@@ -157,9 +202,9 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
 fn right(layers: &[image::RgbaImage; 2]) -> bool {
     let marks = [[255, 0], [0, 255]];
     layers.iter().zip(marks).all(|(picture, mark)| {
-        picture.enumerate_pixels().all(|(x, y, pixel)| {
-            pixel.0[..2] == mark && pixel.0[2].abs_diff(blue(x, y)) <= 1
-        })
+        picture
+            .enumerate_pixels()
+            .all(|(x, y, pixel)| pixel.0[..2] == mark && pixel.0[2].abs_diff(blue(x, y)) <= 1)
     })
 }
 
@@ -177,12 +222,17 @@ mod tests {
     #[test]
     fn a_missing_or_misplaced_view_is_wrong() {
         let drawn = |mark: [u8; 2]| {
-            image::RgbaImage::from_fn(PICTURE_PX, PICTURE_PX, |x, y| image::Rgba([mark[0], mark[1], blue(x, y), 255]))
+            image::RgbaImage::from_fn(PICTURE_PX, PICTURE_PX, |x, y| {
+                image::Rgba([mark[0], mark[1], blue(x, y), 255])
+            })
         };
         let (left, second) = (drawn([255, 0]), drawn([0, 255]));
         assert!(right(&[left.clone(), second.clone()]));
         assert!(!right(&[second.clone(), left.clone()]), "swapped");
-        assert!(!right(&[second.clone(), second.clone()]), "both in the first layer");
+        assert!(
+            !right(&[second.clone(), second.clone()]),
+            "both in the first layer"
+        );
         let mut hole = second;
         hole.put_pixel(5, 7, image::Rgba([0; 4]));
         assert!(!right(&[left, hole]), "one pixel missing");
