@@ -1,3 +1,5 @@
+//! What the reader and the writer of sessions must hold, case by case.
+
 #![allow(
     clippy::unwrap_used,
     clippy::cast_possible_truncation,
