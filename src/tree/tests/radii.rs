@@ -21,7 +21,7 @@ pub(super) fn earlier(tree: &Tree, newest: u32) -> (Tree, Vec<usize>) {
         if parent != NO_PARENT && tree.birth[node] >= newest {
             continue;
         }
-        index[node] = old.push(crate::tree::Node {
+        index[node] = old.push(Node {
             parent: if parent == NO_PARENT {
                 NO_PARENT
             } else {
