@@ -154,7 +154,10 @@ impl Default for FitParams {
     /// The thickest trunks known (Adansonia, Taxodium) have a radius of a fifth of their height; a park tree's is a
     /// fortieth.
     fn default() -> Self {
-        Self { most: 0.2, fitted: 0.025 }
+        Self {
+            most: 0.2,
+            fitted: 0.025,
+        }
     }
 }
 
@@ -175,4 +178,3 @@ pub fn fit(tree: &mut Tree, params: &FitParams) -> Option<f32> {
     }
     Some(factor)
 }
-

@@ -146,7 +146,10 @@ fn widths_without_a_unit_are_fitted_and_real_ones_stay() {
         (0.02, None),
         (0.0, None),
     ] {
-        let mut tree = Tree { letters: vec!["F".into()], ..Tree::default() };
+        let mut tree = Tree {
+            letters: vec!["F".into()],
+            ..Tree::default()
+        };
         let node = |parent, y, radius| Node {
             parent,
             position: Vec3::new(0.0, y, 0.0),
