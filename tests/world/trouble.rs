@@ -98,6 +98,85 @@ fn a_lost_controller_drops_the_node_where_it_was_last_seen() {
 }
 
 #[test]
+fn the_platform_in_a_hand_that_is_lost() {
+    for hand in BOTH {
+        let mut person = with_trunk(hand);
+        let before = person.world.document().clone();
+        let at = on_rim(&person);
+        let grip_and_move = |person: &mut Person| {
+            person.reach(hand, at);
+            person.press(hand, Button::Squeeze);
+            person.input.hands[hand].grip.position += Vec3::Y * 0.1;
+            person.frame();
+            assert!(
+                person.world.shown().platform != before.platform,
+                "it follows"
+            );
+        };
+        grip_and_move(&mut person);
+        person.input.focused = false;
+        person.frame();
+        assert_eq!(
+            person.world.shown().platform,
+            before.platform,
+            "another has the input: it is back"
+        );
+        person.input.focused = true;
+        person.rest(hand);
+        assert_eq!(*person.world.document(), before);
+        grip_and_move(&mut person);
+        person.input.hands[hand].tracked = false;
+        person.frame();
+        let moved = person.world.document().platform.position - before.platform.position;
+        assert!(
+            moved.distance(Vec3::Y * 0.1) < 1e-3,
+            "no tracking: it stays where it was last seen"
+        );
+    }
+}
+
+#[test]
+fn one_of_two_hands_that_hold_the_platform_may_be_lost() {
+    let mut person = with_trunk(RIGHT);
+    let before = person.world.document().clone();
+    let center = before.platform.position;
+    let side = on_rim(&person) - center;
+    for (hand, sign) in [(LEFT, -1.0), (RIGHT, 1.0)] {
+        person.reach(hand, center + side * sign);
+        person.press(hand, Button::Squeeze);
+    }
+    person.input.hands[LEFT].tracked = false;
+    person.frame();
+    assert_eq!(
+        person.world.shown().platform,
+        before.platform,
+        "it does not jump"
+    );
+    person.input.hands[RIGHT].grip.position += Vec3::X * 0.2;
+    person.frame();
+    person.release(RIGHT, Button::Squeeze);
+    let platform = person.world.document().platform;
+    assert!(
+        platform.position.distance(center + Vec3::X * 0.2) < 1e-3,
+        "the other hand goes on with it"
+    );
+    assert_eq!(platform.scale, before.platform.scale);
+}
+
+#[test]
+fn both_triggers_in_one_frame_draw_left_then_right() {
+    let mut person = Person::new();
+    let (first, second) = (trunk()[0], trunk()[1]);
+    for (hand, place) in [(LEFT, first), (RIGHT, second)] {
+        let tip = person.on_stage(place);
+        person.aim(hand, tip, Vec3::new(0.0, 0.2, -1.0));
+        person.set(hand, Button::Trigger, true);
+    }
+    person.frame();
+    assert!(close(person.in_sketch(A, 1), first) && close(person.in_sketch(A, 2), second));
+}
+
+#[test]
 fn nonsense_poses_and_triggers_count_as_untracked() {
     type Spoil = fn(&mut Input, usize);
     let spoils: [(&str, Spoil); 5] = [
