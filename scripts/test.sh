@@ -45,7 +45,7 @@ stage_fmt() { cargo fmt --all --check; }
 
 stage_clippy() { cargo clippy --workspace --all-targets --quiet -- -D warnings; }
 
-stage_docs() { RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --document-private-items --quiet; }
+stage_docs() { RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --quiet; }
 
 # npm's glTF validator, the judge of exported files.
 stage_validator() {
