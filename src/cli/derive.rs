@@ -13,6 +13,7 @@ use crate::app::{export, portrait};
 use crate::lsystem::report::Report;
 use crate::lsystem::{Grammar, Limits, TurtleParams, interpret};
 use crate::tree::Tree;
+use crate::tree::radii::{self, FitParams};
 
 /// Larger files are no grammars.
 const MAX_GRAMMAR_BYTES: u64 = 64 << 20;
@@ -39,6 +40,9 @@ pub(super) struct Args {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1024)]
     size: u32,
+    /// How the grammar's widths are meant in exports and pictures
+    #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
+    widths: Widths,
     /// Seed of the random draws, in place of the file's
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
@@ -53,6 +57,14 @@ enum Print {
     String,
     /// How many of each name, and their parameters' sums
     Counts,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Widths {
+    /// In metres, unless the trunk would be thicker than a fifth of the tree: then scaled to fit, as ABOP means them
+    Auto,
+    /// In metres, whatever comes of it
+    Metres,
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
@@ -141,7 +153,17 @@ fn read(args: &Args) -> Result<Grammar> {
     })
 }
 
-fn write_files(args: &Args, tree: Tree) -> Result<()> {
+fn write_files(args: &Args, mut tree: Tree) -> Result<()> {
+    if args.export.is_empty() && args.png.is_none() {
+        return Ok(());
+    }
+    if args.widths == Widths::Auto
+        && let Some(factor) = radii::fit(&mut tree, &FitParams::default())
+    {
+        eprintln!(
+            "ramus: the widths are far too large for metres and were multiplied by {factor:.4}; --widths metres leaves them"
+        );
+    }
     for path in &args.export {
         export::tree(&tree, path)?;
     }

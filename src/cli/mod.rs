@@ -47,6 +47,7 @@ enum Command {
 /// Runs the program and returns its exit code: 0 done, 1 the input or the
 /// machine is at fault (one sentence on standard error), 2 wrong usage.
 pub fn run() -> ExitCode {
+    ramus_xr::openxr::quiet_loader();
     log_to_standard_error();
     let cli = Cli::parse();
     let result = match cli.command {

@@ -7,15 +7,22 @@
 //! (`egui-ash-renderer` was looked at and left: one egui version behind, blends in linear space, waits for the
 //! queue at each new glyph.)
 
+mod clip;
+mod picture;
+
 use std::collections::HashMap;
 
 use ash::vk;
 use egui::{TextureId, epaint::Primitive};
 use gpu_allocator::MemoryLocation;
 
+use self::{
+    clip::clip,
+    picture::{Picture, sampled_set},
+};
 use super::{
     error::{RenderError, Trying as _},
-    frame::{Pool, SLOTS, full_barrier, run_now, transition},
+    frame::{Pool, SLOTS, full_barrier, transition},
     gpu::Gpu,
     memory::{Buffer, Image, ImageDesc, View},
     pipelines::{Layout, Pipeline, PipelineDesc},
@@ -65,15 +72,6 @@ enum Garbage {
     Texture(Texture),
     Picture(Picture),
     Buffer(Buffer),
-}
-
-/// The board's image.
-struct Picture {
-    image: Image,
-    paint: View,
-    _sample: View,
-    set: vk::DescriptorSet,
-    _pool: Pool,
 }
 
 /// egui's painter.
@@ -563,224 +561,5 @@ impl Drop for Panel {
     fn drop(&mut self) {
         // SAFETY: the renderer waits for the device before it drops its parts.
         unsafe { self.gpu.device.destroy_sampler(self.sampler, None) };
-    }
-}
-
-impl Picture {
-    fn new(
-        gpu: &Gpu,
-        layout: vk::DescriptorSetLayout,
-        sampler: vk::Sampler,
-        size: [u32; 2],
-    ) -> Result<Self, RenderError> {
-        let extent = vk::Extent2D {
-            width: size[0],
-            height: size[1],
-        };
-        let mips = 32 - size[0].max(size[1]).leading_zeros();
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
-            | vk::ImageUsageFlags::SAMPLED
-            | vk::ImageUsageFlags::TRANSFER_SRC
-            | vk::ImageUsageFlags::TRANSFER_DST;
-        let flags = vk::ImageCreateFlags::MUTABLE_FORMAT;
-        let desc = ImageDesc {
-            layers: 1,
-            mips,
-            flags,
-            ..ImageDesc::stereo("the panel's picture", SAMPLED, extent, usage)
-        };
-        let image = Image::new(gpu, desc)?;
-        let color = vk::ImageAspectFlags::COLOR;
-        let paint = View::new(gpu, image.handle, PAINTED, color, 0..1, 0..1)?;
-        let sample = View::new(gpu, image.handle, SAMPLED, color, 0..1, 0..mips)?;
-        let (pool, set) = sampled_set(gpu, layout, &sample, sampler)?;
-        run_now(gpu, |commands| {
-            let (before, after) = (
-                vk::ImageLayout::UNDEFINED,
-                vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-            );
-            full_barrier(
-                gpu,
-                commands,
-                &[transition(image.handle, color, before, after)],
-            );
-        })?;
-        Ok(Self {
-            image,
-            paint,
-            _sample: sample,
-            set,
-            _pool: pool,
-        })
-    }
-
-    /// Halves level after level, then leaves all of them to be sampled.
-    fn record_mips(&self, gpu: &Gpu, commands: vk::CommandBuffer) {
-        let color = vk::ImageAspectFlags::COLOR;
-        let (source, sink) = (
-            vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-            vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-        );
-        let image = self.image.handle;
-        let one = |level: u32, from, to| {
-            let mut barrier = transition(image, color, from, to);
-            barrier.subresource_range.base_mip_level = level;
-            barrier.subresource_range.level_count = 1;
-            barrier
-        };
-        let side = |whole: u32, level: u32| i32::try_from((whole >> level).max(1)).unwrap_or(1);
-        let corner = |level| vk::Offset3D {
-            x: side(self.image.desc.extent.width, level),
-            y: side(self.image.desc.extent.height, level),
-            z: 1,
-        };
-        // `transition` of all levels wants one old layout: level 0 is an attachment, the others are sampled; painting's
-        // UNDEFINED discarded all of them into the attachment layout.
-        full_barrier(
-            gpu,
-            commands,
-            &[one(0, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, source)],
-        );
-        let layers = |level| {
-            vk::ImageSubresourceLayers::default()
-                .aspect_mask(color)
-                .mip_level(level)
-                .layer_count(1)
-        };
-        for level in 1..self.image.desc.mips {
-            full_barrier(
-                gpu,
-                commands,
-                &[one(level, vk::ImageLayout::UNDEFINED, sink)],
-            );
-            let region = [vk::ImageBlit::default()
-                .src_subresource(layers(level - 1))
-                .src_offsets([vk::Offset3D::default(), corner(level - 1)])
-                .dst_subresource(layers(level))
-                .dst_offsets([vk::Offset3D::default(), corner(level)])];
-            // SAFETY: both levels are in these layouts.
-            unsafe {
-                gpu.device.cmd_blit_image(
-                    commands,
-                    image,
-                    source,
-                    image,
-                    sink,
-                    &region,
-                    vk::Filter::LINEAR,
-                )
-            };
-            full_barrier(gpu, commands, &[one(level, sink, source)]);
-        }
-        full_barrier(
-            gpu,
-            commands,
-            &[transition(
-                image,
-                color,
-                source,
-                vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-            )],
-        );
-    }
-}
-
-/// A set of a sampled image and a sampler, with a pool of its own.
-fn sampled_set(
-    gpu: &Gpu,
-    layout: vk::DescriptorSetLayout,
-    view: &View,
-    sampler: vk::Sampler,
-) -> Result<(Pool, vk::DescriptorSet), RenderError> {
-    let pool = Pool::new(
-        gpu,
-        1,
-        &[
-            (vk::DescriptorType::SAMPLED_IMAGE, 1),
-            (vk::DescriptorType::SAMPLER, 1),
-        ],
-    )?;
-    let set = pool.set(layout)?;
-    let image = [vk::DescriptorImageInfo {
-        image_view: view.handle,
-        image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-        sampler: vk::Sampler::null(),
-    }];
-    let sampler = [vk::DescriptorImageInfo {
-        sampler,
-        ..Default::default()
-    }];
-    let write = |binding, kind| {
-        vk::WriteDescriptorSet::default()
-            .dst_set(set)
-            .dst_binding(binding)
-            .descriptor_type(kind)
-    };
-    let writes = [
-        write(0, vk::DescriptorType::SAMPLED_IMAGE).image_info(&image),
-        write(1, vk::DescriptorType::SAMPLER).image_info(&sampler),
-    ];
-    // SAFETY: the set is new.
-    unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
-    Ok((pool, set))
-}
-
-/// A clip rectangle in whole pixels within the picture.
-fn clip(rect: &egui::Rect, scale: f32, size: [u32; 2]) -> vk::Rect2D {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "clamped to the picture, at most 4096; NaN becomes 0"
-    )]
-    let pixel = |points: f32, most: u32| (points * scale).round().clamp(0.0, most as f32) as u32;
-    let (left, top) = (pixel(rect.min.x, size[0]), pixel(rect.min.y, size[1]));
-    let (right, bottom) = (pixel(rect.max.x, size[0]), pixel(rect.max.y, size[1]));
-    let whole = |n: u32| i32::try_from(n).unwrap_or(0);
-    vk::Rect2D {
-        offset: vk::Offset2D {
-            x: whole(left),
-            y: whole(top),
-        },
-        extent: vk::Extent2D {
-            width: right.saturating_sub(left),
-            height: bottom.saturating_sub(top),
-        },
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::missing_assert_message, reason = "tests")]
-    use super::*;
-
-    #[test]
-    fn clips_stay_within_the_picture() {
-        let rect = |a: f32, b: f32, c: f32, d: f32| egui::Rect {
-            min: egui::pos2(a, b),
-            max: egui::pos2(c, d),
-        };
-        for (given, expected) in [
-            (rect(1.0, 2.0, 3.0, 4.0), [2, 4, 4, 4]),
-            (rect(-5.0, -5.0, 500.0, 500.0), [0, 0, 100, 50]),
-            (
-                rect(f32::NEG_INFINITY, 0.0, f32::INFINITY, 1.0),
-                [0, 0, 100, 2],
-            ),
-            (rect(10.0, 10.0, 5.0, 5.0), [20, 20, 0, 0]),
-            (rect(f32::NAN, f32::NAN, f32::NAN, f32::NAN), [0, 0, 0, 0]),
-        ] {
-            let found = clip(&given, 2.0, [100, 50]);
-            let [x, y, width, height] = expected;
-            assert_eq!(found.offset, vk::Offset2D { x, y }, "{given:?}");
-            assert_eq!(
-                found.extent,
-                vk::Extent2D {
-                    width: width.unsigned_abs(),
-                    height: height.unsigned_abs()
-                },
-                "{given:?}"
-            );
-        }
     }
 }

@@ -137,6 +137,17 @@ pub struct View {
     pub fov: Fov,
 }
 
+impl View {
+    /// With its pose settled ([`Pose::settled`]).
+    #[must_use]
+    pub fn settled(self) -> Self {
+        Self {
+            pose: self.pose.settled(),
+            ..self
+        }
+    }
+}
+
 /// One hand's controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hand {
@@ -272,10 +283,6 @@ impl Frame {
     /// [`FrameFault`] where the frame is not sane.
     pub fn settled(&self) -> Result<Self, FrameFault> {
         self.check()?;
-        let view = |view: View| View {
-            pose: view.pose.settled(),
-            ..view
-        };
         let hand = |hand: Hand| Hand {
             aim: hand.aim.settled(),
             grip: hand.grip.settled(),
@@ -283,7 +290,7 @@ impl Frame {
         };
         Ok(Self {
             head: self.head.settled(),
-            views: self.views.map(view),
+            views: self.views.map(View::settled),
             hands: self.hands.map(hand),
             ..*self
         })

@@ -6,8 +6,8 @@
 //! is described in `docs/src/session-format.md`.
 //!
 //! Numbers are printed as the shortest text that reads back to the same bits, so writing and reading
-//! is exact, and the same frames always give the same bytes. (Quaternions are made unit on the way in and out where they
-//! are not: a person may write four decimals, and no reader need care.) Binary was rejected: a minute of a real
+//! is exact, and the same frames always give the same bytes. (Quaternions are made unit as they are read: a
+//! person may write four decimals, and nobody behind the reader need care.) Binary was rejected: a minute of a real
 //! session is a few megabytes of text, and text is what makes recorded sessions worth keeping in a
 //! repository.
 //!
@@ -140,7 +140,7 @@ impl Eye {
     fn view(self, head: Pose) -> View {
         match self {
             Self::Relative(eye) => View {
-                pose: (head * eye.pose).settled(),
+                pose: head * eye.pose,
                 fov: eye.fov,
             },
             Self::Absolute(view) => view,
