@@ -45,11 +45,12 @@ const TRUNK: [Vec3; 4] = [
     Vec3::new(0.030, 1.110, 0.000),
     Vec3::new(0.005, 1.460, -0.015),
 ];
-/// The branch, drawn from the trunk's second node: out to the right, then up to the light.
+/// The branch, drawn from the trunk's first node: out to the right, then up to the light. It carries copies of itself at
+/// each of its nodes too.
 const BRANCH: [Vec3; 3] = [
-    Vec3::new(0.265, 0.900, 0.085),
-    Vec3::new(0.480, 1.090, 0.125),
-    Vec3::new(0.650, 1.310, 0.140),
+    Vec3::new(0.230, 0.530, 0.070),
+    Vec3::new(0.445, 0.720, 0.110),
+    Vec3::new(0.615, 0.940, 0.125),
 ];
 /// Where the trunk's apex is moved to at last.
 const MOVED: Vec3 = Vec3::new(0.025, 1.475, 0.010);
@@ -302,10 +303,10 @@ fn perform() -> Vec<Frame> {
         puppet.go(RIGHT, on_stage(place), ahead, 0.55);
         puppet.pull(RIGHT);
     }
-    // It points at the second node from a little way off and draws the branch there.
+    // It points at the first node from a little way off and draws the branch there.
     puppet.look(Vec3::new(0.04, 1.58, 0.1), Vec3::new(0.06, 1.1, -0.6), 0.8);
-    let from = on_stage(Vec3::new(0.7, 0.9, 1.0));
-    let fork = on_stage(TRUNK[1]);
+    let from = on_stage(Vec3::new(0.7, 0.53, 1.0));
+    let fork = on_stage(TRUNK[0]);
     puppet.go(RIGHT, from, fork - from, 0.7);
     puppet.pull(RIGHT);
     for place in BRANCH {
@@ -416,17 +417,17 @@ fn it_draws_a_trunk_and_a_branch_and_lets_them_grow() {
         "to the bit"
     );
     let branch = sketch.strokes.get(1).unwrap();
-    assert_eq!(branch.attachment, Some(NodeRef::new(Letter::TRUNK, 2)));
+    assert_eq!(branch.attachment, Some(NodeRef::new(Letter::TRUNK, 1)));
     assert_eq!(
         branch.points,
-        BRANCH.map(|place| ramus::sketch::point(place - TRUNK[1]))
+        BRANCH.map(|place| ramus::sketch::point(place - TRUNK[0]))
     );
     assert_eq!((sketch.strokes.len(), *step, largest), (2, STEPS, STEPS));
     assert_eq!(*platform, Placement::default());
     assert_eq!(
         predict_segments(sketch, *step),
-        14,
-        "spec/sketch.md: n = 2 gives 14 segments at w6"
+        33,
+        "spec/sketch.md: n = 1 gives 33 segments at w6"
     );
     let actions = world.take_edits();
     let is = |wanted: &Action| actions.iter().filter(|action| *action == wanted).count();
