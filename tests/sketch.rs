@@ -8,6 +8,10 @@
     reason = "tests"
 )]
 
+mod sketch {
+    mod guide;
+}
+
 use std::sync::{Arc, atomic::AtomicBool};
 
 use glam::Vec3;
@@ -15,8 +19,8 @@ use proptest::prelude::*;
 use ramus::{
     lsystem::{Grammar, Limits},
     sketch::{
-        BOUNDS, GROW, GrowParams, Grown, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Stroke,
-        Wrap, grow, grow_within, predict_segments, sketch_nodes,
+        BOUNDS, GROW, GrowParams, Grower, Grown, Letter, NodeRef, SelfSimilar, Sketch, SketchError,
+        Stroke, Wrap, grow, predict_segments, sketch_nodes,
     },
     tree::NO_PARENT,
     world::{document::Edit, history::History, journal::Journal, project},
@@ -27,7 +31,9 @@ fn grown(sketch: &Sketch, step: u32) -> Grown {
         string_bytes: 1 << 20,
         ..GROW
     };
-    grow_within(sketch, step, &params, &AtomicBool::new(false)).unwrap()
+    Grower::new(params)
+        .grow(sketch, step, &AtomicBool::new(false))
+        .unwrap()
 }
 
 fn letter(index: u16) -> Letter {
@@ -287,6 +293,26 @@ proptest! {
             sketch.with_self_similar(stroke.letter, None).unwrap()
         });
         first_copies_are_as_drawn(&plain, 24);
+    }
+
+    #[test]
+    fn a_grower_gives_what_growing_anew_gives(
+        one in sketches(), other in sketches(),
+        visits in proptest::collection::vec((any::<bool>(), 0..9_u32, any::<bool>()), 1..8),
+    ) {
+        let never = AtomicBool::new(false);
+        let mut grower = Grower::new(GrowParams { segments: 20_000, ..GROW });
+        for (first, step, moved) in visits {
+            let mut sketch = if first { one.clone() } else { other.clone() };
+            if moved {
+                let at = NodeRef::new(Letter::TRUNK, 1);
+                sketch = sketch.move_node(at, Vec3::new(0.3, 0.77, 0.1)).unwrap();
+            }
+            let kept = grower.grow(&sketch, step, &never);
+            if !matches!(kept, Err(SketchError::TooLarge { .. })) {
+                prop_assert_eq!(kept, grow(&sketch, step, &never));
+            }
+        }
     }
 
     #[test]
@@ -630,88 +656,4 @@ fn a_nodes_repeats_are_known() {
         Some(2),
         "a branch of two segments repeats its nodes 1 and 2"
     );
-}
-
-#[test]
-fn the_guide_shows_what_is_written() {
-    let sketch = Sketch {
-        self_similar_branches: false,
-        ..Sketch::default()
-    };
-    let (sketch, _) = sketch
-        .add_segments(
-            NodeRef::ROOT,
-            &[
-                Vec3::Y * 0.15,
-                Vec3::Y * 0.3,
-                Vec3::new(0.02, 0.45, 0.0),
-                Vec3::new(0.06, 0.6, 0.0),
-            ],
-        )
-        .unwrap();
-    let (sketch, _) = sketch
-        .add_segments(
-            NodeRef::new(Letter::TRUNK, 2),
-            &[Vec3::new(0.1, 0.4, 0.0), Vec3::new(0.2, 0.45, 0.0)],
-        )
-        .unwrap();
-    let (sketch, _) = sketch
-        .add_segment(NodeRef::new(Letter::TRUNK, 3), Vec3::new(-0.08, 0.5, 0.05))
-        .unwrap();
-    let own = Some(SelfSimilar {
-        rate: 2,
-        depth_limit: Some(1),
-    });
-    let sketch = sketch.with_self_similar(letter(1), own).unwrap();
-    let text = sketch.grammar_text();
-    let guide = include_str!("../docs/src/sketch.md");
-    assert!(
-        guide.contains(&text),
-        "docs/src/sketch.md must show this grammar:\n{text}"
-    );
-    let string = without_rolls(&grown(&sketch, 7).string);
-    assert!(
-        guide.contains(&string),
-        "docs/src/sketch.md must show this string:\n{string}"
-    );
-
-    // The same sketch as a project, and how it was drawn as a journal.
-    let (history, journal) = guide_session();
-    let page = include_str!("../docs/src/project-file.md");
-    let project = String::from_utf8(project::to_bytes(history.document())).unwrap();
-    assert!(
-        page.contains(&project),
-        "docs/src/project-file.md must show this project:\n{project}"
-    );
-    assert!(
-        page.contains(&journal),
-        "docs/src/project-file.md must show this journal:\n{journal}"
-    );
-}
-
-/// A trunk and a branch, drawn as a person draws them.
-fn guide_session() -> (History, String) {
-    let mut history = History::default();
-    let (mut journal, mut text) = Journal::begin(history.document());
-    let edits = [
-        Edit::AddStroke {
-            to: vec![Vec3::Y * 0.15, Vec3::Y * 0.3],
-        },
-        Edit::Select {
-            at: NodeRef::new(Letter::TRUNK, 1),
-        },
-        Edit::AddSegment {
-            to: Vec3::new(0.1, 0.25, 0.0),
-        },
-        Edit::SetStep { step: 5 },
-        Edit::SetDivergence { degrees: 90.0 },
-    ];
-    for edit in edits {
-        history.apply(edit).unwrap();
-    }
-    history.undo();
-    for action in history.take_log() {
-        text.push_str(&journal.line(&action));
-    }
-    (history, text)
 }

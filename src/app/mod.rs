@@ -1,4 +1,21 @@
-//! Ties everything together: the frame loop, the worker, autosave and messages to the person.
+//! Ties everything together: the frame loop, the workers, the project on disk, and messages to the person.
+//!
+//! ```text
+//! headset ─ frame ─▶ workshop (world, journal, tree) ─ scene ─▶ picture (renderer, board) ─▶ headset, PNG
+//!            session::run is the loop; album watches it; store keeps the project
+//! ```
 
+pub mod album;
 pub mod convert;
+pub mod demonstration;
+pub mod doctor;
+pub mod export;
+pub mod headset;
+pub mod picture;
+pub mod portrait;
+pub mod session;
+
+pub mod store;
+pub mod take_home;
 pub mod worker;
+pub mod workshop;

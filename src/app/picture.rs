@@ -6,8 +6,8 @@ use ramus_xr::{Acquired, Swapchain, View};
 
 use crate::app::worker::Worker;
 use crate::render::{
-    DrawReport, Eye, Fov, Gpu, Multiview, Offscreen, Pose, RenderError, Renderer, RendererParams,
-    StereoImage, StereoMode, Target, TreeState, TreeUpload, probe,
+    DrawReport, Eye, Fov, Gpu, Offscreen, Pose, RenderError, Renderer, RendererParams, StereoImage,
+    StereoMode, Target, TreeState, TreeUpload, probe,
 };
 use crate::ui::BoardUi;
 use crate::world::scene::{PlacedTree, Scene};
@@ -17,7 +17,10 @@ enum Images {
     /// Our own, for pictures without a headset.
     Own(Box<Offscreen>),
     /// The runtime's.
-    Runtime { color: Vec<StereoImage>, depth: Vec<StereoImage> },
+    Runtime {
+        color: Vec<StereoImage>,
+        depth: Vec<StereoImage>,
+    },
 }
 
 type Upload = Result<TreeUpload, RenderError>;
@@ -37,7 +40,10 @@ pub struct Picture {
 /// Which eyes a headset's views are.
 fn eyes(views: &[View; 2]) -> [Eye; 2] {
     views.map(|view| Eye {
-        world_from_eye: Pose { orientation: view.pose.orientation, position: view.pose.position },
+        world_from_eye: Pose {
+            orientation: view.pose.orientation,
+            position: view.pose.position,
+        },
         fov: Fov {
             left: view.fov.left,
             right: view.fov.right,
@@ -47,19 +53,9 @@ fn eyes(views: &[View; 2]) -> [Eye; 2] {
     })
 }
 
-/// How this device draws both eyes, found by trying; a broken multiview is told once.
-///
-/// # Errors
-/// Where the device fails in the attempt.
-pub fn stereo_mode(gpu: &Gpu) -> Result<StereoMode, RenderError> {
-    let found = probe::multiview(gpu)?;
-    if found == Multiview::Broken {
-        tracing::warn!(
-            "the driver {} draws multiview wrongly; each eye is drawn in a pass of its own (`ramus doctor` says how to mend it)",
-            gpu.info().driver
-        );
-    }
-    Ok(found.mode(gpu))
+/// How this device draws both eyes, found by trying; a broken multiview is told in the log.
+fn stereo_mode(gpu: &Gpu) -> Result<StereoMode, RenderError> {
+    Ok(probe::multiview(gpu)?.mode(gpu))
 }
 
 impl Picture {
@@ -68,8 +64,15 @@ impl Picture {
     /// # Errors
     /// [`RenderError`] where the device cannot draw them.
     pub fn offscreen(gpu: &Gpu, width: u32, height: u32) -> Result<Self, RenderError> {
-        let images = Images::Own(Box::new(Offscreen::new(gpu, vk::Extent2D { width, height })?));
-        Self::new(gpu, RendererParams::new(width, height, stereo_mode(gpu)?), images)
+        let images = Images::Own(Box::new(Offscreen::new(
+            gpu,
+            vk::Extent2D { width, height },
+        )?));
+        Self::new(
+            gpu,
+            RendererParams::new(width, height, stereo_mode(gpu)?),
+            images,
+        )
     }
 
     /// Pictures in a runtime's images.
@@ -183,16 +186,18 @@ impl Images {
             (Self::Own(offscreen), _) => Ok(offscreen.target()),
             (Self::Runtime { color, depth }, Some(acquired)) => {
                 let missing = || {
-                    RenderError::Unsupported("the runtime named an image that it does not have".to_owned())
+                    RenderError::Unsupported(
+                        "the runtime named an image that it does not have".to_owned(),
+                    )
                 };
                 Ok(Target {
                     color: color.get(acquired.color).ok_or_else(missing)?,
                     depth: acquired.depth.and_then(|index| depth.get(index)),
                 })
             }
-            (Self::Runtime { .. }, None) => {
-                Err(RenderError::Unsupported("the runtime gave no image to draw into".to_owned()))
-            }
+            (Self::Runtime { .. }, None) => Err(RenderError::Unsupported(
+                "the runtime gave no image to draw into".to_owned(),
+            )),
         }
     }
 }
@@ -200,7 +205,10 @@ impl Images {
 /// Both eyes beside each other, left eye on the left: a stereo picture as one image.
 #[must_use]
 pub fn side_by_side([left, right]: &[RgbaImage; 2]) -> RgbaImage {
-    let mut both = RgbaImage::new(left.width() + right.width(), left.height().max(right.height()));
+    let mut both = RgbaImage::new(
+        left.width() + right.width(),
+        left.height().max(right.height()),
+    );
     imageops::replace(&mut both, left, 0, 0);
     imageops::replace(&mut both, right, i64::from(left.width()), 0);
     both

@@ -17,6 +17,9 @@ pub enum SessionEnd {
     /// The headset.
     #[error(transparent)]
     Headset(#[from] HeadsetError),
+    /// The headset could not be opened.
+    #[error(transparent)]
+    Open(#[from] crate::app::headset::OpenError),
     /// The picture.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -27,12 +30,12 @@ pub enum SessionEnd {
 
 /// Somebody who watches a session: keeps pictures, counts frames, asks it to end.
 pub trait Watcher {
-    /// Whether this frame must be drawn; on a headset every frame is.
+    /// Whether a frame without a headset must be drawn; on a headset every frame is.
     fn wants(&mut self, _workshop: &Workshop, _frame: &Frame) -> bool {
         true
     }
 
-    /// After a frame was drawn and before it is shown: its picture can be read.
+    /// After a frame was drawn and before it is shown: its picture can be read (which waits for it).
     ///
     /// # Errors
     /// Whatever it fails in; the session ends then.
@@ -90,11 +93,10 @@ fn one_frame(
     // Images that were acquired are released by `end`; with none of the runtime's, ours are drawn into on demand.
     let ready = frame.should_render && (acquired.is_some() || headset.swapchain().is_none());
     let rendered = match picture {
-        Some(picture) if ready && watcher.wants(workshop, frame) => {
+        Some(picture) if ready && (acquired.is_some() || watcher.wants(workshop, frame)) => {
             let views = headset.views()?;
-            let whole = acquired.is_none();
             let scene = workshop.scene();
-            if whole {
+            if acquired.is_none() {
                 // Nobody waits for a picture without a headset: it is drawn when all of it is there.
                 picture.draw_whole(scene, &views, acquired)?;
             } else {

@@ -3,8 +3,8 @@
 //! Beside `tree.ramus` lies `tree.ramus.journal` while a session is open: every finished action is
 //! appended to it at once (a write to the page cache, microseconds), and a worker forces it to the
 //! disk. A killed session loses nothing but what was not finished; the next start repeats the
-//! journal on the project. Saving writes the project whole and starts the journal anew; closing
-//! takes the journal away. The journal is locked, so that two sessions never write one project.
+//! journal on the project. Saving writes the project whole; closing
+//! also takes the journal away. The journal is locked, so that two sessions never write one project.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
@@ -16,7 +16,7 @@ use crate::app::worker::Worker;
 use crate::tree::{TreeError, file::write_atomically};
 use crate::world::document::Document;
 use crate::world::history::{Action, History};
-use crate::world::journal::{self, Journal, JournalError};
+use crate::world::journal::{self, Decoded, Journal, JournalError};
 use crate::world::project::{self, ProjectError};
 
 /// Larger files are no projects or journals; they are not even read.
@@ -146,6 +146,19 @@ pub fn read_project(path: &Path) -> Result<Document, StoreError> {
     })
 }
 
+/// Whether a journal was kept for this project: for the state that it starts from (nothing, where a session began
+/// anew), or for one that was saved on the way.
+fn belongs(decoded: &Decoded, project: &Document) -> bool {
+    if decoded.project == *project || decoded.project == Document::default() {
+        return true;
+    }
+    let mut history = History::new(decoded.project.clone());
+    decoded
+        .actions
+        .iter()
+        .any(|action| history.repeat(action.clone()).is_ok() && history.committed() == project)
+}
+
 /// What a journal left behind by a killed session gave.
 struct Left {
     history: History,
@@ -250,19 +263,18 @@ impl Store {
             }
             Err(error) => return Ok(fresh(Some(put_aside(&error.to_string())?))),
         };
-        // A session that began anew has its journal start from nothing, whatever the project file holds.
-        let empty = Document::default();
-        let base = if decoded.base == journal::base_hash(&empty) {
-            empty
-        } else {
-            base.clone()
-        };
-        let recovered = match journal::replay(&base, &decoded) {
-            Ok(recovered) => recovered,
-            // The session was killed between saving and starting the journal anew: all is in the project.
-            Err(JournalError::OtherBase) if decoded.actions.is_empty() => return Ok(fresh(None)),
-            Err(error) => return Ok(fresh(Some(put_aside(&error.to_string())?))),
-        };
+        if !decoded.actions.is_empty() && !belongs(&decoded, &base) {
+            let why = "the project is not the one that its journal was kept for";
+            let recovered = journal::recover(&decoded);
+            let aside = free_name(project, ".recovered.ramus");
+            write_atomically(&aside, &project::to_bytes(recovered.history.committed()))?;
+            let message = format!("{why}; the journal's work was saved as {}", aside.display());
+            return Ok(fresh(Some(message)));
+        }
+        if decoded.actions.is_empty() {
+            return Ok(fresh(None));
+        }
+        let recovered = journal::recover(&decoded);
         let message = match recovered.message {
             Some(why) if matches!(decoded.damage, Some(journal::Damage::Torn { .. })) => Some(why),
             Some(why) => Some(put_aside(&why)?),
@@ -366,17 +378,15 @@ impl Store {
         }
     }
 
-    /// Saves the project whole and starts the journal anew from it.
+    /// Saves the project whole. The journal goes on: undo may reach back behind a save.
     ///
     /// # Errors
     /// Where the project cannot be written; project and journal are as they were then.
     pub fn save(&mut self, document: &Document) -> Result<(), StoreError> {
-        write_atomically(&self.project, &project::to_bytes(document))?;
-        self.start_journal(document)
-            .map_err(|source| StoreError::Journal {
-                source,
-                path: self.journal_path.clone(),
-            })
+        Ok(write_atomically(
+            &self.project,
+            &project::to_bytes(document),
+        )?)
     }
 
     /// Saves and takes the journal away: the session ended in good order.
@@ -385,7 +395,7 @@ impl Store {
     /// Where the project cannot be written; the journal stays then, and holds everything.
     pub fn close(mut self, document: &Document) -> Result<(), StoreError> {
         self.save(document)?;
-        // A journal that cannot be removed holds nothing: it was just started anew.
+        // A journal that cannot be removed repeats what is saved already.
         let _ = std::fs::remove_file(&self.journal_path);
         Ok(())
     }
@@ -477,13 +487,52 @@ mod tests {
                 .message
                 .as_ref()
                 .unwrap()
-                .contains("recovered 2 actions")
+                .contains("recovered 4 actions")
         );
-        assert_eq!(again.history.undo_count(), 2);
+        assert_eq!(again.history.undo_count(), 4);
         // The recovered session goes on in the same journal.
         draw(&mut again, &[0.5]);
         let document = kill(again);
         assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
+    }
+
+    #[test]
+    fn an_undo_behind_the_last_save_survives_a_kill() {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        let mut opened = Store::open(&path).unwrap();
+        draw(&mut opened, &[0.1, 0.2]);
+        let saved = opened.history.committed().clone();
+        opened.store.save(&saved).unwrap();
+        assert!(opened.history.undo() && opened.history.undo());
+        let log = opened.history.take_log();
+        opened.store.append(&log).unwrap();
+        assert!(kill(opened).sketch.is_empty());
+        let again = Store::open(&path).unwrap();
+        assert!(again.history.committed().sketch.is_empty());
+        assert_eq!(again.history.redo_count(), 2);
+    }
+
+    #[test]
+    fn a_journal_of_another_project_is_kept_aside() {
+        let folder = folder();
+        let [path, other] = ["tree.ramus", "other.ramus"].map(|name| folder.path().join(name));
+        for (path, height) in [(&path, 0.1), (&other, 0.7)] {
+            let mut opened = Store::open(path).unwrap();
+            draw(&mut opened, &[height]);
+            let document = opened.history.committed().clone();
+            opened.store.close(&document).unwrap();
+        }
+        let mut opened = Store::open(&path).unwrap();
+        draw(&mut opened, &[0.2]);
+        let work = kill(opened);
+        fs::copy(&other, &path).unwrap();
+        let opened = Store::open(&path).unwrap();
+        assert_eq!(*opened.history.committed(), read_project(&other).unwrap());
+        assert_eq!(
+            read_project(&beside(&path, ".recovered.ramus")).unwrap(),
+            work
+        );
     }
 
     #[test]

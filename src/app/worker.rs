@@ -8,9 +8,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 
-/// What a job does with its input; it looks at the flag often and gives up when it is set.
-pub type Job<Input, Output> = fn(&Input, &AtomicBool) -> Output;
-
 /// A thread that turns inputs into outputs, one at a time.
 pub struct Worker<Input, Output> {
     jobs: Option<Sender<(Input, Arc<AtomicBool>)>>,
@@ -20,11 +17,15 @@ pub struct Worker<Input, Output> {
 }
 
 impl<Input: Send + 'static, Output: Send + 'static> Worker<Input, Output> {
-    /// Starts the thread.
+    /// Starts the thread. The job looks at its flag often and gives up when it is set; it may keep what helps with the
+    /// next input.
     ///
     /// # Errors
     /// Where the system gives no more threads.
-    pub fn start(name: &str, job: Job<Input, Output>) -> std::io::Result<Self> {
+    pub fn start(
+        name: &str,
+        mut job: impl FnMut(&Input, &AtomicBool) -> Output + Send + 'static,
+    ) -> std::io::Result<Self> {
         let (jobs, inbox) = channel::<(Input, Arc<AtomicBool>)>();
         let (outbox, results) = channel();
         let thread = std::thread::Builder::new()

@@ -4,15 +4,15 @@
 //! [`sketch::grow`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
-use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use ramus_xr::{Frame, Pulse};
 
 use crate::app::convert::input_from_frame;
 use crate::app::store::{Opened, Store, StoreError};
 use crate::app::worker::Worker;
-use crate::sketch::{self, Grown, Sketch};
+use crate::sketch::{self, Grower, Grown, Sketch};
 use crate::world::World;
 use crate::world::document::Document;
 use crate::world::scene::Scene;
@@ -40,16 +40,20 @@ pub struct Workshop {
     world: World,
     store: Option<Store>,
     params: WorkshopParams,
+    /// Grows what is small enough within the frame; both growers keep their last string.
+    grower: Grower,
     worker: Worker<Wanted, Ready>,
-    /// The request that is being worked on, so that it is asked for once.
+    /// The request that the worker is busy with.
     growing: Option<u64>,
+    /// Actions so far.
+    edits: u64,
     scene: Scene,
     pulses: Vec<Pulse>,
 }
 
-fn grow(wanted: &Wanted, cancel: &AtomicBool) -> Ready {
-    let (id, sketch, step) = wanted;
-    (*id, sketch::grow(sketch, *step, cancel).map_err(|error| error.to_string()))
+fn grow(grower: &mut Grower, (id, sketch, step): &Wanted, cancel: &AtomicBool) -> Ready {
+    let grown = grower.grow(sketch, *step, cancel);
+    (*id, grown.map_err(|error| error.to_string()))
 }
 
 impl Workshop {
@@ -82,8 +86,13 @@ impl Workshop {
             world,
             store,
             params,
-            worker: Worker::start("ramus-grow", grow)?,
+            worker: Worker::start("ramus-grow", {
+                let mut grower = Grower::default();
+                move |wanted: &Wanted, cancel: &AtomicBool| grow(&mut grower, wanted, cancel)
+            })?,
+            grower: Grower::default(),
             growing: None,
+            edits: 0,
             scene: Scene::default(),
             pulses: Vec::new(),
         })
@@ -121,6 +130,18 @@ impl Workshop {
         self.world.document()
     }
 
+    /// How many actions there were in this session.
+    #[must_use]
+    pub fn edits(&self) -> u64 {
+        self.edits
+    }
+
+    /// Whether a tree is growing on the worker.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.growing.is_some()
+    }
+
     /// Waits for a tree that is growing on the worker, if any.
     pub fn finish_tree(&mut self) {
         if self.growing.is_some()
@@ -155,26 +176,32 @@ impl Workshop {
 
     fn keep_journal(&mut self) {
         let actions = self.world.take_edits();
+        self.edits += actions.len() as u64;
         let Some(store) = &mut self.store else { return };
         // A warm frame without edits neither writes nor allocates.
-        let kept = if actions.is_empty() { store.check() } else { store.append(&actions) };
+        let kept = if actions.is_empty() {
+            store.check()
+        } else {
+            store.append(&actions)
+        };
         if let Err(error) = kept {
-            self.world.show_message(format!("{error}. Your work is kept in memory and written with the next edit."));
+            self.world.show_message(format!(
+                "{error}. Your work is kept in memory and written with the next edit."
+            ));
         }
     }
 
     fn grow_tree(&mut self) {
         if let Some((id, grown)) = self.worker.poll() {
-            self.growing = None;
+            self.growing = self.growing.filter(|&newest| newest != id);
             self.world.set_tree(id, grown);
         }
-        let Some(request) = self.world.tree_request() else { return };
-        if self.growing == Some(request.id) {
+        let Some(request) = self.world.tree_request() else {
             return;
-        }
+        };
         let wanted = (request.id, Arc::clone(&request.sketch), request.step);
         if sketch::predict_segments(&wanted.1, wanted.2) <= self.params.at_once {
-            let (id, grown) = grow(&wanted, &AtomicBool::new(false));
+            let (id, grown) = grow(&mut self.grower, &wanted, &AtomicBool::new(false));
             self.growing = None;
             self.world.set_tree(id, grown);
         } else {

@@ -1,9 +1,80 @@
 //! The command line: one file a subcommand; argument parsing and printing only.
 
+mod derive;
+mod doctor;
+mod progress;
+mod replay;
+mod workshop;
+
+use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// What `ramus` is asked to do.
+#[derive(Debug, Parser)]
+#[command(
+    name = "ramus",
+    version,
+    about = "The VR workshop for branching structures: sketch a tree, watch it grow as an L-system, take it home.",
+    after_help = "Without a subcommand the workshop starts: in the headset where an OpenXR runtime answers,\n\
+        else on the built-in simulated headset, which plays a recorded session and leaves pictures,\n\
+        the project file and a GLB in out/.\n\n\
+        Examples:\n  \
+        ramus                                         start the workshop\n  \
+        ramus --project oak.ramus                     go on with a project\n  \
+        ramus replay assets/sessions/first-tree.session --png out\n  \
+        ramus derive assets/grammars/honda.lsys --steps 10 --export tree.glb\n  \
+        ramus doctor                                  what this machine has and what it lacks"
+)]
+struct Cli {
+    #[command(flatten)]
+    workshop: workshop::Args,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Plays a recorded session through the workshop and keeps what it made.
+    Replay(replay::Args),
+    /// Derives a grammar file and prints or exports what grew.
+    Derive(derive::Args),
+    /// Says what this machine has for Ramus and how to mend what is missing.
+    Doctor,
+}
 
 /// Runs the program and returns its exit code: 0 done, 1 the input or the
 /// machine is at fault (one sentence on standard error), 2 wrong usage.
 pub fn run() -> ExitCode {
-    ExitCode::SUCCESS
+    ramus_xr::openxr::quiet_loader();
+    log_to_standard_error();
+    let cli = Cli::parse();
+    let result = match cli.command {
+        None => workshop::run(&cli.workshop),
+        Some(Command::Replay(args)) => replay::run(&args),
+        Some(Command::Derive(args)) => derive::run(&args),
+        Some(Command::Doctor) => doctor::run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // A closed pipe on standard error leaves nobody to tell.
+            let _ = writeln!(std::io::stderr(), "ramus: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Warnings go to standard error; `RAMUS_LOG` (as `RUST_LOG`) asks for more or less.
+fn log_to_standard_error() {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("RAMUS_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .without_time()
+        .with_target(false)
+        .init();
 }

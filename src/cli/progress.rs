@@ -20,13 +20,22 @@ pub(super) struct Progress {
 impl Progress {
     pub(super) fn new(what: &'static str) -> Self {
         let terminal = std::io::stderr().is_terminal();
-        Self { what, started: Instant::now(), last: None, terminal }
+        Self {
+            what,
+            started: Instant::now(),
+            last: None,
+            terminal,
+        }
     }
 
     /// Says that `done` of `total` is done, if it is time to.
     pub(super) fn show(&mut self, done: usize, total: usize) {
         let now = Instant::now();
-        let pause = if self.terminal { TERMINAL_PAUSE } else { LOG_PAUSE };
+        let pause = if self.terminal {
+            TERMINAL_PAUSE
+        } else {
+            LOG_PAUSE
+        };
         let due = self.last.is_none_or(|last| now - last >= pause);
         if now - self.started < PATIENCE || !due {
             return;
@@ -40,7 +49,11 @@ impl Progress {
     fn write(&self, line: &str) {
         // Progress is a courtesy: a closed standard error must not end the work.
         let mut err = std::io::stderr().lock();
-        let _ = if self.terminal { write!(err, "\r{line}\x1b[K") } else { writeln!(err, "{line}") };
+        let _ = if self.terminal {
+            write!(err, "\r{line}\x1b[K")
+        } else {
+            writeln!(err, "{line}")
+        };
         let _ = err.flush();
     }
 }

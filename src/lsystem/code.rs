@@ -9,6 +9,8 @@ use Function as Fun;
 
 /// Values on the stack while an expression is computed; the parser keeps to it.
 pub(super) const MAX_STACK: usize = 128;
+/// Values of the stack that nearly all expressions need.
+const SMALL_STACK: usize = 6;
 
 /// A function of the language and how many arguments it takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,7 +102,12 @@ pub(crate) enum Expression {
     Constant(f64),
     /// The bound parameter in this slot.
     Slot(u16),
-    Code(Box<[Op]>),
+    Code {
+        /// Postfix operations.
+        code: Box<[Op]>,
+        /// Most values that are ever on the stack.
+        depth: usize,
+    },
 }
 
 fn truth(value: bool) -> f64 {
@@ -209,7 +216,11 @@ impl Expression {
         match self {
             Self::Constant(value) => Ok(*value),
             Self::Slot(slot) => Ok(bound.get(usize::from(*slot)).copied().unwrap_or(0.0)),
-            Self::Code(code) => run(code, bound, draws),
+            // A small stack is cleared for nothing, a large one costs more than most expressions.
+            Self::Code { code, depth } if *depth <= SMALL_STACK => {
+                run::<SMALL_STACK>(code, bound, draws)
+            }
+            Self::Code { code, .. } => run::<MAX_STACK>(code, bound, draws),
         }
     }
 
@@ -225,36 +236,37 @@ impl Expression {
     }
 }
 
-/// Runs postfix code. The parser has bounded the stack; a slot past it (which cannot be) reads 0.
-fn run(code: &[Op], bound: &[f64], draws: &mut Draws) -> Result<f64, ValueProblem> {
-    let mut stack = [0.0_f64; MAX_STACK + 1];
+/// Runs postfix code on a stack of `N` values. The parser has bounded the stack; a slot past it (which cannot be) is the
+/// last one.
+fn run<const N: usize>(code: &[Op], bound: &[f64], draws: &mut Draws) -> Result<f64, ValueProblem> {
+    let mut stack = [0.0_f64; N];
     let mut top = 0_usize; // number of values; the last is at top − 1
     let mut at = 0;
     while let Some(op) = code.get(at) {
         at += 1;
         match *op {
             Op::Push(value) => {
-                stack[top.min(MAX_STACK)] = value;
+                stack[top.min(N - 1)] = value;
                 top += 1;
             }
             Op::Load(slot) => {
-                stack[top.min(MAX_STACK)] = bound.get(usize::from(slot)).copied().unwrap_or(0.0);
+                stack[top.min(N - 1)] = bound.get(usize::from(slot)).copied().unwrap_or(0.0);
                 top += 1;
             }
             Op::Negate => {
-                let last = &mut stack[top.saturating_sub(1).min(MAX_STACK)];
+                let last = &mut stack[top.saturating_sub(1).min(N - 1)];
                 *last = -*last;
             }
             Op::Not => {
-                let last = &mut stack[top.saturating_sub(1).min(MAX_STACK)];
+                let last = &mut stack[top.saturating_sub(1).min(N - 1)];
                 *last = truth(*last == 0.0);
             }
             Op::Truth => {
-                let last = &mut stack[top.saturating_sub(1).min(MAX_STACK)];
+                let last = &mut stack[top.saturating_sub(1).min(N - 1)];
                 *last = truth(*last != 0.0);
             }
             Op::And(target) | Op::Or(target) => {
-                let last = &mut stack[top.saturating_sub(1).min(MAX_STACK)];
+                let last = &mut stack[top.saturating_sub(1).min(N - 1)];
                 let jumps = matches!(op, Op::Or(_)) == (*last != 0.0);
                 if jumps {
                     *last = truth(*last != 0.0);
@@ -265,14 +277,14 @@ fn run(code: &[Op], bound: &[f64], draws: &mut Draws) -> Result<f64, ValueProble
             }
             Op::Call(function) => {
                 let arity = function.arity();
-                let first = top.saturating_sub(arity).min(MAX_STACK - 3);
+                let first = top.saturating_sub(arity).min(N - 3);
                 let mut arguments = [0.0; 3];
                 arguments[..arity].copy_from_slice(&stack[first..first + arity]);
                 stack[first] = function.value(arguments, draws)?;
                 top = first + 1;
             }
             binary => {
-                let second = top.saturating_sub(1).min(MAX_STACK);
+                let second = top.saturating_sub(1).min(N - 1);
                 let first = second.saturating_sub(1);
                 stack[first] = binary_value(binary, stack[first], stack[second])?;
                 top = second;

@@ -65,6 +65,7 @@ pub(crate) fn next(
         grammar,
         rules: &grammar.rules,
         step,
+        stream: step,
         number: 0,
         births: Births::Step,
         limits,
@@ -94,6 +95,7 @@ fn decomposed(
             grammar,
             rules,
             step,
+            stream: step,
             number,
             births: Births::Step,
             limits,
@@ -129,13 +131,15 @@ pub(crate) fn interpreted(
     let Some(rules) = &grammar.interpret else {
         return Ok(None);
     };
+    let step = string.births.iter().copied().max().unwrap_or(0);
     let mut shown: Option<ModuleString> = None;
     for number in 1..=grammar.interpret_depth {
-        // Step u32::MAX: interpretation draws from a stream of its own.
+        // Interpretation draws from a stream of its own.
         let round = Round {
             grammar,
             rules,
-            step: u32::MAX,
+            step,
+            stream: u32::MAX,
             number,
             births: Births::Inherit,
             limits,

@@ -33,13 +33,17 @@ pub(crate) fn parse(
         code: Vec::new(),
         depth: 0,
         stack: 0,
+        deepest: 0,
     };
     parser.binary(0)?;
-    let code = parser.code;
+    let (code, depth) = (parser.code, parser.deepest);
     Ok(match code.as_slice() {
         [Op::Push(value)] => Expression::Constant(*value),
         [Op::Load(slot)] => Expression::Slot(*slot),
-        _ => Expression::Code(code.into_boxed_slice()),
+        _ => Expression::Code {
+            code: code.into_boxed_slice(),
+            depth,
+        },
     })
 }
 
@@ -70,6 +74,7 @@ struct Parser<'p, 'a, 's> {
     code: Vec<Op>,
     depth: usize,
     stack: usize,
+    deepest: usize,
 }
 
 #[derive(Clone, Copy)]
@@ -177,6 +182,7 @@ impl Parser<'_, '_, '_> {
 
     fn push(&mut self, op: Op) -> Result<(), GrammarError> {
         self.stack += 1;
+        self.deepest = self.deepest.max(self.stack);
         if self.stack > MAX_STACK {
             let at = self.cursor.pos();
             return Err(self.cursor.error_at(

@@ -109,4 +109,20 @@ mod tests {
             assert_eq!(text, expected, "{value:e}");
         }
     }
+
+    /// 400 numbers of all kinds whose texts C's printf made.
+    #[test]
+    fn as_c_printed_into_a_file() {
+        let mut checked = 0;
+        let lines = include_str!("../../tests/data/numbers.txt").lines();
+        for line in lines.filter(|l| !l.starts_with('#')) {
+            let (bits, expected) = line.split_once(' ').unwrap_or_default();
+            let value = f64::from_bits(u64::from_str_radix(bits, 16).unwrap_or(0));
+            let mut text = String::new();
+            write_general(&mut text, value);
+            assert_eq!(text, expected, "{value:e}");
+            checked += 1;
+        }
+        assert!(checked > 300, "only {checked} numbers");
+    }
 }

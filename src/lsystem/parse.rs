@@ -91,7 +91,7 @@ pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> 
             p.statement(cursor, statement)
         });
     }
-    parser.finish(sources.first())
+    parser.finish(&sources)
 }
 
 /// Nothing may be left of the statement.
@@ -516,7 +516,8 @@ impl Parser {
         Ok(depth)
     }
 
-    fn finish(mut self, first: Option<&Source>) -> Result<Grammar, GrammarErrors> {
+    fn finish(mut self, sources: &[Source]) -> Result<Grammar, GrammarErrors> {
+        let first = sources.first();
         let (file, text) = first.map_or(("", ""), |s| (s.name.as_str(), s.text.as_str()));
         let mut general = |message: &str| {
             self.errors.push(GrammarError::new(
@@ -541,6 +542,11 @@ impl Parser {
             general("this grammar has more than 65,000 shapes");
         }
         if !self.errors.errors.is_empty() {
+            // Passes find faults out of order; a person reads a file from its top.
+            let file_of = |name: &str| sources.iter().position(|s| s.name == name);
+            self.errors
+                .errors
+                .sort_by_key(|e| (file_of(&e.file), e.line, e.column));
             return Err(self.errors);
         }
         let symbols = self.names.symbols();

@@ -40,7 +40,11 @@ pub(super) enum Births {
 pub(super) struct Round<'a> {
     pub(super) grammar: &'a Grammar,
     pub(super) rules: &'a RuleSet,
+    /// For messages and births.
     pub(super) step: u32,
+    /// What the draws depend on besides the seed: the step, or another number where there is none.
+    pub(super) stream: u32,
+    /// 0 for the productions, else the round of a block.
     pub(super) number: u32,
     pub(super) births: Births,
     pub(super) limits: &'a Limits,
@@ -350,8 +354,12 @@ impl<'r, 'a> Worker<'r, 'a> {
         Self {
             round,
             matcher: Matcher::new(round.grammar, string, index, round.cancel),
-            key: PassKey::new(round.grammar.seed, round.step, round.number),
-            choice_key: PassKey::new(round.grammar.seed, round.step, round.number | CHOICE_STREAM),
+            key: PassKey::new(round.grammar.seed, round.stream, round.number),
+            choice_key: PassKey::new(
+                round.grammar.seed,
+                round.stream,
+                round.number | CHOICE_STREAM,
+            ),
             bound: vec![0.0; slots],
             drawn: Vec::new(),
         }

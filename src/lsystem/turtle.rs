@@ -22,6 +22,9 @@ use crate::tree::{NO_PARENT, Tree};
 /// Modules read between two looks at the cancel flag.
 const CHECK_EVERY: usize = 1 << 14;
 
+/// Bytes of a node in all arrays of a tree.
+const NODE_BYTES: u64 = 28;
+
 /// What the turtle takes where the string says nothing, and how far it may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurtleParams {
@@ -35,9 +38,9 @@ pub struct TurtleParams {
     pub angle: f64,
     /// Brackets within brackets.
     pub max_depth: usize,
-    /// Nodes of the tree; at most 2^32 − 2.
+    /// Nodes of the tree; at most 2^32 − 2, and no more than `limits.bytes` holds.
     pub max_nodes: u64,
-    /// Limits of the string that the `interpret` block makes.
+    /// Limits of the string that the `interpret` block makes, and of the tree's bytes.
     pub limits: Limits,
 }
 
@@ -380,7 +383,11 @@ impl<'a> Turtle<'a> {
     }
 
     fn room(&self, nodes: u64) -> Result<(), DeriveError> {
-        let limit = self.params.max_nodes.min(u64::from(NO_PARENT) - 1);
+        let limit = self
+            .params
+            .max_nodes
+            .min(self.params.limits.bytes / NODE_BYTES)
+            .min(u64::from(NO_PARENT) - 1);
         if self.tree.parent.len() as u64 + nodes > limit {
             return Err(DeriveProblem::TooManyNodes { limit }.into());
         }

@@ -1,1 +1,45 @@
-//! The room `render`.
+//! Draws a [`Scene`](crate::world::scene::Scene) with Vulkan, for two eyes.
+//!
+//! ```text
+//! VulkanHost (Headless, or an OpenXR runtime)
+//!     └▶ Gpu ── probe::multiview ──▶ StereoMode
+//!          ├▶ Renderer::draw(scene, eyes, target) ──▶ StereoImage: a headset's swapchain image, or
+//!          └▶ Offscreen ──▶ read_color, read_depth
+//! ```
+//!
+//! Knows scenes, trees and egui's triangles; never tools; of headsets only the handles in `ramus_xr::vulkan`. The frame's path and what its
+//! synchronisation covers are written down in `docs/src/rendering.md`.
+
+mod data;
+mod error;
+mod eye;
+mod frame;
+mod gpu;
+mod host;
+mod memory;
+mod meshes;
+mod offscreen;
+mod panel;
+mod pipelines;
+pub mod probe;
+mod renderer;
+mod shadow;
+mod target;
+mod tree_upload;
+mod validation;
+
+/// SPIR-V of `shaders/`, made by build.rs.
+mod shaders {
+    include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
+}
+
+pub use error::RenderError;
+pub use eye::{Eye, Fov, NEAR, Pose};
+pub use gpu::{DeviceInfo, Gpu, GpuInner, GpuParams};
+pub use host::Headless;
+pub use offscreen::{COLOR_FORMAT, DEPTH_FORMAT, Offscreen, read_color, read_depth};
+pub use probe::Multiview;
+pub use renderer::{Backdrop, DrawReport, Renderer, RendererParams, StereoMode, TreeState};
+pub use target::{StereoImage, Target};
+pub use tree_upload::TreeUpload;
+pub use validation::Messages;

@@ -38,6 +38,15 @@ impl Sketch {
     /// The grammar of this sketch, in the language of `docs/src/language.md`.
     #[must_use]
     pub fn grammar_text(&self) -> String {
+        let mut text = self.rules_text();
+        if !self.is_empty() {
+            self.push_shapes(&mut text);
+        }
+        text
+    }
+
+    /// The grammar without its shapes: all that the string depends on.
+    pub(super) fn rules_text(&self) -> String {
         let mut text =
             String::from("# A sketch, written by Ramus: A is the trunk, B a growing end.\n");
         if self.is_empty() {
@@ -82,7 +91,6 @@ impl Sketch {
             }
             text.push_str("}\n");
         }
-        self.push_shapes(&mut text);
         text
     }
 
@@ -137,7 +145,8 @@ impl Sketch {
         }
     }
 
-    fn push_shapes(&self, text: &mut String) {
+    /// The drawn lines, behind [`Self::rules_text`].
+    pub(super) fn push_shapes(&self, text: &mut String) {
         text.push_str("\n# The strokes: one displacement (x y z) a segment; a branch is given in its parent segment's frame.\n");
         for (letter, displacements) in self.dictionary() {
             let _ = write!(text, "shape {letter} = [");

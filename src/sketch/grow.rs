@@ -3,12 +3,16 @@
 //! A pure function of sketch and step. It goes through the grammar's text on purpose: what a person
 //! reads and may edit is exactly what grows. The engine's birth 0 (the axiom) is step 1 here,
 //! because step 0 shows the root alone.
+//!
+//! The string does not depend on where the nodes are, only on which there are. A [`Grower`] therefore
+//! keeps the last string: moving a node draws it anew without deriving it, and a step forward
+//! derives one step. What it gives is what [`grow`] gives.
 
 use std::sync::atomic::AtomicBool;
 
 use super::{BOUNDS, Letter, NodeRef, Sketch, SketchError, predict_segments};
 use crate::{
-    lsystem::{Grammar, Limits, TurtleParams, interpret},
+    lsystem::{Grammar, Limits, ModuleString, TurtleParams, interpret},
     tree::{
         NO_PARENT, Tree,
         radii::{RadiusParams, da_vinci},
@@ -54,67 +58,136 @@ pub struct Grown {
 /// # Errors
 /// Where the step is too far, the tree would be too large, or `cancel` was set meanwhile.
 pub fn grow(sketch: &Sketch, step: u32, cancel: &AtomicBool) -> Result<Grown, SketchError> {
-    grow_within(sketch, step, &GROW, cancel)
+    Grower::default().grow(sketch, step, cancel)
 }
 
-/// Grows a sketch to a step within given bounds.
-///
-/// # Errors
-/// As [`grow`].
-pub fn grow_within(
-    sketch: &Sketch,
-    step: u32,
-    params: &GrowParams,
-    cancel: &AtomicBool,
-) -> Result<Grown, SketchError> {
-    if step > BOUNDS.step {
-        return Err(SketchError::StepTooFar {
-            found: step,
-            most: BOUNDS.step,
-        });
+/// Grows sketches one after the other, with the last string kept: for a workshop where each one
+/// differs little from the one before.
+#[derive(Clone, Debug)]
+pub struct Grower {
+    /// The bounds.
+    pub params: GrowParams,
+    /// The rules that the string follows from; empty: none is kept.
+    rules: String,
+    /// Rewrites of the string.
+    rewrites: u32,
+    string: ModuleString,
+}
+
+impl Default for Grower {
+    fn default() -> Self {
+        Self::new(GROW)
     }
-    let segments = predict_segments(sketch, step);
-    if segments > params.segments {
-        return Err(SketchError::TooLarge {
-            step,
-            segments,
-            most: params.segments,
-        });
+}
+
+impl Grower {
+    /// A grower with nothing kept yet.
+    #[must_use]
+    pub fn new(params: GrowParams) -> Self {
+        Self {
+            params,
+            rules: String::new(),
+            rewrites: 0,
+            string: ModuleString::default(),
+        }
     }
-    if step == 0 || sketch.is_empty() {
-        return Ok(root_alone(sketch, step));
+
+    /// Grows a sketch to a step.
+    ///
+    /// # Errors
+    /// As [`grow`]; what was kept stays.
+    pub fn grow(
+        &mut self,
+        sketch: &Sketch,
+        step: u32,
+        cancel: &AtomicBool,
+    ) -> Result<Grown, SketchError> {
+        if step > BOUNDS.step {
+            return Err(SketchError::StepTooFar {
+                found: step,
+                most: BOUNDS.step,
+            });
+        }
+        let segments = predict_segments(sketch, step);
+        if segments > self.params.segments {
+            return Err(SketchError::TooLarge {
+                step,
+                segments,
+                most: self.params.segments,
+            });
+        }
+        if step == 0 || sketch.is_empty() {
+            return Ok(root_alone(sketch, step));
+        }
+        let rules = sketch.rules_text();
+        let mut text = rules.clone();
+        sketch.push_shapes(&mut text);
+        let grammar = Grammar::parse(&text, "the sketch").map_err(refused)?;
+        self.derive(&grammar, rules, step - 1, &limits(sketch, segments), cancel)?;
+
+        let turtle = TurtleParams::default();
+        let mut tree = interpret(&grammar, &self.string, &turtle, cancel).map_err(refused)?;
+        for (birth, parent) in tree.birth.iter_mut().zip(&tree.parent) {
+            *birth = if *parent == NO_PARENT {
+                0
+            } else {
+                birth.saturating_add(1)
+            };
+        }
+        let radius_before = da_vinci(&mut tree, &radius_params(sketch), step);
+        Ok(Grown {
+            tree,
+            radius_before,
+            string: self
+                .string
+                .to_text_within(&grammar, self.params.string_bytes),
+            newest: step,
+            modules: self.string.len(),
+        })
     }
-    let refused = |problem: &dyn std::fmt::Display| SketchError::Grow(problem.to_string());
-    let text = sketch.grammar_text();
-    let grammar = Grammar::parse(&text, "the sketch").map_err(|errors| refused(&errors))?;
+
+    /// Brings the kept string to the given rules and rewrites.
+    fn derive(
+        &mut self,
+        grammar: &Grammar,
+        rules: String,
+        rewrites: u32,
+        limits: &Limits,
+        cancel: &AtomicBool,
+    ) -> Result<(), SketchError> {
+        // The same rules give the same symbols, whatever the shapes are.
+        if self.rules != rules || self.rewrites > rewrites {
+            self.string = grammar.derive(rewrites, limits, cancel).map_err(refused)?;
+            self.rules = rules;
+            self.rewrites = rewrites;
+        }
+        while self.rewrites < rewrites {
+            let next = self.rewrites + 1;
+            self.string = grammar
+                .derive_next(&self.string, next, limits, cancel)
+                .map_err(refused)?;
+            self.rewrites = next;
+        }
+        Ok(())
+    }
+}
+
+fn refused(problem: impl std::fmt::Display) -> SketchError {
+    SketchError::Grow(problem.to_string())
+}
+
+/// No more modules than the predicted segments can need.
+fn limits(sketch: &Sketch, segments: u64) -> Limits {
+    let modules_each = MODULES_PER_SEGMENT.saturating_add(sketch.strokes.len() as u64);
+    let defaults = Limits::default();
     let modules = segments
         .saturating_add(1)
-        .saturating_mul(MODULES_PER_SEGMENT);
-    let limits = Limits {
+        .saturating_mul(modules_each)
+        .min(defaults.modules);
+    Limits {
         modules,
-        ..Limits::default()
-    };
-    let string = grammar
-        .derive(step - 1, &limits, cancel)
-        .map_err(|error| refused(&error))?;
-    let turtle = TurtleParams::default();
-    let mut tree =
-        interpret(&grammar, &string, &turtle, cancel).map_err(|error| refused(&error))?;
-    for (birth, parent) in tree.birth.iter_mut().zip(&tree.parent) {
-        *birth = if *parent == NO_PARENT {
-            0
-        } else {
-            birth.saturating_add(1)
-        };
+        ..defaults
     }
-    let radius_before = da_vinci(&mut tree, &radius_params(sketch), step);
-    Ok(Grown {
-        tree,
-        radius_before,
-        string: string.to_text_within(&grammar, params.string_bytes),
-        newest: step,
-        modules: string.len(),
-    })
 }
 
 fn radius_params(sketch: &Sketch) -> RadiusParams {

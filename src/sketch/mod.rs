@@ -23,7 +23,7 @@ pub mod letter;
 pub mod predict;
 pub mod quantize;
 
-pub use grow::{GROW, GrowParams, Grown, grow, grow_within, sketch_nodes};
+pub use grow::{GROW, GrowParams, Grower, Grown, grow, sketch_nodes};
 pub use letter::{Letter, UnknownLetter};
 pub use predict::predict_segments;
 pub use quantize::{angle_deg, coordinate, point};

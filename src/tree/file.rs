@@ -29,6 +29,10 @@ fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if path.is_dir() {
         return Err(ErrorKind::IsADirectory.into());
     }
+    if path.exists() && !path.is_file() {
+        // Replacing a device or a pipe by a file would break the system, not write to it.
+        return Err(io::Error::other("a device or pipe has this name"));
+    }
     let folder = folder_of(&path);
     let mut builder = tempfile::Builder::new();
     builder.prefix(".ramus-").suffix(".tmp");

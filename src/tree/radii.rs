@@ -140,3 +140,41 @@ pub fn da_vinci_into(tree: &mut Tree, params: &RadiusParams, newest: u32, before
         }
     }
 }
+
+/// When widths count as relative, and what they are brought to; both as parts of the tree's largest extent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitParams {
+    /// A largest radius beyond this part is no wood's.
+    pub most: f32,
+    /// The largest radius after fitting.
+    pub fitted: f32,
+}
+
+impl Default for FitParams {
+    /// The thickest trunks known (Adansonia, Taxodium) have a radius of a fifth of their height; a park tree's is a
+    /// fortieth.
+    fn default() -> Self {
+        Self {
+            most: 0.2,
+            fitted: 0.025,
+        }
+    }
+}
+
+/// Scales all radii where the largest is too thick for the tree to be seen.
+///
+/// Published grammars often give widths without a unit: Honda's trees begin with a width of 10 on a branch of
+/// length 1 (ABOP, Fig. 2.6), and only the ratios are meant. Gives the factor, `None` where the radii stay.
+pub fn fit(tree: &mut Tree, params: &FitParams) -> Option<f32> {
+    let (low, high) = tree.bounds()?;
+    let extent = (high - low).max_element();
+    let thickest = tree.radius.iter().copied().fold(0.0, f32::max);
+    let factor = extent * params.fitted / thickest;
+    if thickest <= extent * params.most || !factor.is_finite() || factor <= 0.0 {
+        return None;
+    }
+    for radius in &mut tree.radius {
+        *radius *= factor;
+    }
+    Some(factor)
+}

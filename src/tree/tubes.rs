@@ -75,6 +75,9 @@ pub const SHARP_BEND_COSINE: f32 = -0.5;
 /// A segment shorter than this in metres has no direction of its own and takes its parent's.
 const SHORTEST: f32 = 1e-9;
 
+/// Squares of lengths up to this are far from the end of f32.
+const LARGEST_SQUARE: f32 = 1e36;
+
 /// A segment never counts for more circumferences than this in v, however thin it is.
 const MOST_TURNS: f32 = 1000.0;
 
@@ -186,24 +189,23 @@ impl SegmentBuilder {
             };
             work.v = v_from + circumferences(from.distance(to), radii[1] + radii[3]);
 
-            work.ring = pack_frame(work.frame);
-            match self.axis[node] {
-                NO_PARENT => flags |= CAPPED,
-                next => {
-                    let next = next as usize;
-                    let onward = direction(to, tree.position[next]).unwrap_or(work.direction);
-                    if work.direction.dot(onward) > SHARP_BEND_COSINE {
-                        let half = half_bend(work.direction, onward);
-                        work.ring = pack_frame(half * work.frame);
-                        let after = &mut self.work[next];
-                        after.continues = true;
-                        after.direction = onward;
-                        after.frame = (half * (half * work.frame)).normalize();
-                    } else {
-                        flags |= CAPPED;
-                    }
+            // The ring at the end: half-way into the next segment's direction, where one goes on.
+            let next = self.axis[node];
+            let mut end_frame = work.frame;
+            flags |= CAPPED;
+            if next != NO_PARENT {
+                let onward = direction(to, tree.position[next as usize]).unwrap_or(work.direction);
+                if work.direction.dot(onward) > SHARP_BEND_COSINE {
+                    let half = half_bend(work.direction, onward);
+                    end_frame = half * work.frame;
+                    let after = &mut self.work[next as usize];
+                    after.continues = true;
+                    after.direction = onward;
+                    after.frame = (half * end_frame).normalize();
+                    flags &= !CAPPED;
                 }
             }
+            work.ring = pack_frame(end_frame);
             self.work[node] = work;
             out.push(TubeSegment {
                 from: from.to_array(),
@@ -223,7 +225,11 @@ impl SegmentBuilder {
 /// Unit vector from one point to another, or `None` where they coincide (or lie too far apart for f32).
 fn direction(from: Vec3, to: Vec3) -> Option<Vec3> {
     let difference = to - from;
-    // Scaled first, so that squares neither vanish nor overflow whatever the tree's scale.
+    let squared = difference.length_squared();
+    if (SHORTEST * SHORTEST..=LARGEST_SQUARE).contains(&squared) {
+        return Some(difference / squared.sqrt());
+    }
+    // Scaled first, so that a huge square does not overflow.
     let size = difference.abs().max_element();
     (size > SHORTEST && size.is_finite()).then(|| (difference / size).normalize())
 }
@@ -254,13 +260,14 @@ fn circumferences(length: f32, sum_of_radii: f32) -> f32 {
 
 /// A unit quaternion as four snorm16.
 fn pack_frame(frame: Quat) -> [i16; 4] {
+    // Rounded by hand: `round` is a call into the C library on x86-64 without SSE 4.1.
     #[allow(
         clippy::cast_possible_truncation,
-        reason = "the product lies within ±32767 and `as` saturates"
+        reason = "lies within ±32767.5, and `as` saturates"
     )]
     frame
         .to_array()
-        .map(|part| (part * f32::from(i16::MAX)).round() as i16)
+        .map(|part| (part * f32::from(i16::MAX) + 0.5_f32.copysign(part)) as i16)
 }
 
 /// The unit quaternion that [`TubeSegment::from_frame`] and [`TubeSegment::to_frame`] hold.

@@ -425,12 +425,12 @@ fn faults_are_told_where_they_are() {
 
 #[test]
 fn several_faults_at_once() {
-    let text = "axiom A(z)\nA(x) -> B(y, w)\nB -> [\nC -> D\nE - F\n";
+    let text = "axiom A(z)\nA(x) -> B(y, w)\nB -> [\nC -> D\nE - F\nconst k = 1 +\nmodule 5\n";
     let errors = Grammar::parse(text, "t.lsys").unwrap_err();
     let places: Vec<(usize, usize)> = errors.errors.iter().map(|e| (e.line, e.column)).collect();
     assert_eq!(
         places,
-        [(1, 9), (2, 11), (2, 14), (3, 6), (5, 1)],
+        [(1, 9), (2, 11), (2, 14), (3, 6), (5, 1), (6, 14), (7, 8)],
         "{errors}"
     );
     let shown = errors.to_string();

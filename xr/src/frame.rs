@@ -35,7 +35,7 @@ impl Pose {
         }
     }
 
-    /// Finite, not absurdly far away, and turned by a unit quaternion (within [`UNIT_TOLERANCE`]).
+    /// Finite, not absurdly far away, and turned by what is nearly a unit quaternion (within [`NEARLY_UNIT`]).
     #[must_use]
     pub fn is_sane(&self) -> bool {
         // Written so that a NaN fails: every comparison with it is false.
@@ -43,7 +43,22 @@ impl Pose {
             .to_array()
             .iter()
             .all(|value| value.abs() <= FARTHEST)
-            && (self.orientation.length_squared() - 1.0).abs() <= UNIT_TOLERANCE
+            && (self.orientation.length_squared() - 1.0).abs() <= NEARLY_UNIT
+    }
+
+    /// The same pose with a unit quaternion, as everything behind a headset wants it; one that is unit to the last
+    /// bits is left as it is, so that settling twice changes nothing. Runtimes do this to what is sent to them, so a
+    /// session that came through one stays the session that was sent. The pose must be sane.
+    #[must_use]
+    pub fn settled(self) -> Self {
+        if (self.orientation.length_squared() - 1.0).abs() <= UNIT {
+            self
+        } else {
+            Self {
+                orientation: self.orientation.normalize(),
+                ..self
+            }
+        }
     }
 }
 
@@ -62,8 +77,11 @@ impl Mul for Pose {
 /// Farthest believable coordinate in metres; beyond it a tracking value is nonsense.
 pub const FARTHEST: f32 = 10_000.0;
 
-/// How far a quaternion's squared length may be from 1: four written decimals keep well within it.
-pub const UNIT_TOLERANCE: f32 = 0.002;
+/// How far a quaternion's squared length may be from 1 when it comes in: four written decimals keep well within it.
+pub const NEARLY_UNIT: f32 = 0.002;
+
+/// How far a settled quaternion's squared length is from 1 at most: a few last bits.
+pub const UNIT: f32 = 1e-6;
 
 /// Longest step of [`Frame::time`] in seconds; whoever makes frames clamps to it, so that a stalled
 /// runtime never makes an animation jump.
@@ -117,6 +135,17 @@ pub struct View {
     pub pose: Pose,
     /// What it sees.
     pub fov: Fov,
+}
+
+impl View {
+    /// With its pose settled ([`Pose::settled`]).
+    #[must_use]
+    pub fn settled(self) -> Self {
+        Self {
+            pose: self.pose.settled(),
+            ..self
+        }
+    }
 }
 
 /// One hand's controller.
@@ -244,6 +273,27 @@ impl Frame {
             Some((_, part)) => Err(FrameFault { part }),
             None => Ok(()),
         }
+    }
+}
+
+impl Frame {
+    /// The frame with all its poses settled ([`Pose::settled`]).
+    ///
+    /// # Errors
+    /// [`FrameFault`] where the frame is not sane.
+    pub fn settled(&self) -> Result<Self, FrameFault> {
+        self.check()?;
+        let hand = |hand: Hand| Hand {
+            aim: hand.aim.settled(),
+            grip: hand.grip.settled(),
+            ..hand
+        };
+        Ok(Self {
+            head: self.head.settled(),
+            views: self.views.map(View::settled),
+            hands: self.hands.map(hand),
+            ..*self
+        })
     }
 }
 

@@ -6,7 +6,8 @@
 //! is described in `docs/src/session-format.md`.
 //!
 //! Numbers are printed as the shortest text that reads back to the same bits, so writing and reading
-//! is exact, and the same frames always give the same bytes. Binary was rejected: a minute of a real
+//! is exact, and the same frames always give the same bytes. (Quaternions are made unit as they are read: a
+//! person may write four decimals, and nobody behind the reader need care.) Binary was rejected: a minute of a real
 //! session is a few megabytes of text, and text is what makes recorded sessions worth keeping in a
 //! repository.
 //!

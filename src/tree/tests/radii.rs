@@ -4,8 +4,9 @@ use proptest::prelude::*;
 
 use super::{any_tree, between, fork};
 use crate::tree::axes::Children;
-use crate::tree::radii::{RadiusParams, da_vinci};
-use crate::tree::{NO_PARENT, Tree};
+use crate::tree::radii::{FitParams, RadiusParams, da_vinci, fit};
+use crate::tree::{NO_PARENT, Node, Tree};
+use glam::Vec3;
 
 /// The tree of nodes with `birth < newest`, and for each of its nodes the index in the whole tree.
 pub(super) fn earlier(tree: &Tree, newest: u32) -> (Tree, Vec<usize>) {
@@ -20,7 +21,7 @@ pub(super) fn earlier(tree: &Tree, newest: u32) -> (Tree, Vec<usize>) {
         if parent != NO_PARENT && tree.birth[node] >= newest {
             continue;
         }
-        index[node] = old.push(crate::tree::Node {
+        index[node] = old.push(Node {
             parent: if parent == NO_PARENT {
                 NO_PARENT
             } else {
@@ -134,4 +135,39 @@ proptest! {
         }
         prop_assert_eq!(before, expected);
     }
+}
+
+#[test]
+fn widths_without_a_unit_are_fitted_and_real_ones_stay() {
+    for (radius, expected) in [
+        (5.0, Some(0.01)), // 2 m × 0.025 / 5 m
+        (0.41, Some(0.05 / 0.41)),
+        (0.4, None),
+        (0.02, None),
+        (0.0, None),
+    ] {
+        let mut tree = Tree {
+            letters: vec!["F".into()],
+            ..Tree::default()
+        };
+        let node = |parent, y, radius| Node {
+            parent,
+            position: Vec3::new(0.0, y, 0.0),
+            radius,
+            letter: 0,
+            order: 0,
+            birth: 0,
+        };
+        let root = tree.push(node(NO_PARENT, 0.0, radius));
+        tree.push(node(root, 2.0, radius * 0.5));
+        let factor = fit(&mut tree, &FitParams::default());
+        match (factor, expected) {
+            (Some(factor), Some(expected)) => {
+                assert!((factor - expected).abs() < 1e-6, "{radius}: {factor}");
+                assert_eq!(tree.radius[1], tree.radius[0] * 0.5, "ratios stay");
+            }
+            (factor, expected) => assert_eq!(factor, expected, "{radius}"),
+        }
+    }
+    assert_eq!(fit(&mut Tree::default(), &FitParams::default()), None);
 }

@@ -14,9 +14,9 @@ use crate::remote::{Packet, Remote};
 /// Most frames of the device until a packet must have arrived: some 20 s on the null compositor.
 const PATIENCE: usize = 400;
 
-/// How much the runtime changes an orientation: it normalises the quaternion once more, which moves the last bit
+/// How much the runtime changes an orientation: it normalises the quaternion once more, which moves the last bits
 /// where its length was not exactly 1. Everything else arrives to the bit.
-const LAST_BIT: f32 = 2e-7;
+const LAST_BITS: f32 = 1e-6;
 
 /// Feeds a session to the remote driver and gives what the headset inside says of it.
 pub struct Fed<H, I> {
@@ -55,7 +55,7 @@ pub fn arrived(seen: &Frame, sent: &Frame) -> bool {
         seen.position == sent.position
             && apart
                 .into_iter()
-                .all(|(seen, sent)| (seen - sent).abs() <= LAST_BIT)
+                .all(|(seen, sent)| (seen - sent).abs() <= LAST_BITS)
     };
     let hands = seen.hands.iter().zip(&sent.hands).all(|(seen, sent)| {
         let values = |hand: &Hand| {

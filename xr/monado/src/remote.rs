@@ -481,6 +481,15 @@ mod tests {
     }
 
     #[test]
+    fn the_session_that_comes_with_ramus_can_be_sent() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../assets/sessions/first-tree.session");
+        for frame in ramus_xr::session::read_file(&path).unwrap() {
+            Packet::from_frame(&frame).unwrap();
+        }
+    }
+
+    #[test]
     fn what_a_packet_cannot_say_is_refused() {
         let mut frame = frame();
         frame.hands[1].grip.position.x += 0.1;

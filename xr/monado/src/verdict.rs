@@ -1,7 +1,8 @@
 //! What a runtime and the validation layers found wrong, read from their output.
 
 /// The lines of `output` that no run may print: an error that the runtime returned (`XR_ERROR…` at the
-/// beginning of a line), the OpenXR core-validation layer's `VALID_ERROR`, or a broken Vulkan rule (`VUID-…`).
+/// beginning of a line), the OpenXR core-validation layer's `VALID_ERROR`, or a broken Vulkan rule
+/// (`VUID-…`, `UNASSIGNED-…`, `SYNC-HAZARD…`).
 /// The layer names a rule in its remarks on its own beginning and end too; those are no complaints.
 pub fn complaints(output: &str) -> Vec<&str> {
     output
@@ -13,7 +14,10 @@ pub fn complaints(output: &str) -> Vec<&str> {
 }
 
 fn breaks_rule(line: &str) -> bool {
-    line.contains("VUID-") && !line.contains("VALID_DEBUG") && !line.contains("VALID_INFO")
+    let named = ["VUID-", "UNASSIGNED-", "SYNC-HAZARD"]
+        .iter()
+        .any(|rule| line.contains(rule));
+    named && !line.contains("VALID_DEBUG") && !line.contains("VALID_INFO")
 }
 
 #[cfg(test)]

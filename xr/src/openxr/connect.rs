@@ -58,14 +58,13 @@ pub enum ConnectError {
 const APPLICATION: &str = "Ramus";
 
 /// Keeps the OpenXR loader from writing its own lines to the error output when there is no runtime: the program says
-/// it in one sentence. What a person has set in `XR_LOADER_DEBUG` stays.
-///
-/// # Safety
-/// Changes the environment: call it first thing in `main`, before any other thread runs.
-pub unsafe fn quiet_loader() {
+/// it in one sentence. What a person has set in `XR_LOADER_DEBUG` stays. Call it first thing in `main`: once there are
+/// other threads, or where it cannot be known (elsewhere than on Linux), it does nothing.
+pub fn quiet_loader() {
     const VARIABLE: &str = "XR_LOADER_DEBUG";
-    if std::env::var_os(VARIABLE).is_none() {
-        // SAFETY: the caller vouches for no other thread.
+    let alone = std::fs::read_dir("/proc/self/task").is_ok_and(|threads| threads.count() == 1);
+    if alone && std::env::var_os(VARIABLE).is_none() {
+        // SAFETY: no other thread runs that could read the environment.
         unsafe { std::env::set_var(VARIABLE, "none") };
     }
 }

@@ -55,7 +55,7 @@ pub(super) fn locate(
     let location = space.locate(&stage.space, time).called("xrLocateSpace")?;
     let known = xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::POSITION_VALID;
     let pose = pose_from_raw(location.pose);
-    Ok((location.location_flags.contains(known) && pose.is_sane()).then_some(pose))
+    Ok((location.location_flags.contains(known) && pose.is_sane()).then(|| pose.settled()))
 }
 
 pub(super) fn pose_from_raw(raw: xr::Posef) -> Pose {

@@ -72,6 +72,9 @@ pub(super) fn locate_views(
     let sane = located
         .iter()
         .all(|view| view.pose.is_sane() && view.fov.is_sane());
+    for view in &mut located {
+        view.pose = view.pose.settled();
+    }
     Ok(sane.then_some(located))
 }
 

@@ -117,7 +117,7 @@ impl<R: BufRead> SessionReader<R> {
     /// The frame that has been read, with its views worked out.
     fn finished(&self) -> Result<Frame, SessionError> {
         let mut frame = self.frame;
-        frame.views = self.eyes.map(|eye| eye.view(frame.head));
+        frame.views = self.eyes.map(|eye| eye.view(frame.head).settled());
         frame.check().map_err(|fault| SessionError::Syntax {
             line: self.frame_line,
             column: 1,
@@ -437,7 +437,7 @@ impl<'a> Words<'a> {
             position: Vec3::new(x, y, z),
         };
         if pose.is_sane() {
-            Ok(pose)
+            Ok(pose.settled())
         } else {
             Err(self.fault(
                 column,

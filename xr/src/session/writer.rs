@@ -124,7 +124,7 @@ fn push_hand(text: &mut String, side: &str, before: &Hand, hand: &Hand) {
 
 /// Says where an eye is, unless what was said of it still holds.
 fn push_view(text: &mut String, side: &str, eye: &mut Eye, head: Pose, view: View) {
-    if same_view(eye.view(head), view) {
+    if says(*eye, head, view) {
         return;
     }
     // An eye fixed to the head is said once; rounding finds the offset that the numbers came from.
@@ -137,7 +137,7 @@ fn push_view(text: &mut String, side: &str, eye: &mut Eye, head: Pose, view: Vie
         fov: view.fov,
     };
     let relative = Eye::Relative(fixed);
-    let (word, said) = if fixed.pose.is_sane() && same_view(relative.view(head), view) {
+    let (word, said) = if fixed.pose.is_sane() && says(relative, head, view) {
         *eye = relative;
         (" eye", fixed)
     } else {
@@ -151,6 +151,12 @@ fn push_view(text: &mut String, side: &str, eye: &mut Eye, head: Pose, view: Vie
     }
     push_pose(text, said.pose);
     text.push('\n');
+}
+
+/// Whether `eye` is read as `view`: the reader settles the product.
+fn says(eye: Eye, head: Pose, view: View) -> bool {
+    let product = eye.view(head);
+    same_view(product, view) || same_view(product.settled(), view)
 }
 
 /// To a hundredth of a millimetre; never a negative zero.

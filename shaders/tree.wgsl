@@ -1,0 +1,189 @@
+// The tree: tapered tubes pulled from the segments' buffer, eight segments an instance.
+// The formula is src/tree/mesh.rs's, its twin on the processor. Both rings of a joint are computed
+// from the same numbers by the same instructions, so they meet bit for bit.
+#include "shared/light.wgsl"
+#include "shared/noise.wgsl"
+
+struct Segment {
+    start: vec3f,
+    v_start: f32,
+    end: vec3f,
+    flags: u32,
+    base: vec3f,
+    v_end: f32,
+    radii: vec4f,
+    start_frame: vec2u,
+    end_frame: vec2u,
+}
+
+@group(1) @binding(0) var<storage, read> segments: array<Segment>;
+// The numbers of the segments that end a tube.
+@group(1) @binding(1) var<storage, read> caps: array<u32>;
+
+const SIDES = 8u;
+const GROWING = 1u;
+// A tube's end is a cone of so many radii.
+const CAP_HEIGHT = 0.75;
+// A tube is drawn no thinner than this many pixels in radius; what is thinner grows faint instead of breaking up.
+const FINEST = 0.6;
+
+struct Point {
+    @builtin(position) position: vec4f,
+    @location(0) world: vec3f,
+    @location(1) normal: vec3f,
+    // Unit circle about the axis.
+    @location(2) around: vec2f,
+    // x: circumferences along the tube; y: radius in the tree's own metres; z: alpha; w: 1 for the newest step.
+    @location(3) bark: vec4f,
+    @location(4) @interpolate(flat) eye: vec3f,
+}
+
+// A point of a ring, or the tip of the cone over it.
+struct Spot {
+    world: vec3f,
+    outward: vec3f,
+    normal: vec3f,
+    around: vec2f,
+    along: f32,
+    radius: f32,
+    center: vec3f,
+}
+
+// b itself where g reaches 1: no rounding moves a whole tree.
+fn grow(a: f32, b: f32, g: f32) -> f32 {
+    return select(a + g * (b - a), b, g >= 1.0);
+}
+
+fn grow_point(a: vec3f, b: vec3f, g: f32) -> vec3f {
+    return select(a + g * (b - a), b, g >= 1.0);
+}
+
+fn turn(q: vec4f, p: vec3f) -> vec3f {
+    let t = 2.0 * cross(q.xyz, p);
+    return p + q.w * t + cross(q.xyz, t);
+}
+
+// `side` 0..7 is on the ring; 8 is the cone's tip.
+fn spot(segment: Segment, second: bool, side: u32) -> Spot {
+    let g = frame.tree.x;
+    let growing = (segment.flags & GROWING) != 0u;
+    let start = select(segment.start, grow_point(segment.base, segment.start, g), growing);
+    let end = select(segment.end, grow_point(segment.base, segment.end, g), growing);
+    let radius_start = grow(segment.radii.x, segment.radii.y, g);
+    let radius_end = grow(segment.radii.z, segment.radii.w, g);
+    let slope = clamp((radius_start - radius_end) / max(distance(start, end), 1e-9), -1.0, 1.0);
+
+    let center = select(start, end, second);
+    let radius = select(radius_start, radius_end, second);
+    let packed = select(segment.start_frame, segment.end_frame, second);
+    let q = normalize(vec4f(unpack2x16snorm(packed.x), unpack2x16snorm(packed.y)));
+    let angle = f32(side % SIDES) * (6.2831853 / f32(SIDES));
+    let tip = side == SIDES;
+    let around = vec2f(cos(angle), sin(angle));
+    let axis = turn(q, vec3f(0.0, 1.0, 0.0));
+    let corner = turn(q, vec3f(around.x, 0.0, around.y));
+    let outward = select(corner, axis, tip);
+    let local = center + outward * (radius * select(1.0, CAP_HEIGHT, tip));
+
+    var out: Spot;
+    out.world = (frame.world_from_tree * vec4f(local, 1.0)).xyz;
+    out.outward = normalize((frame.world_from_tree * vec4f(outward, 0.0)).xyz);
+    out.normal = normalize((frame.world_from_tree * vec4f(select(corner + slope * axis, axis, tip), 0.0)).xyz);
+    out.center = (frame.world_from_tree * vec4f(center, 1.0)).xyz;
+    out.around = select(around, vec2f(0.0), tip);
+    out.along = select(segment.v_start, segment.v_end, second);
+    out.radius = radius;
+    return out;
+}
+
+fn seen(s: Spot, newest: bool, view: u32) -> Point {
+    let v = frame.views[view];
+    let radius = s.radius * frame.tree.y;
+    let depth = (v.clip_from_world * vec4f(s.center, 1.0)).w;
+    let finest = max(depth, 0.0) * v.eye.w * FINEST;
+    // Widened from the axis outwards; a zero radius stays a line in the middle with alpha 0.
+    let world = s.world + s.outward * max(finest - radius, 0.0);
+    var out: Point;
+    out.position = v.clip_from_world * vec4f(world, 1.0);
+    out.world = world;
+    out.normal = s.normal;
+    out.around = s.around;
+    out.bark = vec4f(s.along, s.radius, clamp(radius / max(finest, 1e-9), 0.0, 1.0), select(0.0, 1.0, newest));
+    out.eye = v.eye.xyz;
+    return out;
+}
+
+@vertex
+fn tube_vertex(
+    @builtin(vertex_index) vertex: u32,
+    @builtin(instance_index) instance: u32,
+    @builtin(view_index) view: u32,
+) -> Point {
+    let segment = segments[instance * 8u + vertex / 16u];
+    return seen(spot(segment, (vertex & 8u) != 0u, vertex & 7u), (segment.flags & GROWING) != 0u, view);
+}
+
+// Eight caps an instance, nine corners each: the ring and the tip.
+@vertex
+fn cap_vertex(
+    @builtin(vertex_index) vertex: u32,
+    @builtin(instance_index) instance: u32,
+    @builtin(view_index) view: u32,
+) -> Point {
+    let segment = segments[caps[instance * 8u + vertex / 9u]];
+    return seen(spot(segment, true, vertex % 9u), (segment.flags & GROWING) != 0u, view);
+}
+
+// The same tubes as the sun sees them, at least a texel wide.
+@vertex
+fn shadow_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4f {
+    let segment = segments[instance * 8u + vertex / 16u];
+    let s = spot(segment, (vertex & 8u) != 0u, vertex & 7u);
+    let radius = s.radius * frame.tree.y;
+    let finest = select(0.0, 0.5 * frame.tree.w, radius > 0.02 * frame.tree.w);
+    return frame.shadow_from_world * vec4f(s.world + s.outward * max(finest - radius, 0.0), 1.0);
+}
+
+// Height of the bark, 0 in the furrows to 1 on the ridges; `along` in circumferences, so that it looks the
+// same on a trunk and on a twig.
+fn furrows(around: vec2f, along: f32) -> f32 {
+    let p = vec3f(around.x * 1.8, along * 2.2, around.y * 1.8);
+    let bend = noise(p * vec3f(0.9, 1.0, 0.9) + 11.0) * 1.1;
+    let ridge = 1.0 - abs(2.0 * noise(vec3f(p.x * 1.7 + bend, p.y, p.z * 1.7 - bend)) - 1.0);
+    let fine = noise(vec3f(p.x * 5.0, p.y * 3.0, p.z * 5.0));
+    return clamp(ridge * ridge * 0.75 + fine * 0.35, 0.0, 1.0);
+}
+
+@fragment
+fn tree_fragment(point: Point) -> @location(0) vec4f {
+    let radius = max(point.bark.y, 1e-5);
+    let around = point.around / max(length(point.around), 1e-3);
+    let smooth_normal = normalize(point.normal);
+    // Relief from the height's slope on the screen; none where the furrows are finer than pixels.
+    let dx = dpdx(point.world);
+    let dy = dpdy(point.world);
+    let pixel = max(length(dx), length(dy));
+    let size = radius * frame.tree.y;
+    let fine = 1.0 - smoothstep(0.05, 0.6, pixel / max(size, 1e-6));
+    // Furrows finer than pixels would flicker: there the bark has its mean colour.
+    let height = mix(0.5, furrows(around, point.bark.x), fine);
+    let relief = 0.22 * size * fine;
+    let across = cross(dy, smooth_normal);
+    let down = cross(smooth_normal, dx);
+    let det = dot(dx, across);
+    let slope = sign(det) * (dpdx(height) * across + dpdy(height) * down) * relief;
+    var normal = abs(det) * smooth_normal - slope;
+    normal = normalize(normal + smooth_normal * (abs(det) * 0.15 + 1e-20));
+
+    let old = mix(vec3f(0.055, 0.038, 0.026), vec3f(0.27, 0.205, 0.150), height);
+    let young = mix(vec3f(0.105, 0.090, 0.050), vec3f(0.20, 0.185, 0.105), height);
+    let shoot = mix(vec3f(0.11, 0.17, 0.055), vec3f(0.17, 0.26, 0.085), height);
+    var albedo = mix(young, old, smoothstep(0.003, 0.018, radius));
+    albedo = mix(albedo, shoot, point.bark.w * 0.8);
+
+    let offset = point.world - point.eye;
+    let sunny = sunlight(point.world, smooth_normal);
+    // Furrows lie in their own shade.
+    let color = lit(albedo, normal, -normalize(offset), sunny) * (0.72 + 0.28 * height);
+    return vec4f(air(color, offset), coverage(point.bark.z));
+}

@@ -1,0 +1,104 @@
+//! Stereo pictures of every growth step of a session, as PNG files.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use ramus_xr::{Acquired, Frame, Headset};
+
+use crate::app::export;
+use crate::app::picture::{Picture, side_by_side};
+use crate::app::session::Watcher;
+use crate::app::workshop::Workshop;
+
+/// Called after each frame with the number of frames so far.
+pub type OnFrame<'a> = Box<dyn FnMut(usize) + 'a>;
+
+/// Keeps a picture of each growth step, taken when the step has grown whole; a step that is shown again
+/// (after an undo, say) is pictured again, so that the newest stands.
+pub struct Album<'a> {
+    folder: Option<PathBuf>,
+    /// Tree and step of the last picture.
+    last: Option<(u64, u32)>,
+    steps: BTreeSet<u32>,
+    frames: usize,
+    on_frame: OnFrame<'a>,
+}
+
+impl<'a> Album<'a> {
+    /// Pictures go to `folder`, which is made; without one nothing is drawn.
+    ///
+    /// # Errors
+    /// Where the folder cannot be made.
+    pub fn new(folder: Option<&Path>, on_frame: OnFrame<'a>) -> Result<Self> {
+        if let Some(folder) = folder {
+            std::fs::create_dir_all(folder)
+                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        }
+        Ok(Self {
+            folder: folder.map(Path::to_owned),
+            last: None,
+            steps: BTreeSet::new(),
+            frames: 0,
+            on_frame,
+        })
+    }
+
+    /// The steps that were pictured.
+    #[must_use]
+    pub fn steps(&self) -> &BTreeSet<u32> {
+        &self.steps
+    }
+
+    /// Frames of the session so far.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// The file of a step's picture.
+    #[must_use]
+    pub fn file_name(step: u32) -> String {
+        format!("step-{step:02}.png")
+    }
+
+    fn is_due(&self, workshop: &Workshop) -> bool {
+        self.folder.is_some()
+            && self.last != Some(Self::key(workshop))
+            && !workshop.world().is_growing()
+            && !workshop.is_busy()
+    }
+
+    fn key(workshop: &Workshop) -> (u64, u32) {
+        (workshop.edits(), workshop.document().step)
+    }
+}
+
+impl Watcher for Album<'_> {
+    /// A picture is due when something changed and nothing moves by itself any more.
+    fn wants(&mut self, workshop: &Workshop, _frame: &Frame) -> bool {
+        self.is_due(workshop)
+    }
+
+    fn drawn(
+        &mut self,
+        workshop: &Workshop,
+        picture: &Picture,
+        acquired: Option<Acquired>,
+    ) -> Result<()> {
+        let key = Self::key(workshop);
+        let Some(folder) = self.folder.as_ref().filter(|_| self.is_due(workshop)) else {
+            return Ok(());
+        };
+        self.last = Some(key);
+        let both = side_by_side(&picture.read(acquired)?);
+        export::png(&both, &folder.join(Self::file_name(key.1)))?;
+        self.steps.insert(key.1);
+        Ok(())
+    }
+
+    fn ended(&mut self, _headset: &mut dyn Headset) {
+        self.frames += 1;
+        (self.on_frame)(self.frames);
+    }
+}

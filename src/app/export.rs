@@ -1,0 +1,92 @@
+//! Trees and pictures as files, the format told by the file's ending.
+
+use std::path::{Path, PathBuf};
+
+use image::{ImageFormat, RgbaImage};
+
+use crate::tree::export::{self, ExportParams};
+use crate::tree::file::write_atomically;
+use crate::tree::{Tree, TreeError};
+
+/// Why nothing was exported.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The ending tells no format.
+    #[error("{path}: the ending tells no format; use .glb, .obj or .swc", path = path.display())]
+    Format {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The tree or the disk is at fault.
+    #[error(transparent)]
+    Tree(#[from] TreeError),
+    /// The picture could not be encoded.
+    #[error("cannot make the PNG {path}: {source}", path = path.display())]
+    Picture {
+        /// What went wrong.
+        source: image::ImageError,
+        /// The path asked for.
+        path: PathBuf,
+    },
+}
+
+/// Formats of trees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Binary glTF: a surface with bark.
+    Glb,
+    /// Wavefront OBJ: a surface.
+    Obj,
+    /// SWC: the skeleton with radii.
+    Swc,
+}
+
+impl Format {
+    /// The format that a path's ending tells.
+    ///
+    /// # Errors
+    /// [`ExportError::Format`].
+    pub fn of(path: &Path) -> Result<Self, ExportError> {
+        let ending = path
+            .extension()
+            .and_then(|ending| ending.to_str())
+            .unwrap_or_default();
+        match ending.to_ascii_lowercase().as_str() {
+            "glb" => Ok(Self::Glb),
+            "obj" => Ok(Self::Obj),
+            "swc" => Ok(Self::Swc),
+            _ => Err(ExportError::Format {
+                path: path.to_owned(),
+            }),
+        }
+    }
+}
+
+/// Writes a tree, whole or not at all.
+///
+/// # Errors
+/// [`ExportError`].
+pub fn tree(tree: &Tree, path: &Path) -> Result<(), ExportError> {
+    let params = ExportParams::default();
+    let bytes = match Format::of(path)? {
+        Format::Glb => export::glb(tree, &params)?,
+        Format::Obj => export::obj(tree, &params)?,
+        Format::Swc => export::swc(tree)?,
+    };
+    Ok(write_atomically(path, &bytes)?)
+}
+
+/// Writes a picture as PNG, whole or not at all.
+///
+/// # Errors
+/// [`ExportError`].
+pub fn png(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture
+        .write_to(&mut bytes, ImageFormat::Png)
+        .map_err(|source| ExportError::Picture {
+            source,
+            path: path.to_owned(),
+        })?;
+    Ok(write_atomically(path, bytes.get_ref())?)
+}

@@ -1,0 +1,102 @@
+//! The headset behind the OpenXR runtime, with a picture that is drawn into its images.
+
+use ramus_xr::openxr::{ConnectError, OpenXrHeadset, StartParams, System};
+use ramus_xr::record::Player;
+use ramus_xr::{Frame, Headset};
+
+use crate::app::picture::Picture;
+use crate::app::session::{self, SessionEnd, Watcher};
+use crate::app::workshop::Workshop;
+use crate::render::{self, Gpu, GpuParams, RenderError};
+
+/// Why the headset could not be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The runtime or the headset is at fault.
+    #[error(transparent)]
+    Connect(#[from] ConnectError),
+    /// Vulkan is.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// The program's version as one number, for the runtime's books.
+const VERSION: u32 = 1;
+
+/// A headset with a session, and what draws for it.
+pub struct Opened {
+    // The picture goes first: its views show the headset's images.
+    picture: Picture,
+    headset: OpenXrHeadset,
+    gpu: Gpu,
+}
+
+/// Reaches the active runtime and its headset, without starting anything.
+///
+/// # Errors
+/// [`ConnectError`] in one sentence.
+pub fn connect() -> Result<System, ConnectError> {
+    ramus_xr::openxr::connect(VERSION)
+}
+
+impl Opened {
+    /// Makes Vulkan's device through the runtime and starts a session on it.
+    ///
+    /// # Errors
+    /// [`OpenError`].
+    pub fn start(system: System) -> Result<Self, OpenError> {
+        let gpu = Gpu::new(&system, &GpuParams::from_env())?;
+        let headset = system.start_on(Box::new(gpu.clone()), StartParams { near: render::NEAR })?;
+        let Some(swapchain) = headset.swapchain() else {
+            return Err(ConnectError::NoFormat.into());
+        };
+        let picture = Picture::in_headset(&gpu, swapchain)?;
+        Ok(Self {
+            picture,
+            headset,
+            gpu,
+        })
+    }
+
+    /// One line for people: runtime and device.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        self.headset.describe()
+    }
+
+    /// What the validation layers said so far.
+    #[must_use]
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.gpu.messages().list()
+    }
+
+    /// Runs a session to its end; `wrap` may put a headset around the headset (a recorder, a player).
+    ///
+    /// # Errors
+    /// [`SessionEnd`].
+    pub fn run<'a, Outer: Headset + 'a>(
+        self,
+        wrap: impl FnOnce(OpenXrHeadset) -> Outer,
+        workshop: &mut Workshop,
+        watcher: &mut dyn Watcher,
+    ) -> Result<(), SessionEnd> {
+        // Dropped in the reverse order: the picture before the headset whose images it shows.
+        let mut headset = wrap(self.headset);
+        let mut picture = self.picture;
+        session::run(&mut headset, workshop, Some(&mut picture), watcher)
+    }
+}
+
+/// Plays a session's head and hands on the headset.
+///
+/// # Errors
+/// Where there is no headset, or the session ended before its end.
+pub fn play(
+    frames: Vec<Frame>,
+    workshop: &mut Workshop,
+    watcher: &mut dyn Watcher,
+) -> Result<(), SessionEnd> {
+    let opened = connect().map_err(OpenError::from).and_then(Opened::start)?;
+    let frames = frames.into_iter().map(Ok);
+    opened.run(|headset| Player::new(headset, frames), workshop, watcher)
+}

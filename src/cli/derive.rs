@@ -1,0 +1,175 @@
+//! `ramus derive`: a grammar file grown, printed, drawn and exported.
+
+use std::io::{Write as _, stdout};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, anyhow, bail};
+use clap::{Args as ClapArgs, ValueEnum};
+
+use crate::app::{export, portrait};
+use crate::lsystem::report::Report;
+use crate::lsystem::{Grammar, Limits, TurtleParams, interpret};
+use crate::tree::Tree;
+use crate::tree::radii::{self, FitParams};
+
+/// Larger files are no grammars.
+const MAX_GRAMMAR_BYTES: u64 = 64 << 20;
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct Args {
+    /// The grammar file (.lsys)
+    file: PathBuf,
+    /// Steps to derive; without it the number that the file states
+    #[arg(long, value_name = "N")]
+    steps: Option<u32>,
+    /// What to print
+    #[arg(long, value_enum, value_name = "WHAT")]
+    print: Option<Print>,
+    /// Print counts, sums and bounds as one JSON object on one line
+    #[arg(long)]
+    json: bool,
+    /// Write the tree; the ending tells the format: .glb, .obj or .swc (may be given more than once)
+    #[arg(long, value_name = "FILE")]
+    export: Vec<PathBuf>,
+    /// Draw the tree into a PNG picture
+    #[arg(long, value_name = "FILE")]
+    png: Option<PathBuf>,
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 1024)]
+    size: u32,
+    /// How the grammar's widths are meant in exports and pictures
+    #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
+    widths: Widths,
+    /// Seed of the random draws, in place of the file's
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
+    /// Most memory that the strings may take, in MiB
+    #[arg(long, value_name = "MIB", default_value_t = 4096)]
+    memory: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Print {
+    /// The modules with their parameters
+    String,
+    /// How many of each name, and their parameters' sums
+    Counts,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Widths {
+    /// In metres, unless the trunk would be thicker than a fifth of the tree: then scaled to fit, as ABOP means them
+    Auto,
+    /// In metres, whatever comes of it
+    Metres,
+}
+
+pub(super) fn run(args: &Args) -> Result<()> {
+    for path in &args.export {
+        export::Format::of(path)?;
+    }
+    let grammar = read(args)?;
+    let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
+        anyhow!(
+            "{} states no number of steps: give one with --steps N",
+            args.file.display()
+        )
+    })?;
+    let limits = Limits {
+        bytes: args.memory.saturating_mul(1 << 20),
+        ..Limits::default()
+    };
+    let never = AtomicBool::new(false);
+
+    let began = Instant::now();
+    let string = grammar
+        .derive(steps, &limits, &never)
+        .with_context(|| args.file.display().to_string())?;
+    let derive_ms = began.elapsed().as_secs_f64() * 1e3;
+
+    if args.print == Some(Print::String) {
+        let mut out = std::io::BufWriter::new(stdout().lock());
+        string.write_text(&grammar, &mut out)?;
+        writeln!(out)?;
+        out.flush()?;
+        if !args.json && args.export.is_empty() && args.png.is_none() {
+            return Ok(());
+        }
+    }
+    let began = Instant::now();
+    let tree = interpret(
+        &grammar,
+        &string,
+        &TurtleParams {
+            limits,
+            ..TurtleParams::default()
+        },
+        &never,
+    )
+    .with_context(|| args.file.display().to_string())?;
+    let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
+    let report = Report::new(&grammar, &string, &tree, steps, derive_ms, turtle_ms);
+    drop(string);
+    let mut out = stdout().lock();
+    if args.print == Some(Print::Counts) {
+        write!(out, "{}", report.counts_text())?;
+    }
+    if args.json {
+        writeln!(out, "{}", report.to_json()?)?;
+    } else if args.print.is_none() {
+        writeln!(
+            out,
+            "{}: {} modules and {} segments after {steps} steps",
+            args.file.display(),
+            report.modules,
+            report.segments
+        )?;
+    }
+    out.flush()?;
+    write_files(args, tree)
+}
+
+fn read(args: &Args) -> Result<Grammar> {
+    let path = &args.file;
+    let name = path.display().to_string();
+    let size = std::fs::metadata(path)
+        .with_context(|| format!("cannot read {name}"))?
+        .len();
+    if size > MAX_GRAMMAR_BYTES {
+        bail!("{name} is {size} bytes long, and no grammar is read beyond {MAX_GRAMMAR_BYTES}");
+    }
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {name}"))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        anyhow!("{name} is no UTF-8 text (byte {at}): save the grammar as UTF-8")
+    })?;
+    let grammar = Grammar::parse(&text, &name).map_err(|errors| anyhow!("{errors}"))?;
+    Ok(match args.seed {
+        Some(seed) => grammar.with_seed(seed),
+        None => grammar,
+    })
+}
+
+fn write_files(args: &Args, mut tree: Tree) -> Result<()> {
+    if args.export.is_empty() && args.png.is_none() {
+        return Ok(());
+    }
+    if args.widths == Widths::Auto
+        && let Some(factor) = radii::fit(&mut tree, &FitParams::default())
+    {
+        eprintln!(
+            "ramus: the widths are far too large for metres and were multiplied by {factor:.4}; --widths metres leaves them"
+        );
+    }
+    for path in &args.export {
+        export::tree(&tree, path)?;
+    }
+    if let Some(path) = &args.png {
+        let picture = portrait::of_tree(Arc::new(tree), args.size)?;
+        export::png(&picture, path)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,122 @@
+//! `ramus replay`: a recorded session played through the workshop, and what it made kept as files.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use ash::vk;
+use clap::{Args as ClapArgs, ValueEnum};
+use ramus_xr::simulated::Simulated;
+
+use super::progress::Progress;
+use crate::app::album::Album;
+use crate::app::picture::Picture;
+use crate::app::store::Store;
+use crate::app::workshop::{Workshop, WorkshopParams};
+use crate::app::{headset, portrait, take_home};
+use crate::world::World;
+use crate::world::history::History;
+
+/// Pixels of one eye of the simulated headset.
+pub(super) const EXTENT: vk::Extent2D = vk::Extent2D {
+    width: 1024,
+    height: 1024,
+};
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct Args {
+    /// The recorded session (.session)
+    session: PathBuf,
+    /// Which headset plays it: the simulated one, or the one behind the OpenXR runtime (head and hands come from the session)
+    #[arg(long, value_enum, default_value_t = Which::Simulated, value_name = "WHICH")]
+    headset: Which,
+    /// Write the project that the session made (a new one, whatever is there)
+    #[arg(long, value_name = "FILE.ramus")]
+    project: Option<PathBuf>,
+    /// Write a stereo picture of every growth step into this folder
+    #[arg(long, value_name = "DIR")]
+    png: Option<PathBuf>,
+    /// Write the tree that the session ended with
+    #[arg(long, value_name = "FILE.glb")]
+    glb: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Which {
+    /// Built in, needs no device
+    Simulated,
+    /// The runtime's
+    Openxr,
+}
+
+pub(super) fn run(args: &Args) -> Result<()> {
+    let path = &args.session;
+    let name = path.display();
+    // Read whole before anything is changed: a broken session makes no project.
+    let frames =
+        ramus_xr::session::read_file(path).with_context(|| format!("cannot play {name}"))?;
+    let total = frames.len();
+    let mut workshop = open(args.project.as_deref())?;
+    let mut progress = Progress::new("playing");
+    let mut album = Album::new(
+        args.png.as_deref(),
+        Box::new(|frame| progress.show(frame, total)),
+    )?;
+    let outcome = match args.headset {
+        Which::Simulated => {
+            let mut simulated = Simulated::new(frames, EXTENT);
+            let mut picture = match args.png {
+                Some(_) => {
+                    let gpu = portrait::open_gpu()?;
+                    Some(Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?)
+                }
+                None => None,
+            };
+            crate::app::session::run(&mut simulated, &mut workshop, picture.as_mut(), &mut album)
+        }
+        Which::Openxr => headset::play(frames, &mut workshop, &mut album),
+    };
+    let steps = album.steps().len();
+    let played = album.frames();
+    drop(album);
+    // Whatever ended the session, what was made is kept.
+    let world = keep(workshop, args)?;
+    outcome?;
+    drop(progress);
+    println!(
+        "played {played} frames of {name}: {}",
+        take_home::summary(&world)
+    );
+    if let Some(project) = &args.project {
+        println!("  project   {}", project.display());
+    }
+    if let Some(folder) = &args.png {
+        println!(
+            "  pictures  {} (stereo, {steps} growth steps)",
+            folder.display()
+        );
+    }
+    if let Some(glb) = &args.glb {
+        take_home::export(&world, glb)?;
+        println!("  tree      {}", glb.display());
+    }
+    Ok(())
+}
+
+fn open(project: Option<&Path>) -> Result<Workshop> {
+    let params = WorkshopParams::default();
+    Ok(match project {
+        None => Workshop::unsaved(World::new(History::default()))?,
+        Some(path) => {
+            let opened = Store::begin(path)?;
+            if let Some(message) = &opened.message {
+                eprintln!("ramus: {message}");
+            }
+            Workshop::new(opened, params)?
+        }
+    })
+}
+
+fn keep(mut workshop: Workshop, _args: &Args) -> Result<World> {
+    workshop.finish_tree();
+    Ok(workshop.close()?)
+}

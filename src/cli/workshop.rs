@@ -1,0 +1,168 @@
+//! `ramus`: the workshop, in the headset that answers, else as a demonstration on the simulated one.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use clap::{Args as ClapArgs, ValueEnum};
+use ramus_xr::simulated::Simulated;
+
+use super::progress::Progress;
+use super::replay::EXTENT;
+use crate::app::album::Album;
+use crate::app::headset::{self, Opened};
+use crate::app::picture::Picture;
+use crate::app::session::{self, Nobody};
+use crate::app::store::Store;
+use crate::app::workshop::{Workshop, WorkshopParams};
+use crate::app::{demonstration, portrait, take_home};
+use crate::world::World;
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct Args {
+    /// The project to go on with, or to begin
+    #[arg(long, value_name = "FILE.ramus")]
+    project: Option<PathBuf>,
+    /// Where pictures and exports go
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Which headset to use
+    #[arg(long, value_enum, default_value_t = Which::Auto, value_name = "WHICH")]
+    headset: Which,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Which {
+    /// The one behind the OpenXR runtime, else the simulated one
+    Auto,
+    /// The one behind the OpenXR runtime, or an error
+    Openxr,
+    /// The built-in one, which needs no device
+    Simulated,
+}
+
+pub(super) fn run(args: &Args) -> Result<()> {
+    if args.headset != Which::Simulated {
+        match headset::connect() {
+            Ok(system) => return in_headset(Opened::start(system)?, args),
+            Err(error) if args.headset == Which::Openxr => return Err(error.into()),
+            Err(error) => println!("No headset: {error}."),
+        }
+    }
+    make_folder(&args.out)?;
+    match &args.project {
+        Some(project) => look_at(project, &args.out),
+        None => demonstrate(&args.out),
+    }
+}
+
+fn make_folder(folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))
+}
+
+/// The workshop itself.
+fn in_headset(opened: Opened, args: &Args) -> Result<()> {
+    let default = || args.out.join("workshop.ramus");
+    let project = args.project.clone().unwrap_or_else(default);
+    if args.project.is_none() {
+        make_folder(&args.out)?;
+    }
+    println!("In the headset: {}.", opened.describe());
+    let store = Store::open(&project)?;
+    if let Some(message) = &store.message {
+        println!("{message}");
+    }
+    let mut workshop = Workshop::new(store, WorkshopParams::default())?;
+    let outcome = opened.run(|headset| headset, &mut workshop, &mut Nobody);
+    // However the session ended, the work is saved first.
+    workshop.finish_tree();
+    let world = workshop.close()?;
+    println!(
+        "Saved {}: {}.",
+        project.display(),
+        take_home::summary(&world)
+    );
+    if world.document().step > 0 {
+        let glb = project.with_extension("glb");
+        take_home::export(&world, &glb)?;
+        println!("The tree is in {}.", glb.display());
+    }
+    Ok(outcome?)
+}
+
+/// Without a headset and without a project: a recorded session shows what the workshop is.
+fn demonstrate(out: &Path) -> Result<()> {
+    println!("Playing the recorded session first-tree on the built-in simulated headset …");
+    let frames = demonstration::first_tree()?;
+    let total = frames.len();
+    let project = out.join("first-tree.ramus");
+    let opened = Store::begin(&project)?;
+    if let Some(message) = &opened.message {
+        println!("{message}");
+    }
+    let mut workshop = Workshop::new(opened, WorkshopParams::default())?;
+    let gpu = portrait::open_gpu()?;
+    let mut picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
+    let mut headset = Simulated::new(frames, EXTENT);
+    let mut progress = Progress::new("playing");
+    let mut album = Album::new(Some(out), Box::new(|frame| progress.show(frame, total)))?;
+    let outcome = session::run(&mut headset, &mut workshop, Some(&mut picture), &mut album);
+    let steps = album.steps().clone();
+    drop(album);
+    drop(progress);
+    workshop.finish_tree();
+    let world = workshop.close()?;
+    outcome?;
+    let glb = out.join("first-tree.glb");
+    take_home::export(&world, &glb)?;
+    println!(
+        "A tree was drawn with two controllers and grown: {}.",
+        take_home::summary(&world)
+    );
+    tell(out, steps.len(), Some(&project), &glb);
+    println!(
+        "With a headset the same command starts the workshop in it; `ramus doctor` says what is missing."
+    );
+    Ok(())
+}
+
+/// Without a headset, a project: every growth step pictured, and the tree exported. The project stays as it
+/// is, but for what a killed session left in its journal.
+fn look_at(project: &Path, out: &Path) -> Result<()> {
+    let opened = Store::open(project)?;
+    if let Some(message) = &opened.message {
+        println!("{message}");
+    }
+    let document = opened.history.committed().clone();
+    opened.store.close(&document)?;
+    let gpu = portrait::open_gpu()?;
+    let mut picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
+    let mut progress = Progress::new("drawing");
+    let steps = demonstration::every_step(&document, &mut picture, out, |step, most| {
+        progress.show(step, most);
+    })?;
+    drop(progress);
+    let world = World::new(crate::world::history::History::new(document));
+    println!("{}: {}.", project.display(), take_home::summary(&world));
+    let glb = out
+        .join(project.file_stem().unwrap_or_default())
+        .with_extension("glb");
+    if world.document().step > 0 {
+        take_home::export(&world, &glb)?;
+        tell(out, steps, None, &glb);
+    } else {
+        println!("It has not grown yet: pictures are in {}.", out.display());
+    }
+    Ok(())
+}
+
+fn tell(out: &Path, steps: usize, project: Option<&Path>, glb: &Path) {
+    println!(
+        "  pictures  {} ({steps} growth steps, left and right eye)",
+        out.join("step-*.png").display()
+    );
+    if let Some(project) = project {
+        println!("  project   {}", project.display());
+    }
+    println!("  tree      {}", glb.display());
+}

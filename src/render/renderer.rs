@@ -1,0 +1,530 @@
+//! Draws a [`Scene`] for two eyes.
+//!
+//! A frame: wait for the slot's last frame, write the frame's numbers and instances into the slot's buffers, copy what is due
+//! of a new tree, draw the shadow map if the tree changed, one pass over the stage for both eyes
+//! (multiview; or one pass an eye), submit. Nothing is allocated and no pipeline made once
+//! the buffers have grown to the scene.
+
+mod record;
+
+use ash::vk;
+use glam::{Mat4, Vec3, Vec4};
+
+use self::record::Pass;
+use super::{
+    data::{self, FrameData, RodData, SolidData, ViewData},
+    error::RenderError,
+    eye::Eye,
+    frame::{Pool, SLOTS, Slot, block_stride, full_barrier},
+    gpu::Gpu,
+    memory::Buffer,
+    meshes::Meshes,
+    offscreen::{COLOR_FORMAT, DEPTH_FORMAT, check_extent},
+    panel::Panel,
+    pipelines::{Formats, Pipelines},
+    shadow::{self, Shadow, ShadowKey},
+    target::{Attachments, Target},
+    tree_upload::{COPY_BYTES, Scratch, TreeUpload, segment_count},
+};
+use crate::world::scene::{Color, PlacedTree, Scene};
+
+/// How both eyes are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StereoMode {
+    /// Both in one pass.
+    Multiview,
+    /// One pass an eye: for drivers whose multiview is broken (see [`super::probe`]).
+    PerEye,
+}
+
+/// What surrounds the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Backdrop {
+    /// Sky and ground.
+    Stage,
+    /// One colour (linear), nothing else: pictures of a tree alone.
+    Plain(Color),
+}
+
+/// How to draw.
+#[derive(Clone, Copy, Debug)]
+pub struct RendererParams {
+    /// Pixels of one eye.
+    pub extent: vk::Extent2D,
+    /// Format of the targets' colour; an 8-bit sRGB one.
+    pub color_format: vk::Format,
+    /// Format of the targets' depth.
+    pub depth_format: vk::Format,
+    /// One pass or two.
+    pub mode: StereoMode,
+    /// What surrounds the scene.
+    pub backdrop: Backdrop,
+    /// Towards the sun; any length.
+    pub sun: Vec3,
+    /// Whether the tree throws a shadow.
+    pub shadows: bool,
+    /// A new tree of up to so many segments is built and shown within the frame that brings it; a larger one must come
+    /// through [`Renderer::set_tree`].
+    pub direct_segments: usize,
+}
+
+impl RendererParams {
+    /// For an [`super::Offscreen`] or the like of `width` × `height` pixels an eye.
+    pub fn new(width: u32, height: u32, mode: StereoMode) -> Self {
+        Self {
+            extent: vk::Extent2D { width, height },
+            color_format: COLOR_FORMAT,
+            depth_format: DEPTH_FORMAT,
+            mode,
+            backdrop: Backdrop::Stage,
+            sun: Vec3::new(0.62, 0.70, 0.36),
+            shadows: true,
+            direct_segments: 100_000,
+        }
+    }
+}
+
+/// Which tree a frame showed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TreeState {
+    /// The scene has none.
+    None,
+    /// The scene's own.
+    Shown,
+    /// The last one, while the scene's is being copied.
+    Copying,
+    /// The last one: the scene's is too large to build within a frame; give [`Renderer::set_tree`] a
+    /// [`TreeUpload`] of this revision made on a worker.
+    Wanted(u64),
+}
+
+/// What a frame did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawReport {
+    /// Draw calls.
+    pub draws: u32,
+    /// Triangles handed over, each counted once for both eyes.
+    pub triangles: u64,
+    /// Segments of the tree that was shown.
+    pub segments: u32,
+    /// The tree.
+    pub tree: TreeState,
+}
+
+/// What waits until the frames that use it are done.
+enum Garbage {
+    Tree(#[allow(dead_code, reason = "kept to be dropped later")] TreeUpload),
+    Buffer(#[allow(dead_code, reason = "kept to be dropped later")] Buffer),
+}
+
+/// Draws scenes into targets of one size and format.
+pub struct Renderer {
+    params: RendererParams,
+    pipelines: Pipelines,
+    meshes: Meshes,
+    attachments: Attachments,
+    slots: [Slot; SLOTS],
+    shadow: Shadow,
+    panel: Panel,
+    tree: Option<TreeUpload>,
+    coming: Option<TreeUpload>,
+    scratch: Scratch,
+    garbage: Vec<(u64, Garbage)>,
+    frame: u64,
+    /// Holds the slots' sets.
+    _pool: Pool,
+    gpu: Gpu,
+}
+
+impl Renderer {
+    /// Makes everything that frames need.
+    ///
+    /// # Errors
+    /// [`RenderError`] when the device cannot.
+    pub fn new(gpu: &Gpu, params: &RendererParams) -> Result<Self, RenderError> {
+        check_extent(gpu, params.extent)?;
+        let mut params = *params;
+        params.sun = params.sun.normalize_or(Vec3::Y);
+        let per_eye = params.mode == StereoMode::PerEye;
+        let formats = Formats {
+            color: params.color_format,
+            depth: params.depth_format,
+            view_mask: if per_eye { 0 } else { 0b11 },
+        };
+        let pipelines = Pipelines::new(gpu, &formats)?;
+        let count = u32::try_from(SLOTS).unwrap_or(2);
+        let pool = Pool::new(
+            gpu,
+            count,
+            &[
+                (vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, count),
+                (vk::DescriptorType::SAMPLED_IMAGE, count),
+                (vk::DescriptorType::SAMPLER, count),
+                (vk::DescriptorType::STORAGE_BUFFER, 2 * count),
+            ],
+        )?;
+        let shadow = Shadow::new(gpu)?;
+        let layout = pipelines
+            .tree_layout
+            .sets
+            .first()
+            .copied()
+            .unwrap_or_default();
+        let slot = || {
+            let slot = Slot::new(gpu, pool.set(layout)?)?;
+            write_set(gpu, &slot, &shadow);
+            Ok::<_, RenderError>(slot)
+        };
+        let slots = [slot()?, slot()?];
+        Ok(Self {
+            meshes: Meshes::new(gpu)?,
+            attachments: Attachments::new(
+                gpu,
+                params.color_format,
+                params.depth_format,
+                params.extent,
+                per_eye,
+            )?,
+            panel: Panel::new(gpu, &pipelines.board_layout)?,
+            params,
+            pipelines,
+            slots,
+            shadow,
+            tree: None,
+            coming: None,
+            scratch: Scratch::default(),
+            garbage: Vec::new(),
+            frame: 0,
+            _pool: pool,
+            gpu: gpu.clone(),
+        })
+    }
+
+    /// How this renderer draws.
+    pub fn params(&self) -> &RendererParams {
+        &self.params
+    }
+
+    /// Changes what surrounds the scene.
+    pub fn set_backdrop(&mut self, backdrop: Backdrop) {
+        self.params.backdrop = backdrop;
+    }
+
+    /// Takes a tree that was prepared elsewhere; it is shown when it has been copied, some frames later.
+    pub fn set_tree(&mut self, upload: TreeUpload) {
+        if let Some(old) = self.coming.replace(upload) {
+            self.garbage.push((self.frame, Garbage::Tree(old)));
+        }
+    }
+
+    /// Paints egui's output into the board's picture, of `size_px` pixels, with the next draw; `textures` is cleared.
+    ///
+    /// # Errors
+    /// [`RenderError`] when a texture does not fit.
+    pub fn paint_panel(
+        &mut self,
+        primitives: &[egui::ClippedPrimitive],
+        textures: &mut egui::TexturesDelta,
+        size_px: [u32; 2],
+        pixels_per_point: f32,
+    ) -> Result<(), RenderError> {
+        self.panel
+            .paint(primitives, textures, size_px, pixels_per_point, self.frame)
+    }
+
+    /// Draws a scene into a target. Returns when the work is handed over, before it is done.
+    ///
+    /// # Errors
+    /// [`RenderError`]; after [`RenderError::DeviceLost`] everything must be made anew.
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        eyes: &[Eye; 2],
+        target: &Target<'_>,
+    ) -> Result<DrawReport, RenderError> {
+        self.check_target(target)?;
+        let at = usize::try_from(self.frame % SLOTS as u64).unwrap_or(0);
+        let commands = self.slots[at].commands.begin()?;
+        self.frame += 1;
+        let done = self.frame.saturating_sub(SLOTS as u64);
+        self.garbage.retain(|(frame, _)| *frame > done);
+
+        let mut state = self.update_tree(scene.tree.as_ref())?;
+        let placed = scene
+            .tree
+            .as_ref()
+            .filter(|_| self.tree.is_some() || self.coming.is_some());
+        let copied = self.copy_tree(commands)?;
+        if copied && state == TreeState::Copying {
+            state = TreeState::Shown;
+        }
+        let painted = self
+            .panel
+            .record(&self.gpu, commands, at, self.frame, done)?;
+
+        let numbers = self.numbers(scene, eyes, placed);
+        let slot = &mut self.slots[at];
+        let (rods, solids) = data::room(scene);
+        if slot.make_room(&self.gpu, rods, solids)? {
+            write_set(&self.gpu, slot, &self.shadow);
+        }
+        let mut swapped = numbers;
+        swapped.views.swap(0, 1);
+        slot.frame.write(0, &[numbers]);
+        slot.frame.write(block_stride(&self.gpu), &[swapped]);
+        let counts = data::fill(
+            scene,
+            self.panel.painted(),
+            records::<RodData>(&mut slot.rods),
+            records::<SolidData>(&mut slot.solids),
+        );
+
+        let pass = Pass {
+            commands,
+            counts,
+            board: scene.board.is_some(),
+            set: self.slots[at].set,
+            tree: self.tree.as_ref().filter(|_| placed.is_some()),
+        };
+        let key = self.shadow_key(placed, &numbers);
+        if copied || painted {
+            full_barrier(&self.gpu, commands, &[]);
+        }
+        let mut report = DrawReport {
+            draws: 0,
+            triangles: 0,
+            segments: pass.tree.map_or(0, |tree| tree.segments),
+            tree: state,
+        };
+        if let Some(key) = key
+            && self.shadow.drawn != Some(key)
+        {
+            self.record_shadow(&pass, &mut report);
+            self.shadow.drawn = Some(key);
+        }
+        match self.params.mode {
+            StereoMode::Multiview => self.record_both(&pass, target, &mut report),
+            StereoMode::PerEye => self.record_each(&pass, target, &mut report),
+        }
+        self.slots[at].commands.submit()?;
+        Ok(report)
+    }
+
+    fn check_target(&self, target: &Target<'_>) -> Result<(), RenderError> {
+        let fits = |image: &super::StereoImage, format| {
+            image.extent == self.params.extent && image.format == format
+        };
+        let depth = target
+            .depth
+            .is_none_or(|depth| fits(depth, self.params.depth_format));
+        if fits(target.color, self.params.color_format) && depth {
+            Ok(())
+        } else {
+            Err(RenderError::Unsupported(
+                "the target's size or format is not the renderer's; make a new renderer for it"
+                    .to_owned(),
+            ))
+        }
+    }
+
+    /// Decides which tree is shown and starts uploads.
+    fn update_tree(&mut self, placed: Option<&PlacedTree>) -> Result<TreeState, RenderError> {
+        let Some(placed) = placed else {
+            for gone in [self.tree.take(), self.coming.take()].into_iter().flatten() {
+                self.garbage.push((self.frame, Garbage::Tree(gone)));
+            }
+            return Ok(TreeState::None);
+        };
+        let has = |upload: &Option<TreeUpload>| {
+            upload
+                .as_ref()
+                .is_some_and(|upload| upload.revision == placed.revision)
+        };
+        if has(&self.coming) {
+            return Ok(TreeState::Copying);
+        }
+        if has(&self.tree) {
+            // Back at the tree that is shown: what was on its way is not wanted any more.
+            if let Some(old) = self.coming.take() {
+                self.garbage.push((self.frame, Garbage::Tree(old)));
+            }
+            return Ok(TreeState::Shown);
+        }
+        if segment_count(placed) > self.params.direct_segments {
+            return Ok(TreeState::Wanted(placed.revision));
+        }
+        let upload = TreeUpload::with_scratch(&self.gpu, placed, &mut self.scratch)?;
+        self.set_tree(upload);
+        Ok(TreeState::Copying)
+    }
+
+    /// Copies the due part of the coming tree; true when it became the shown one.
+    fn copy_tree(&mut self, commands: vk::CommandBuffer) -> Result<bool, RenderError> {
+        let Some(coming) = &mut self.coming else {
+            return Ok(false);
+        };
+        if !coming.copy(&self.gpu, commands, COPY_BYTES) {
+            return Ok(false);
+        }
+        let layout = self
+            .pipelines
+            .tree_layout
+            .sets
+            .get(1)
+            .copied()
+            .unwrap_or_default();
+        let count = u32::try_from(coming.chunks.len())
+            .unwrap_or(u32::MAX)
+            .max(1);
+        let pool = Pool::new(
+            &self.gpu,
+            count,
+            &[(vk::DescriptorType::STORAGE_BUFFER, 2 * count)],
+        )?;
+        for chunk in &mut coming.chunks {
+            chunk.set = pool.set(layout)?;
+            let buffers = [chunk.segments.handle, chunk.caps.handle].map(whole_buffer);
+            let writes = [0, 1].map(|binding| {
+                vk::WriteDescriptorSet::default()
+                    .dst_set(chunk.set)
+                    .dst_binding(binding)
+                    .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                    .buffer_info(std::slice::from_ref(&buffers[binding as usize]))
+            });
+            // SAFETY: the set is new, the buffers live as long as it.
+            unsafe { self.gpu.device.update_descriptor_sets(&writes, &[]) };
+        }
+        coming.pool = Some(pool);
+        self.garbage.extend(
+            coming
+                .take_staging()
+                .map(|buffer| (self.frame, Garbage::Buffer(buffer))),
+        );
+        if let Some(old) = std::mem::replace(&mut self.tree, self.coming.take()) {
+            self.garbage.push((self.frame, Garbage::Tree(old)));
+        }
+        Ok(true)
+    }
+
+    /// The numbers that all shaders read.
+    fn numbers(&self, scene: &Scene, eyes: &[Eye; 2], placed: Option<&PlacedTree>) -> FrameData {
+        let bounds = self
+            .tree
+            .as_ref()
+            .map(|tree| tree.bounds)
+            .unwrap_or_default();
+        let world_from_tree = placed
+            .map(|placed| placed.world_from_tree)
+            .filter(|map| map.is_finite())
+            .unwrap_or_default();
+        let shadow = placed
+            .filter(|_| self.params.shadows)
+            .and_then(|_| shadow::projection(self.params.sun, &bounds, &world_from_tree));
+        let texel = shadow.map_or(0.0, |(_, texel)| texel);
+        // A tree that waits for its successor stands whole.
+        let growth = placed
+            .filter(|placed| {
+                self.tree
+                    .as_ref()
+                    .is_some_and(|tree| tree.revision == placed.revision)
+            })
+            .map_or(1.0, |placed| {
+                crate::tree::growth::clamp_growth(placed.growth)
+            });
+        FrameData {
+            views: [0, 1].map(|eye| ViewData::new(&eyes[eye], self.params.extent.width)),
+            sun: self.params.sun.extend(0.0),
+            backdrop: match self.params.backdrop {
+                Backdrop::Stage => Vec4::ZERO,
+                Backdrop::Plain([red, green, blue, _]) => Vec4::new(red, green, blue, 1.0),
+            },
+            world_from_tree: Mat4::from(world_from_tree),
+            tree: Vec4::new(
+                growth,
+                world_from_tree.x_axis.length(),
+                if shadow.is_some() { 1.0 } else { 0.0 },
+                texel,
+            ),
+            shadow_from_world: shadow.map_or(Mat4::IDENTITY, |(map, _)| map),
+            spots: data::spots(scene, placed.map(|placed| (placed, bounds.foot))),
+        }
+    }
+
+    fn shadow_key(&self, placed: Option<&PlacedTree>, numbers: &FrameData) -> Option<ShadowKey> {
+        let tree = self.tree.as_ref()?;
+        let placed = placed?;
+        (numbers.tree.z > 0.0).then_some(ShadowKey {
+            revision: tree.revision,
+            growth: numbers.tree.x,
+            world_from_tree: placed.world_from_tree,
+        })
+    }
+
+    /// Waits until everything handed over is drawn.
+    ///
+    /// # Errors
+    /// [`RenderError::DeviceLost`].
+    pub fn wait(&self) -> Result<(), RenderError> {
+        self.slots.iter().try_for_each(|slot| slot.commands.wait())
+    }
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        let _ = self.gpu.wait_idle();
+    }
+}
+
+fn whole_buffer(buffer: vk::Buffer) -> vk::DescriptorBufferInfo {
+    vk::DescriptorBufferInfo {
+        buffer,
+        offset: 0,
+        range: vk::WHOLE_SIZE,
+    }
+}
+
+/// The whole records that a buffer holds.
+fn records<T: bytemuck::Pod>(buffer: &mut Buffer) -> &mut [T] {
+    let bytes = buffer.bytes();
+    let whole = bytes.len() / size_of::<T>() * size_of::<T>();
+    // Mapped memory is aligned far beyond 16 bytes; if it ever is not, nothing is drawn rather than crashed.
+    bytes
+        .get_mut(..whole)
+        .and_then(|bytes| bytemuck::try_cast_slice_mut(bytes).ok())
+        .unwrap_or_default()
+}
+
+/// Writes a slot's set.
+fn write_set(gpu: &Gpu, slot: &Slot, shadow: &Shadow) {
+    let frame = [vk::DescriptorBufferInfo {
+        buffer: slot.frame.handle,
+        offset: 0,
+        range: size_of::<FrameData>() as u64,
+    }];
+    let map = [vk::DescriptorImageInfo {
+        image_view: shadow.view.handle,
+        image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+        sampler: vk::Sampler::null(),
+    }];
+    let sampler = [vk::DescriptorImageInfo {
+        sampler: shadow.sampler,
+        ..Default::default()
+    }];
+    let rods = [whole_buffer(slot.rods.handle)];
+    let solids = [whole_buffer(slot.solids.handle)];
+    let write = |binding, kind| {
+        vk::WriteDescriptorSet::default()
+            .dst_set(slot.set)
+            .dst_binding(binding)
+            .descriptor_type(kind)
+    };
+    let writes = [
+        write(0, vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC).buffer_info(&frame),
+        write(1, vk::DescriptorType::SAMPLED_IMAGE).image_info(&map),
+        write(2, vk::DescriptorType::SAMPLER).image_info(&sampler),
+        write(3, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&rods),
+        write(4, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&solids),
+    ];
+    // SAFETY: the slot's last frame is done, so the set is free.
+    unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
+}

@@ -1,0 +1,456 @@
+//! Records a frame's passes: the shadow, then the stage for both eyes at once or for one after the other.
+
+use ash::vk;
+
+use super::{Backdrop, DrawReport, Renderer};
+use crate::render::{
+    data::Counts,
+    frame::{block_stride, full_barrier, transition},
+    meshes::Run,
+    target::{Resolved, StereoImage, Target, aspects, discard},
+    tree_upload::TreeUpload,
+};
+
+/// What the recording of a pass needs to know.
+pub(super) struct Pass<'a> {
+    pub(super) commands: vk::CommandBuffer,
+    pub(super) counts: Counts,
+    pub(super) board: bool,
+    pub(super) set: vk::DescriptorSet,
+    pub(super) tree: Option<&'a TreeUpload>,
+}
+
+impl Renderer {
+    /// Draws the tree's depth as the sun sees it.
+    pub(super) fn record_shadow(&self, pass: &Pass<'_>, report: &mut DrawReport) {
+        let attachment = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        full_barrier(
+            &self.gpu,
+            pass.commands,
+            &[self.shadow.barrier(vk::ImageLayout::UNDEFINED, attachment)],
+        );
+        let depth = vk::RenderingAttachmentInfo::default()
+            .image_view(self.shadow.view.handle)
+            .image_layout(attachment)
+            .load_op(vk::AttachmentLoadOp::CLEAR)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .clear_value(clear_depth(1.0));
+        let info = vk::RenderingInfo::default()
+            .render_area(vk::Rect2D {
+                offset: vk::Offset2D::default(),
+                extent: self.shadow.extent(),
+            })
+            .layer_count(1)
+            .depth_attachment(&depth);
+        self.begin(pass, &info, self.shadow.extent(), 0);
+        self.record_tubes(pass, self.pipelines.shadow.handle, report);
+        self.end(pass);
+        let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+        full_barrier(
+            &self.gpu,
+            pass.commands,
+            &[self.shadow.barrier(attachment, read)],
+        );
+    }
+
+    /// Both eyes in one pass.
+    pub(super) fn record_both(
+        &self,
+        pass: &Pass<'_>,
+        target: &Target<'_>,
+        report: &mut DrawReport,
+    ) {
+        let [color, depth] = self.attachments.ready();
+        let barriers = [
+            color,
+            depth,
+            discard(target.color.image, target.color.format),
+            target
+                .depth
+                .map_or_else(|| color, |depth| discard(depth.image, depth.format)),
+        ];
+        let count = if target.depth.is_some() { 4 } else { 3 };
+        full_barrier(
+            &self.gpu,
+            pass.commands,
+            barriers.get(..count).unwrap_or_default(),
+        );
+        self.record_stage(
+            pass,
+            target.color.view.handle,
+            target.depth.map(|depth| depth.view.handle),
+            0b11,
+            0,
+            report,
+        );
+    }
+
+    /// One pass an eye, each copied into its layer of the target.
+    pub(super) fn record_each(
+        &self,
+        pass: &Pass<'_>,
+        target: &Target<'_>,
+        report: &mut DrawReport,
+    ) {
+        let mut offset = 0;
+        for (layer, (color, depth)) in (0_u32..).zip(&self.attachments.eyes) {
+            let [many_color, many_depth] = self.attachments.ready();
+            let barriers = [
+                many_color,
+                many_depth,
+                discard(color.image.handle, self.params.color_format),
+                discard(depth.image.handle, self.params.depth_format),
+            ];
+            full_barrier(&self.gpu, pass.commands, &barriers);
+            self.record_stage(
+                pass,
+                color.view.handle,
+                Some(depth.view.handle),
+                0,
+                offset,
+                report,
+            );
+            offset = block_stride(&self.gpu);
+            self.copy_layer(pass.commands, color, target.color, layer);
+            if let Some(target) = target.depth {
+                self.copy_layer(pass.commands, depth, target, layer);
+            }
+        }
+    }
+
+    fn copy_layer(
+        &self,
+        commands: vk::CommandBuffer,
+        from: &Resolved,
+        to: &StereoImage,
+        layer: u32,
+    ) {
+        let aspect = aspects(to.format);
+        let (source, sink) = (
+            vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+            vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+        );
+        // The other layer is kept: only the first copy may discard.
+        let before = if layer == 0 {
+            vk::ImageLayout::UNDEFINED
+        } else {
+            to.layout()
+        };
+        full_barrier(
+            &self.gpu,
+            commands,
+            &[
+                transition(from.image.handle, aspect, to.layout(), source),
+                transition(to.image, aspect, before, sink),
+            ],
+        );
+        let place = |layer| {
+            vk::ImageSubresourceLayers::default()
+                .aspect_mask(aspect)
+                .base_array_layer(layer)
+                .layer_count(1)
+        };
+        let region = [vk::ImageCopy::default()
+            .src_subresource(place(0))
+            .dst_subresource(place(layer))
+            .extent(vk::Extent3D {
+                width: to.extent.width,
+                height: to.extent.height,
+                depth: 1,
+            })];
+        // SAFETY: both images are in these layouts, of one format and size.
+        unsafe {
+            self.gpu.device.cmd_copy_image(
+                commands,
+                from.image.handle,
+                source,
+                to.image,
+                sink,
+                &region,
+            )
+        };
+        full_barrier(
+            &self.gpu,
+            commands,
+            &[transition(to.image, aspect, sink, to.layout())],
+        );
+    }
+
+    /// The whole stage into the multisampled images, resolved into `color` and `depth`.
+    fn record_stage(
+        &self,
+        pass: &Pass<'_>,
+        color: vk::ImageView,
+        depth: Option<vk::ImageView>,
+        view_mask: u32,
+        block: u64,
+        report: &mut DrawReport,
+    ) {
+        let extent = self.attachments.extent;
+        let many_color = [vk::RenderingAttachmentInfo::default()
+            .image_view(self.attachments.color_view.handle)
+            .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+            .resolve_mode(vk::ResolveModeFlags::AVERAGE)
+            .resolve_image_view(color)
+            .resolve_image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+            .load_op(vk::AttachmentLoadOp::CLEAR)
+            .store_op(vk::AttachmentStoreOp::DONT_CARE)
+            .clear_value(vk::ClearValue {
+                color: vk::ClearColorValue {
+                    float32: [0.0, 0.0, 0.0, 1.0],
+                },
+            })];
+        let mut many_depth = vk::RenderingAttachmentInfo::default()
+            .image_view(self.attachments.depth_view.handle)
+            .image_layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)
+            .load_op(vk::AttachmentLoadOp::CLEAR)
+            .store_op(vk::AttachmentStoreOp::DONT_CARE)
+            .clear_value(clear_depth(0.0));
+        if let Some(depth) = depth {
+            many_depth = many_depth
+                .resolve_mode(vk::ResolveModeFlags::SAMPLE_ZERO)
+                .resolve_image_view(depth)
+                .resolve_image_layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
+        }
+        let info = vk::RenderingInfo::default()
+            .render_area(vk::Rect2D {
+                offset: vk::Offset2D::default(),
+                extent,
+            })
+            .layer_count(1)
+            .view_mask(view_mask)
+            .color_attachments(&many_color)
+            .depth_attachment(&many_depth);
+        self.begin(pass, &info, extent, block);
+        self.record_tubes(pass, self.pipelines.tubes.handle, report);
+        self.record_caps(pass, report);
+        self.record_instances(pass, report);
+        if pass.board {
+            self.record_board(pass, block, report);
+        }
+        if self.params.backdrop == Backdrop::Stage {
+            // Sectors × bands × corners of shaders/ground.wgsl.
+            self.record_plain(pass, self.pipelines.ground.handle, 48 * 4 * 6, report);
+        }
+        self.record_plain(pass, self.pipelines.sky.handle, 3, report);
+        self.end(pass);
+    }
+
+    fn begin(
+        &self,
+        pass: &Pass<'_>,
+        info: &vk::RenderingInfo<'_>,
+        extent: vk::Extent2D,
+        block: u64,
+    ) {
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "pictures are at most some thousands of pixels"
+        )]
+        let viewport = [vk::Viewport {
+            x: 0.0,
+            y: 0.0,
+            width: extent.width as f32,
+            height: extent.height as f32,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        }];
+        let scissor = [vk::Rect2D {
+            offset: vk::Offset2D::default(),
+            extent,
+        }];
+        let device = &self.gpu.device;
+        // SAFETY: the command buffer is recording outside of a pass; all handles live until the frame is done.
+        unsafe {
+            (self.gpu.newer.begin_rendering)(pass.commands, std::ptr::from_ref(info));
+            device.cmd_set_viewport(pass.commands, 0, &viewport);
+            device.cmd_set_scissor(pass.commands, 0, &scissor);
+            device.cmd_bind_index_buffer(
+                pass.commands,
+                self.meshes.indices.handle,
+                0,
+                vk::IndexType::UINT16,
+            );
+        }
+        self.bind_frame(pass, self.pipelines.tree_layout.handle, block);
+    }
+
+    fn bind_frame(&self, pass: &Pass<'_>, layout: vk::PipelineLayout, block: u64) {
+        let offset = u32::try_from(block).unwrap_or(0);
+        // SAFETY: the set's layout is the first of the pipeline layout.
+        unsafe {
+            self.gpu.device.cmd_bind_descriptor_sets(
+                pass.commands,
+                vk::PipelineBindPoint::GRAPHICS,
+                layout,
+                0,
+                &[pass.set],
+                &[offset],
+            );
+        }
+    }
+
+    fn end(&self, pass: &Pass<'_>) {
+        // SAFETY: a pass is being recorded.
+        unsafe { (self.gpu.newer.end_rendering)(pass.commands) };
+    }
+
+    fn bind(&self, pass: &Pass<'_>, pipeline: vk::Pipeline) {
+        // SAFETY: the pipeline fits the pass's formats.
+        unsafe {
+            self.gpu.device.cmd_bind_pipeline(
+                pass.commands,
+                vk::PipelineBindPoint::GRAPHICS,
+                pipeline,
+            )
+        };
+    }
+
+    fn record_tubes(&self, pass: &Pass<'_>, pipeline: vk::Pipeline, report: &mut DrawReport) {
+        let Some(tree) = pass.tree else { return };
+        self.bind(pass, pipeline);
+        for chunk in &tree.chunks {
+            self.bind_chunk(pass, chunk.set);
+            self.draw_run(pass, self.meshes.tubes, 0..chunk.tube_batches, report);
+        }
+    }
+
+    fn record_caps(&self, pass: &Pass<'_>, report: &mut DrawReport) {
+        let Some(tree) = pass.tree else { return };
+        self.bind(pass, self.pipelines.caps.handle);
+        for chunk in &tree.chunks {
+            self.bind_chunk(pass, chunk.set);
+            self.draw_run(pass, self.meshes.caps, 0..chunk.cap_batches, report);
+        }
+    }
+
+    fn bind_chunk(&self, pass: &Pass<'_>, set: vk::DescriptorSet) {
+        let layout = self.pipelines.tree_layout.handle;
+        // SAFETY: the set's layout is the second of the pipeline layout.
+        unsafe {
+            self.gpu.device.cmd_bind_descriptor_sets(
+                pass.commands,
+                vk::PipelineBindPoint::GRAPHICS,
+                layout,
+                1,
+                &[set],
+                &[],
+            );
+        }
+    }
+
+    fn record_instances(&self, pass: &Pass<'_>, report: &mut DrawReport) {
+        let counts = pass.counts;
+        self.bind(pass, self.pipelines.solids.handle);
+        // SAFETY: the buffer lives as long as the renderer.
+        unsafe {
+            self.gpu.device.cmd_bind_vertex_buffers(
+                pass.commands,
+                0,
+                &[self.meshes.solids.handle],
+                &[0],
+            )
+        };
+        self.draw_run(pass, self.meshes.plate, 0..counts.plates, report);
+        self.draw_run(pass, self.meshes.left, counts.plates..counts.left, report);
+        self.draw_run(pass, self.meshes.right, counts.left..counts.right, report);
+        // SAFETY: as above.
+        unsafe {
+            self.gpu.device.cmd_bind_vertex_buffers(
+                pass.commands,
+                0,
+                &[self.meshes.spheres.handle],
+                &[0],
+            )
+        };
+        self.bind(pass, self.pipelines.rods.handle);
+        self.draw_run(pass, self.meshes.rod, 0..counts.rods, report);
+        self.draw_run(pass, self.meshes.ball, counts.rods..counts.balls, report);
+        self.bind(pass, self.pipelines.ghosts.handle);
+        self.draw_run(
+            pass,
+            self.meshes.rod,
+            counts.balls..counts.ghost_rods,
+            report,
+        );
+        self.draw_run(
+            pass,
+            self.meshes.ball,
+            counts.ghost_rods..counts.ghost_balls,
+            report,
+        );
+    }
+
+    fn record_board(&self, pass: &Pass<'_>, block: u64, report: &mut DrawReport) {
+        let counts = pass.counts;
+        if counts.board <= counts.right {
+            return;
+        }
+        let layout = self.pipelines.board_layout.handle;
+        self.bind(pass, self.pipelines.board.handle);
+        self.bind_frame(pass, layout, block);
+        // SAFETY: the set's layout is the second of the pipeline layout; the board is instance `right`.
+        unsafe {
+            let device = &self.gpu.device;
+            let set = [self.panel.set()];
+            device.cmd_bind_descriptor_sets(
+                pass.commands,
+                vk::PipelineBindPoint::GRAPHICS,
+                layout,
+                1,
+                &set,
+                &[],
+            );
+            device.cmd_draw(pass.commands, 6, 1, 0, counts.right);
+        }
+        report.draws += 1;
+        report.triangles += 2;
+        self.bind_frame(pass, self.pipelines.tree_layout.handle, block);
+    }
+
+    fn record_plain(
+        &self,
+        pass: &Pass<'_>,
+        pipeline: vk::Pipeline,
+        vertices: u32,
+        report: &mut DrawReport,
+    ) {
+        self.bind(pass, pipeline);
+        // SAFETY: the shader makes its vertices itself.
+        unsafe { self.gpu.device.cmd_draw(pass.commands, vertices, 1, 0, 0) };
+        report.draws += 1;
+        report.triangles += u64::from(vertices / 3);
+    }
+
+    fn draw_run(
+        &self,
+        pass: &Pass<'_>,
+        run: Run,
+        instances: std::ops::Range<u32>,
+        report: &mut DrawReport,
+    ) {
+        if instances.is_empty() {
+            return;
+        }
+        let count = instances.end - instances.start;
+        // SAFETY: indices and instances lie within the bound buffers.
+        unsafe {
+            self.gpu.device.cmd_draw_indexed(
+                pass.commands,
+                run.count,
+                count,
+                run.first,
+                run.vertex,
+                instances.start,
+            );
+        }
+        report.draws += 1;
+        report.triangles += u64::from(run.count / 3) * u64::from(count);
+    }
+}
+
+fn clear_depth(depth: f32) -> vk::ClearValue {
+    vk::ClearValue {
+        depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 },
+    }
+}

@@ -1,0 +1,287 @@
+//! The tree's segments on their way to the device.
+//!
+//! [`TreeUpload::new`] does everything that takes long (building the segments, copying them to
+//! staging memory) and may run on any thread; the renderer then copies at most
+//! [`COPY_BYTES`] a frame to the device and swaps the tree in when all of it is there.
+//! A storage buffer may be limited to 128 MiB, so large trees are cut into chunks of
+//! whole batches, each with its own buffers and descriptor set.
+
+use ash::vk;
+use glam::Vec3;
+use gpu_allocator::MemoryLocation;
+
+use super::{error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, meshes::BATCH};
+use crate::{
+    tree::tubes::{self, CAPPED, SegmentBuilder, TubeSegment},
+    world::scene::PlacedTree,
+};
+
+/// A frame copies at most so much of a new tree, so that no frame is late for it.
+pub(crate) const COPY_BYTES: u64 = 32 << 20;
+
+/// A chunk is never larger than this, whatever the device allows.
+const CHUNK_BYTES: u64 = 64 << 20;
+
+/// A sphere around the whole tree and the radius at its foot, in the tree's own frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Bounds {
+    pub(crate) center: Vec3,
+    pub(crate) radius: f32,
+    pub(crate) foot: f32,
+}
+
+/// Segments that one descriptor set shows.
+pub(crate) struct Chunk {
+    pub(crate) segments: Buffer,
+    pub(crate) caps: Buffer,
+    /// Instances of the tubes' and of the caps' batches.
+    pub(crate) tube_batches: u32,
+    pub(crate) cap_batches: u32,
+    /// Both, one after the other, until they are copied.
+    staging: Option<Buffer>,
+    copied: u64,
+    pub(crate) set: vk::DescriptorSet,
+}
+
+/// A tree that is ready to be copied to the device.
+pub struct TreeUpload {
+    pub(crate) revision: u64,
+    pub(crate) segments: u32,
+    pub(crate) bounds: Bounds,
+    pub(crate) chunks: Vec<Chunk>,
+    /// The chunks' sets, once the renderer has taken the upload.
+    pub(crate) pool: Option<Pool>,
+}
+
+/// Scratch memory that small uploads on the frame's thread reuse.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    builder: SegmentBuilder,
+    segments: Vec<TubeSegment>,
+    caps: Vec<u32>,
+}
+
+impl TreeUpload {
+    /// Builds the segments of a placed tree and fills staging memory. Any thread.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`].
+    pub fn new(gpu: &Gpu, placed: &PlacedTree) -> Result<Self, RenderError> {
+        Self::with_scratch(gpu, placed, &mut Scratch::default())
+    }
+
+    pub(crate) fn with_scratch(
+        gpu: &Gpu,
+        placed: &PlacedTree,
+        scratch: &mut Scratch,
+    ) -> Result<Self, RenderError> {
+        scratch.builder.build(
+            &placed.tree,
+            &placed.radius_before,
+            placed.newest,
+            &mut scratch.segments,
+        );
+        Self::cut(
+            gpu,
+            &scratch.segments,
+            placed.revision,
+            &mut scratch.caps,
+            CHUNK_BYTES,
+        )
+    }
+
+    /// The same from segments made elsewhere.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`].
+    pub fn from_segments(
+        gpu: &Gpu,
+        segments: &[TubeSegment],
+        revision: u64,
+    ) -> Result<Self, RenderError> {
+        Self::in_chunks(gpu, segments, revision, CHUNK_BYTES)
+    }
+
+    /// The same in chunks of at most so many bytes (and no more than the device allows).
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`].
+    pub fn in_chunks(
+        gpu: &Gpu,
+        segments: &[TubeSegment],
+        revision: u64,
+        chunk_bytes: u64,
+    ) -> Result<Self, RenderError> {
+        Self::cut(gpu, segments, revision, &mut Vec::new(), chunk_bytes)
+    }
+
+    fn cut(
+        gpu: &Gpu,
+        segments: &[TubeSegment],
+        revision: u64,
+        caps: &mut Vec<u32>,
+        chunk_bytes: u64,
+    ) -> Result<Self, RenderError> {
+        let range = chunk_bytes.min(u64::from(gpu.limits.max_storage_buffer_range));
+        let record = size_of::<TubeSegment>() as u64;
+        let batches = (range / record / u64::from(BATCH)).max(1);
+        let most = usize::try_from(batches * u64::from(BATCH)).unwrap_or(usize::MAX);
+        let chunks = segments
+            .chunks(most)
+            .map(|part| Chunk::new(gpu, part, caps))
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            revision,
+            segments: u32::try_from(segments.len()).unwrap_or(u32::MAX),
+            bounds: bounds(segments),
+            chunks,
+            pool: None,
+        })
+    }
+
+    /// The tree's number, as its [`PlacedTree::revision`].
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Copies up to `budget` bytes more; true when all is there.
+    pub(crate) fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, mut budget: u64) -> bool {
+        self.chunks
+            .iter_mut()
+            .all(|chunk| chunk.copy(gpu, commands, &mut budget))
+    }
+
+    /// Staging memory that is not needed any more; the caller frees it when the device is done.
+    pub(crate) fn take_staging(&mut self) -> impl Iterator<Item = Buffer> {
+        self.chunks
+            .iter_mut()
+            .filter_map(|chunk| chunk.staging.take())
+    }
+}
+
+impl Chunk {
+    fn new(gpu: &Gpu, segments: &[TubeSegment], caps: &mut Vec<u32>) -> Result<Self, RenderError> {
+        let batch = BATCH as usize;
+        caps.clear();
+        caps.extend(
+            (0_u32..)
+                .zip(segments)
+                .filter(|(_, segment)| segment.flags & CAPPED != 0)
+                .map(|(at, _)| at),
+        );
+        // Whole batches: spare caps draw the last one again, spare segments are points of no size.
+        if let Some(last) = caps.last().copied() {
+            caps.resize(caps.len().next_multiple_of(batch), last);
+        }
+        let padded = segments.len().next_multiple_of(batch);
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let segment_bytes = (padded * size_of::<TubeSegment>()) as u64;
+        let cap_bytes = (caps.len() * size_of::<u32>()) as u64;
+        let mut staging = Buffer::new(
+            gpu,
+            "the tree on its way",
+            segment_bytes + cap_bytes,
+            vk::BufferUsageFlags::TRANSFER_SRC,
+            MemoryLocation::CpuToGpu,
+        )?;
+        staging.write(0, segments);
+        let spare = [TubeSegment::default(); BATCH as usize];
+        staging.write(
+            size_of_val(segments) as u64,
+            spare.get(..padded - segments.len()).unwrap_or_default(),
+        );
+        staging.write(segment_bytes, caps);
+        let count = |n: usize| u32::try_from(n / batch).unwrap_or(u32::MAX);
+        Ok(Self {
+            segments: Buffer::new(
+                gpu,
+                "the tree's segments",
+                segment_bytes,
+                usage,
+                MemoryLocation::GpuOnly,
+            )?,
+            caps: Buffer::new(
+                gpu,
+                "the tree's caps",
+                cap_bytes,
+                usage,
+                MemoryLocation::GpuOnly,
+            )?,
+            tube_batches: count(padded),
+            cap_batches: count(caps.len()),
+            staging: Some(staging),
+            copied: 0,
+            set: vk::DescriptorSet::null(),
+        })
+    }
+
+    fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, budget: &mut u64) -> bool {
+        let Some(staging) = &self.staging else {
+            return true;
+        };
+        let segment_bytes =
+            u64::from(self.tube_batches) * u64::from(BATCH) * size_of::<TubeSegment>() as u64;
+        let cap_bytes = u64::from(self.cap_batches) * u64::from(BATCH) * size_of::<u32>() as u64;
+        let parts = [
+            (self.segments.handle, 0, segment_bytes),
+            (self.caps.handle, segment_bytes, cap_bytes),
+        ];
+        for (buffer, first, size) in parts {
+            let done = self.copied.clamp(first, first + size) - first;
+            let now = (size - done).min(*budget);
+            if now > 0 {
+                let region = [vk::BufferCopy {
+                    src_offset: first + done,
+                    dst_offset: done,
+                    size: now,
+                }];
+                // SAFETY: both buffers have these ranges and live until the frame is done.
+                unsafe {
+                    gpu.device
+                        .cmd_copy_buffer(commands, staging.handle, buffer, &region)
+                };
+                *budget -= now;
+                self.copied += now;
+            }
+        }
+        self.copied >= segment_bytes + cap_bytes
+    }
+}
+
+/// A sphere about the box of the finite points.
+fn bounds(segments: &[TubeSegment]) -> Bounds {
+    let mut low = Vec3::INFINITY;
+    let mut high = Vec3::NEG_INFINITY;
+    for segment in segments {
+        for (point, radius) in [
+            (segment.from, segment.radii[1]),
+            (segment.to, segment.radii[3]),
+        ] {
+            let point = Vec3::from(point);
+            if point.is_finite() && radius.is_finite() {
+                low = low.min(point - radius);
+                high = high.max(point + radius);
+            }
+        }
+    }
+    if low.cmple(high).all() {
+        let foot = segments.first().map_or(0.0, |segment| segment.radii[1]);
+        Bounds {
+            center: (low + high) / 2.0,
+            radius: low.distance(high) / 2.0,
+            foot,
+        }
+    } else {
+        Bounds::default()
+    }
+}
+
+/// How many segments a tree will have, without building them.
+pub(crate) fn segment_count(placed: &PlacedTree) -> usize {
+    placed.tree.segment_count()
+}
+
+const _: () = assert!(
+    tubes::GROWING == 1 && CAPPED == 2,
+    "shaders/tree.wgsl knows these bits"
+);

@@ -1,0 +1,612 @@
+//! The program as a person runs it: what it makes, what it says, and what it says when something is wrong.
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_assert_message,
+    reason = "a test that stops says enough by stopping"
+)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use glam::{Quat, Vec3};
+use ramus::app::store::{Store, read_project};
+use ramus_xr::{Frame, Pose, session};
+use tempfile::TempDir;
+
+const FIRST_TREE: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/assets/sessions/first-tree.session"
+);
+const HONDA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/grammars/honda.lsys");
+
+fn ramus() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ramus"));
+    // No runtime is looked for: what this machine has must not change the test.
+    command
+        .env("XR_RUNTIME_JSON", "/nonexistent/runtime.json")
+        .env_remove("RAMUS_LOG");
+    command
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[track_caller]
+fn succeed(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    assert!(
+        output.status.success(),
+        "{command:?}\n{}{}",
+        text(&output.stdout),
+        text(&output.stderr)
+    );
+    text(&output.stdout)
+}
+
+#[test]
+fn a_replayed_session_gives_project_and_tree_and_always_the_same_bytes() {
+    let folder = folder();
+    let run = |name: &str| {
+        let [project, glb] =
+            ["ramus", "glb"].map(|ending| folder.path().join(name).with_extension(ending));
+        let said = succeed(
+            ramus()
+                .args(["replay", FIRST_TREE])
+                .arg("--project")
+                .arg(&project)
+                .arg("--glb")
+                .arg(&glb),
+        );
+        assert!(said.contains("2 lines of 7 segments drawn"), "{said}");
+        (fs::read(project).unwrap(), fs::read(glb).unwrap())
+    };
+    let (first, second) = (run("first"), run("second"));
+    assert!(first == second, "the same session made different files");
+    let gltf = gltf::Gltf::from_slice(&first.1).unwrap();
+    let mesh = gltf.meshes().next().unwrap();
+    let primitive = mesh.primitives().next().unwrap();
+    let reader = primitive.reader(|_| gltf.blob.as_deref());
+    let heights: Vec<f32> = reader
+        .read_positions()
+        .unwrap()
+        .map(|[_, y, _]| y)
+        .collect();
+    let highest = heights.iter().copied().fold(f32::MIN, f32::max);
+    assert!(
+        (1.0..20.0).contains(&highest),
+        "a tree is metres high, this one {highest}"
+    );
+    assert!(reader.read_normals().is_some() && reader.read_tex_coords(0).is_some());
+    let left: Vec<_> = fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
+    assert_eq!(
+        left.len(),
+        4,
+        "neither journal nor temporary files stay: {left:?}"
+    );
+}
+
+/// A session of many growth steps forward and back, so that a replay takes some seconds.
+fn long_session(path: &Path, presses: usize) {
+    let mut frames = session::read_file(Path::new(FIRST_TREE)).unwrap();
+    let mut frame = *frames.last().unwrap();
+    for press in 0..presses {
+        for down in [true, false] {
+            frame.time += 0.011;
+            frame.hands[1].lower = down && press % 2 == 0;
+            frame.hands[1].upper = down && press % 2 == 1;
+            frames.push(frame);
+        }
+    }
+    fs::write(path, session::to_bytes(&frames).unwrap()).unwrap();
+}
+
+#[test]
+fn a_killed_session_is_recovered_to_its_last_finished_action() {
+    let folder = folder();
+    let [session, project] = ["long.session", "tree.ramus"].map(|name| folder.path().join(name));
+    long_session(&session, 40_000);
+    let mut child = ramus()
+        .arg("replay")
+        .arg(&session)
+        .arg("--project")
+        .arg(&project)
+        .spawn()
+        .unwrap();
+    let journal = folder.path().join("tree.ramus.journal");
+    let lines = || {
+        fs::read(&journal)
+            .unwrap_or_default()
+            .iter()
+            .filter(|&&byte| byte == b'\n')
+            .count()
+    };
+    while lines() < 300 {
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "the session ended before it was killed"
+        );
+        std::thread::yield_now();
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(
+        !project.exists(),
+        "nothing was saved: all is in the journal"
+    );
+    let finished = lines() - 1;
+
+    let opened = Store::open(&project).unwrap();
+    assert!(
+        opened
+            .message
+            .unwrap()
+            .contains(&format!("recovered {finished} actions"))
+    );
+    assert!(opened.history.undo_count() > 0);
+    let recovered = opened.history.committed().clone();
+    assert_eq!(recovered.sketch.segments().count(), 7);
+    drop(opened.store);
+
+    // The program's next start recovers the same, saves it, and takes the journal away.
+    if !can_draw() {
+        return;
+    }
+    let out = folder.path().join("out");
+    let said = succeed(
+        ramus()
+            .arg("--project")
+            .arg(&project)
+            .args(["--headset", "simulated", "--out"])
+            .arg(&out),
+    );
+    assert!(said.contains("recovered"), "{said}");
+    assert_eq!(read_project(&project).unwrap(), recovered);
+    assert!(!journal.exists());
+}
+
+/// Whether pictures can be drawn here; CI must be able to.
+fn can_draw() -> bool {
+    match ramus::app::portrait::open_gpu() {
+        Ok(_) => true,
+        Err(error) if std::env::var("CI").is_ok_and(|value| value == "true") => {
+            panic!("CI must have a Vulkan device: {error}")
+        }
+        Err(error) => {
+            println!("skipped: {error}");
+            false
+        }
+    }
+}
+
+#[test]
+fn without_a_headset_the_workshop_shows_itself() {
+    if !can_draw() {
+        return;
+    }
+    let folder = folder();
+    let said = succeed(ramus().current_dir(folder.path()));
+    for word in [
+        "No headset",
+        "simulated headset",
+        "pictures",
+        "project",
+        "tree",
+    ] {
+        assert!(said.contains(word), "{word} is not in:\n{said}");
+    }
+    let out = folder.path().join("out");
+    let step = read_project(&out.join("first-tree.ramus")).unwrap().step;
+    assert!(gltf::Gltf::from_slice(&fs::read(out.join("first-tree.glb")).unwrap()).is_ok());
+    for step in 0..=step {
+        let picture = image::open(out.join(format!("step-{step:02}.png")))
+            .unwrap()
+            .into_rgb8();
+        let (width, height) = picture.dimensions();
+        assert_eq!(width, 2 * height, "left and right eye");
+        let half = |x| image::imageops::crop_imm(&picture, x, 0, height, height).to_image();
+        assert_ne!(half(0), half(height), "the eyes see different pictures");
+    }
+}
+
+#[test]
+fn derive_draws_a_picture() {
+    if !can_draw() {
+        return;
+    }
+    let folder = folder();
+    let png = folder.path().join("honda.png");
+    succeed(
+        ramus()
+            .args(["derive", HONDA, "--size", "256", "--png"])
+            .arg(&png),
+    );
+    let picture = image::open(png).unwrap().into_luma8();
+    assert_eq!(picture.dimensions(), (256, 256));
+    // Wood is darker than the sky behind it: the upper half must show a fair amount of it.
+    let dark = picture
+        .enumerate_pixels()
+        .filter(|(_, y, pixel)| *y < 128 && pixel.0[0] < 110)
+        .count();
+    assert!(
+        (300..20_000).contains(&dark),
+        "{dark} dark pixels in the upper half"
+    );
+    refused(
+        &ramus()
+            .args(["derive", HONDA, "--size", "0", "--png", "x.png"])
+            .output()
+            .unwrap(),
+        &["0 × 0"],
+    );
+}
+
+#[test]
+fn derive_prints_strings_counts_and_json() {
+    let folder = folder();
+    let grammar = folder.path().join("growth.lsys");
+    fs::write(&grammar, "axiom A(0) B\nA(x) > B -> A(x) A(x+1)\n").unwrap();
+    let derive = |args: &[&str]| succeed(ramus().arg("derive").arg(&grammar).args(args));
+    assert_eq!(
+        derive(&["--steps", "3", "--print", "string"]),
+        "A(0)A(1)A(2)A(3)B\n"
+    );
+    assert!(derive(&["--steps", "3", "--print", "counts"]).contains("A 4 sums 6"));
+    let json = derive(&["--steps", "3", "--json"]);
+    assert_eq!(json.lines().count(), 1);
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(report["format"], "ramus-derive/1");
+    assert_eq!(report["modules"], 5);
+    assert_eq!(report["param_sums"]["A.0"], 6.0);
+}
+
+#[test]
+fn derive_exports_every_format_and_reads_the_steps_of_the_file() {
+    let folder = folder();
+    let files =
+        ["glb", "obj", "swc"].map(|ending| folder.path().join("honda").with_extension(ending));
+    let mut command = ramus();
+    command.args(["derive", HONDA]);
+    for file in &files {
+        command.arg("--export").arg(file);
+    }
+    let said = succeed(&mut command);
+    assert!(said.contains("after 10 steps"), "{said}");
+    assert!(gltf::Gltf::from_slice(&fs::read(&files[0]).unwrap()).is_ok());
+    let (models, _) = tobj::load_obj(&files[1], &tobj::GPU_LOAD_OPTIONS).unwrap();
+    assert!(models.iter().any(|model| model.mesh.indices.len() > 1000));
+    let tree = ramus::tree::import::swc(&fs::read(&files[2]).unwrap()).unwrap();
+    assert!(tree.segment_count() > 1000);
+}
+
+#[test]
+fn help_teaches_every_command() {
+    for (args, words) in [
+        (
+            &["--help"][..],
+            &["replay", "derive", "doctor", "Examples", "--project"][..],
+        ),
+        (
+            &["replay", "--help"],
+            &["--headset", "--png", "--glb", "session"],
+        ),
+        (
+            &["derive", "--help"],
+            &["--steps", "--print", "--json", "--export", "--png"],
+        ),
+    ] {
+        let said = succeed(ramus().args(args));
+        for word in words {
+            assert!(
+                said.contains(word),
+                "{args:?} does not name {word}:\n{said}"
+            );
+        }
+    }
+}
+
+#[test]
+fn doctor_looks_at_everything_and_names_one_command_for_what_is_missing() {
+    let said = succeed(ramus().arg("doctor"));
+    assert!(said.contains("Ramus") && said.contains("OpenXR"), "{said}");
+    let said = succeed(
+        ramus()
+            .arg("doctor")
+            .env("VK_DRIVER_FILES", "/nonexistent")
+            .env("VK_ICD_FILENAMES", "/nonexistent"),
+    );
+    assert!(
+        said.contains("Vulkan device") && said.contains("mend it:"),
+        "{said}"
+    );
+    assert!(said.contains("cannot draw here"), "{said}");
+}
+
+/// One sentence on standard error and exit code 1.
+#[track_caller]
+fn refused(output: &Output, words: &[&str]) {
+    let said = text(&output.stderr);
+    assert_eq!(
+        output.status.code(),
+        Some(1),
+        "{said}{}",
+        text(&output.stdout)
+    );
+    for word in words {
+        assert!(said.contains(word), "`{word}` is not in: {said}");
+    }
+    assert!(
+        said.starts_with("ramus: ") && !said.contains("panicked"),
+        "{said}"
+    );
+}
+
+#[test]
+fn bad_grammars_and_options_get_one_clear_sentence() {
+    let folder = folder();
+    let file = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        path
+    };
+    let cases: Vec<(PathBuf, &[&str], &[&str])> = vec![
+        (
+            folder.path().join("none.lsys"),
+            &["--steps", "1"],
+            &["none.lsys", "cannot read"],
+        ),
+        (
+            folder.path().to_owned(),
+            &["--steps", "1"],
+            &["cannot read"],
+        ),
+        (file("empty.lsys", b""), &["--steps", "1"], &["empty.lsys"]),
+        (
+            file("syntax.lsys", b"axiom A\nA -> [B\n"),
+            &["--steps", "1"],
+            &["syntax.lsys:2"],
+        ),
+        (
+            file("latin.lsys", b"axiom A # \xe9\n"),
+            &["--steps", "1"],
+            &["UTF-8"],
+        ),
+        (
+            file("nul.lsys", &[0; 4096]),
+            &["--steps", "1"],
+            &["nul.lsys"],
+        ),
+        (
+            file("zero.lsys", b"axiom A(1)\nA(x) -> A(x/0)\n"),
+            &["--steps", "1"],
+            &["division by zero", "A(x/0)"],
+        ),
+        (
+            file("explode.lsys", b"axiom F\nF -> FFFFFFFFFFFFFFFF\n"),
+            &["--steps", "60", "--memory", "64"],
+            &["step", "limit"],
+        ),
+        (file("nosteps.lsys", b"axiom A\n"), &[], &["--steps"]),
+        (
+            file("format.lsys", b"axiom F\n"),
+            &["--steps", "1", "--export", "tree.xyz"],
+            &[".glb, .obj or .swc"],
+        ),
+        (
+            file("undrawn.lsys", b"axiom A\n"),
+            &["--steps", "1", "--export", "tree.glb"],
+            &["no segment"],
+        ),
+        (
+            file("where.lsys", b"axiom F\n"),
+            &["--steps", "1", "--export", "/nonexistent/tree.glb"],
+            &["/nonexistent"],
+        ),
+    ];
+    for (path, args, words) in cases {
+        let output = ramus()
+            .current_dir(folder.path())
+            .arg("derive")
+            .arg(&path)
+            .args(args)
+            .output()
+            .unwrap();
+        refused(&output, words);
+    }
+    assert_eq!(
+        ramus()
+            .args(["derive", HONDA, "--steps", "many"])
+            .output()
+            .unwrap()
+            .status
+            .code(),
+        Some(2)
+    );
+    assert_eq!(ramus().arg("fly").output().unwrap().status.code(), Some(2));
+}
+
+#[test]
+fn bad_sessions_make_no_project() {
+    let folder = folder();
+    let whole = fs::read(FIRST_TREE).unwrap();
+    let with = |from: &str, to: &str| text(&whole).replacen(from, to, 1).into_bytes();
+    let cases: [(&str, Vec<u8>, &[&str]); 6] = [
+        ("empty", Vec::new(), &["empty.session"]),
+        (
+            "noise",
+            b"\x00\xff\x12 noise".to_vec(),
+            &["noise.session", "line 1"],
+        ),
+        ("truncated", whole[..whole.len() / 2].to_vec(), &[]),
+        (
+            "version",
+            with("ramus-session 1", "ramus-session 99"),
+            &["line 1"],
+        ),
+        ("nan", with("trigger 1", "trigger NaN"), &["line"]),
+        (
+            "long",
+            [b"ramus-session 1\n".to_vec(), vec![b'x'; 1 << 20]].concat(),
+            &["line"],
+        ),
+    ];
+    for (name, bytes, words) in cases {
+        let path = folder.path().join(format!("{name}.session"));
+        fs::write(&path, &bytes).unwrap();
+        let project = folder.path().join(format!("{name}.ramus"));
+        let output = ramus()
+            .arg("replay")
+            .arg(&path)
+            .arg("--project")
+            .arg(&project)
+            .output()
+            .unwrap();
+        if name == "truncated" {
+            // Cut within a frame it is refused; cut between two it is a shorter session. Neither is a panic.
+            assert!(
+                matches!(output.status.code(), Some(0 | 1)),
+                "{}",
+                text(&output.stderr)
+            );
+            continue;
+        }
+        refused(&output, words);
+        assert!(!project.exists(), "{name} made a project");
+    }
+    let output = ramus()
+        .args(["replay", "/nonexistent/a.session"])
+        .output()
+        .unwrap();
+    refused(&output, &["/nonexistent/a.session"]);
+}
+
+#[test]
+fn absurd_input_in_a_session_changes_nothing_that_is_made() {
+    let folder = folder();
+    let mut frames = session::read_file(Path::new(FIRST_TREE)).unwrap();
+    // Far-away hands between two frames of the session: nobody's arm is 90 m long, but a runtime may say so.
+    let mut far = Frame::start();
+    far.hands[0].aim = Pose {
+        orientation: Quat::IDENTITY,
+        position: Vec3::splat(90.0),
+    };
+    far.time = frames[0].time;
+    frames.insert(0, far);
+    let path = folder.path().join("far.session");
+    let Ok(bytes) = session::to_bytes(&frames) else {
+        return;
+    };
+    fs::write(&path, bytes).unwrap();
+    let [plain, odd] = ["plain.ramus", "odd.ramus"].map(|name| folder.path().join(name));
+    succeed(
+        ramus()
+            .args(["replay", FIRST_TREE])
+            .arg("--project")
+            .arg(&plain),
+    );
+    succeed(ramus().arg("replay").arg(&path).arg("--project").arg(&odd));
+    assert_eq!(
+        fs::read_to_string(plain).unwrap(),
+        fs::read_to_string(odd).unwrap()
+    );
+}
+
+#[test]
+fn bad_projects_are_refused_and_stay_as_they_are() {
+    let folder = folder();
+    for (name, bytes) in [
+        ("noise", &b"\x00\x01\x02"[..]),
+        ("empty", b""),
+        ("later", br#"{"format":"ramus-project","version":999}"#),
+    ] {
+        let path = folder.path().join(format!("{name}.ramus"));
+        fs::write(&path, bytes).unwrap();
+        let output = ramus()
+            .current_dir(folder.path())
+            .args(["--headset", "simulated", "--project"])
+            .arg(&path)
+            .output()
+            .unwrap();
+        refused(&output, &[name]);
+        assert_eq!(fs::read(&path).unwrap(), bytes);
+    }
+    let output = ramus()
+        .args(["replay", FIRST_TREE, "--project", "/nonexistent/tree.ramus"])
+        .output()
+        .unwrap();
+    refused(
+        &output,
+        &["/nonexistent/tree.ramus", "folder that you may write to"],
+    );
+}
+
+#[test]
+fn without_vulkan_pictures_are_refused_and_everything_else_works() {
+    let folder = folder();
+    let blind = || {
+        let mut command = ramus();
+        command
+            .env("VK_DRIVER_FILES", "/nonexistent")
+            .env("VK_ICD_FILENAMES", "/nonexistent")
+            .current_dir(folder.path());
+        command
+    };
+    let png = folder.path().join("tree.png");
+    refused(
+        &blind()
+            .args(["derive", HONDA, "--png"])
+            .arg(&png)
+            .output()
+            .unwrap(),
+        &["Vulkan", "install"],
+    );
+    assert!(!png.exists());
+    succeed(blind().args(["derive", HONDA, "--export", "tree.glb"]));
+    succeed(blind().args(["replay", FIRST_TREE, "--project", "tree.ramus"]));
+}
+
+/// A full disk, on a file system of 256 KiB in a mount namespace of the test's own.
+#[test]
+fn a_full_disk_leaves_the_old_file_and_says_so() {
+    let folder = folder();
+    let script = "mount -t tmpfs -o size=256k none \"$1\" && cd \"$1\" && echo old > tree.glb \
+        && \"$2\" derive \"$3\" --export tree.glb; code=$?; cat tree.glb; ls -A; exit $code";
+    let output = Command::new("unshare")
+        .args([
+            "--mount",
+            "--propagation",
+            "private",
+            "sh",
+            "-c",
+            script,
+            "sh",
+        ])
+        .arg(folder.path())
+        .args([env!("CARGO_BIN_EXE_ramus"), HONDA])
+        .output();
+    let Ok(output) = output else {
+        println!("skipped: there is no unshare here to make a small disk with");
+        return;
+    };
+    let said = text(&output.stderr);
+    if said.contains("unshare:") || said.contains("mount:") {
+        println!(
+            "skipped: no mount namespace may be made here ({})",
+            said.trim()
+        );
+        return;
+    }
+    refused(&output, &["tree.glb", "full"]);
+    assert!(
+        text(&output.stdout).ends_with("old\ntree.glb\n"),
+        "the old file stays, and nothing else"
+    );
+}

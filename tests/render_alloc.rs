@@ -1,0 +1,141 @@
+//! Once it is warm, drawing a frame allocates nothing on the heap.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use std::{
+    alloc::{GlobalAlloc, Layout, System},
+    cell::Cell,
+    sync::Arc,
+};
+
+use glam::{Affine3A, Vec3};
+use ramus::{
+    render::{Eye, Fov, Gpu, GpuParams, Headless, Offscreen, Renderer, RendererParams, StereoMode},
+    tree::{NO_PARENT, Tree},
+    world::scene::{Ball, Board, Controller, PlacedTree, Plate, Rod, Scene},
+};
+
+thread_local! {
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: hands everything on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn scene() -> Scene {
+    let mut tree = Tree {
+        letters: vec!["A".to_owned()],
+        ..Tree::default()
+    };
+    for node in 0..500_u16 {
+        tree.parent.push(if node == 0 {
+            NO_PARENT
+        } else {
+            u32::from(node) - 1
+        });
+        tree.position.push(Vec3::new(
+            0.1 * (f32::from(node) * 0.3).sin(),
+            f32::from(node) * 0.004,
+            -2.0,
+        ));
+        tree.radius.push(0.02);
+        tree.letter.push(0);
+        tree.order.push(0);
+        tree.birth.push(u32::from(node) / 100);
+    }
+    let mut scene = Scene::default();
+    for i in 0..50_u16 {
+        let at = Vec3::new(f32::from(i) * 0.01, 1.0, -0.5);
+        scene.rods.push(Rod {
+            from: at,
+            to: at + Vec3::Y,
+            radius: 0.01,
+            color: [0.5, 0.5, 0.5, if i % 2 == 0 { 1.0 } else { 0.4 }],
+        });
+        scene.balls.push(Ball {
+            center: at,
+            radius: 0.02,
+            color: [0.5; 4],
+        });
+    }
+    scene.plates.push(Plate {
+        world_from_plate: Affine3A::IDENTITY,
+        color: [0.5; 4],
+    });
+    scene.controllers.push(Controller {
+        world_from_grip: Affine3A::IDENTITY,
+        hand: 1,
+        trigger: 0.5,
+    });
+    scene.board = Some(Board {
+        world_from_board: Affine3A::IDENTITY,
+        size: [0.8, 0.5],
+        revision: 1,
+        content: Arc::default(),
+    });
+    scene.tree = Some(PlacedTree {
+        tree: Arc::new(tree),
+        radius_before: Arc::default(),
+        revision: 1,
+        world_from_tree: Affine3A::IDENTITY,
+        growth: 0.0,
+        newest: 4,
+    });
+    scene
+}
+
+#[test]
+fn a_warm_frame_allocates_nothing() {
+    let gpu = match Gpu::new(&Headless::default(), &GpuParams::default()) {
+        Ok(gpu) => gpu,
+        Err(error) => {
+            assert!(
+                std::env::var("CI").is_err(),
+                "CI needs a Vulkan device: {error}"
+            );
+            eprintln!("skipped: {error}");
+            return;
+        }
+    };
+    for mode in [StereoMode::Multiview, StereoMode::PerEye] {
+        let params = RendererParams::new(32, 32, mode);
+        let offscreen = Offscreen::new(&gpu, params.extent).unwrap();
+        let mut renderer = Renderer::new(&gpu, &params).unwrap();
+        let mut scene = scene();
+        let mut counted = 0;
+        for frame in 0..12_u16 {
+            let t = f32::from(frame) / 12.0;
+            let eyes = Eye::looking_at(
+                Vec3::new(t, 1.5, 1.0),
+                Vec3::new(0.0, 1.0, -1.0),
+                Fov::symmetric(1.2, 1.0),
+            )
+            .pair(0.063);
+            // Everything moves and the tree grows; the shadow is drawn again in each frame.
+            if let Some(tree) = &mut scene.tree {
+                tree.growth = t;
+            }
+            let before = COUNT.with(Cell::get);
+            renderer.draw(&scene, &eyes, &offscreen.target()).unwrap();
+            if frame >= 4 {
+                counted += COUNT.with(Cell::get) - before;
+            }
+        }
+        assert_eq!(counted, 0, "allocations in eight warm frames ({mode:?})");
+    }
+}
