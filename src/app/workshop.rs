@@ -1,7 +1,7 @@
 //! The session without its headset and its picture: world, project on disk, growing trees.
 //!
 //! A frame's order: input to the world, its edits to the journal, its request for a tree to
-//! [`sketch::grow`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
+//! [`sketch::grow()`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
 use std::sync::Arc;

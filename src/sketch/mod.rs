@@ -5,7 +5,7 @@
 //! axes, so moving a node carries the branches on it along and turns nothing.
 //!
 //! The flow: [`change`] makes a new sketch from an old one (pure functions, strokes shared by `Arc`),
-//! [`grammar`] writes the L-system a person may read and edit, [`grow`] derives and draws it,
+//! [`grammar`] writes the L-system a person may read and edit, [`grow()`] derives and draws it,
 //! [`predict`] says beforehand how large that will be.
 //!
 //! Coordinates are multiples of 0.1 mm and angles of 0.001° ([`quantize`]), so that the same hand

@@ -5,7 +5,7 @@
 //! document and the poses of that frame, so the document is a function of the
 //! sequence of edges: not of time, frame rate, or how often a frame was shown.
 //!
-//! While a hand holds something, [`Tools::shown`] is the document as it would
+//! While a hand holds something, `Tools::shown` is the document as it would
 //! be if the hand let go now; it becomes an edit when it does. Both hands may
 //! hold at once. When the input goes to someone else in the middle, what is held
 //! returns to where it was: an accident must not become an edit. A controller that loses tracking
