@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Quat, Vec3, Vec4};
 
-pub use crate::world::input::Pose;
+pub use crate::world::scene::Pose;
 
 /// Distance of the near plane in metres: close enough for a hand before the face.
 /// Depth runs from 1 there to 0 at infinity.

@@ -5,8 +5,7 @@
 //! headset's crate is known here but its images, which only a headset can make.
 
 use ash::vk;
-use ramus_xr::openxr::VulkanHandles;
-use ramus_xr::vulkan::{HostError, VulkanDevice, VulkanHost};
+use ramus_xr::vulkan::{HostError, VulkanDevice, VulkanHandles, VulkanHost};
 
 use super::error::{RenderError, Trying as _};
 use super::gpu::Gpu;

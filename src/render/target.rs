@@ -1,7 +1,7 @@
 //! What is drawn into: two-layer images, ours or a headset's, and the multisampled images behind them.
 
 use ash::vk;
-use ramus_xr::Swapchain;
+use ramus_xr::vulkan::Swapchain;
 
 use super::{
     error::RenderError,

@@ -8,6 +8,8 @@ use glam::{Affine3A, Vec3};
 
 use crate::tree::Tree;
 
+pub use super::input::Pose;
+
 /// Linear (not sRGB) colour with straight alpha, each 0 to 1.
 pub type Color = [f32; 4];
 

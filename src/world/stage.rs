@@ -63,7 +63,7 @@ impl Default for StageParams {
             column_radius: 0.045,
             foot_radius: 0.17,
             foot_height: 0.03,
-            tree: Vec3::new(0.0, 0.0, -7.0),
+            tree: Vec3::new(0.0, 0.0, -6.0),
             board: Vec3::new(0.98, 1.35, -1.45),
             board_faces: Vec3::new(0.0, 1.55, 0.0),
             board_size: [0.92, 0.80],

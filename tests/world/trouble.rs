@@ -98,6 +98,19 @@ fn a_lost_controller_drops_the_node_where_it_was_last_seen() {
 }
 
 #[test]
+fn both_triggers_in_one_frame_draw_left_then_right() {
+    let mut person = Person::new();
+    let (first, second) = (trunk()[0], trunk()[1]);
+    for (hand, place) in [(LEFT, first), (RIGHT, second)] {
+        let tip = person.on_stage(place);
+        person.aim(hand, tip, Vec3::new(0.0, 0.2, -1.0));
+        person.set(hand, Button::Trigger, true);
+    }
+    person.frame();
+    assert!(close(person.in_sketch(A, 1), first) && close(person.in_sketch(A, 2), second));
+}
+
+#[test]
 fn nonsense_poses_and_triggers_count_as_untracked() {
     type Spoil = fn(&mut Input, usize);
     let spoils: [(&str, Spoil); 5] = [

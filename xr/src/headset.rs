@@ -4,6 +4,7 @@ use ash::vk;
 
 use crate::frame::{Frame, Pulse, View};
 use crate::session::SessionError;
+use crate::vulkan::Swapchain;
 
 /// What [`Headset::wait`] found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,48 +16,6 @@ pub enum Tick {
     Idle,
     /// The person or the runtime ended the session in good order.
     Exit,
-}
-
-/// The runtime's images for both eyes: arrays of two layers, left eye first. Only a headset makes one, so whoever
-/// draws may rely on its images: they live as long as the headset.
-#[derive(Debug)]
-pub struct Swapchain {
-    pub(crate) color: Vec<vk::Image>,
-    pub(crate) color_format: vk::Format,
-    pub(crate) depth: Vec<vk::Image>,
-    pub(crate) depth_format: vk::Format,
-    pub(crate) extent: vk::Extent2D,
-}
-
-impl Swapchain {
-    /// Colour images (two layers each; attachment, transfer source and destination).
-    #[must_use]
-    pub fn color(&self) -> &[vk::Image] {
-        &self.color
-    }
-
-    /// Colour format, an 8-bit sRGB one.
-    #[must_use]
-    pub fn color_format(&self) -> vk::Format {
-        self.color_format
-    }
-
-    /// Depth images (as the colour's), empty where the runtime takes no depth layer.
-    #[must_use]
-    pub fn depth(&self) -> &[vk::Image] {
-        &self.depth
-    }
-
-    /// Depth format, `UNDEFINED` where there are no depth images.
-    #[must_use]
-    pub fn depth_format(&self) -> vk::Format {
-        self.depth_format
-    }
-
-    /// Width and height of one eye in pixels.
-    pub fn extent(&self) -> vk::Extent2D {
-        self.extent
-    }
 }
 
 /// Which swapchain images to draw into this frame.

@@ -15,4 +15,5 @@ pub mod simulated;
 pub mod vulkan;
 
 pub use frame::{Fov, Frame, Hand, Pose, Pulse, View};
-pub use headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};
+pub use headset::{Acquired, Headset, HeadsetError, Tick};
+pub use vulkan::Swapchain;

@@ -35,4 +35,4 @@ mod view;
 
 pub use connect::{ConnectError, connect, quiet_loader};
 pub use headset::OpenXrHeadset;
-pub use system::{StartParams, System, VulkanHandles};
+pub use system::{StartParams, System};

@@ -10,8 +10,9 @@ use std::io::Write;
 use ash::vk;
 
 use crate::frame::{Frame, Hand, Pulse, View};
-use crate::headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};
+use crate::headset::{Acquired, Headset, HeadsetError, Tick};
 use crate::session::{SessionError, SessionWriter};
+use crate::vulkan::Swapchain;
 
 /// Writes the session of the headset inside.
 ///

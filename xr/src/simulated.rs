@@ -9,8 +9,9 @@ use std::fmt;
 use ash::vk;
 
 use crate::frame::{Frame, Pulse, View};
-use crate::headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};
+use crate::headset::{Acquired, Headset, HeadsetError, Tick};
 use crate::session::SessionError;
+use crate::vulkan::Swapchain;
 
 /// A vibration that was asked for, and when.
 #[derive(Clone, Copy, Debug, PartialEq)]

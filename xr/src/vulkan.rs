@@ -9,7 +9,7 @@ use std::error::Error;
 
 use ash::vk;
 
-use crate::openxr::{System, VulkanHandles};
+use crate::openxr::System;
 
 /// Why a host gave no Vulkan object: a sentence for people.
 pub type HostError = Box<dyn Error + Send + Sync>;
@@ -74,6 +74,63 @@ pub unsafe trait VulkanDevice {
 
     /// Waits until the device has nothing to do; called before the headset's images go.
     fn wait_idle(&self);
+}
+
+/// Vulkan's objects for a session. They must stay alive until the headset is dropped.
+#[derive(Clone, Copy, Debug)]
+pub struct VulkanHandles {
+    /// From [`VulkanHost::create_instance`].
+    pub instance: vk::Instance,
+    /// From [`VulkanHost::physical_device`].
+    pub physical_device: vk::PhysicalDevice,
+    /// From [`VulkanHost::create_device`].
+    pub device: vk::Device,
+    /// Family of the queue that draws.
+    pub queue_family: u32,
+    /// The queue within its family.
+    pub queue_index: u32,
+}
+
+/// The runtime's images for both eyes: arrays of two layers, left eye first. Only a headset makes one, so whoever
+/// draws may rely on its images: they live as long as the headset.
+#[derive(Debug)]
+pub struct Swapchain {
+    pub(crate) color: Vec<vk::Image>,
+    pub(crate) color_format: vk::Format,
+    pub(crate) depth: Vec<vk::Image>,
+    pub(crate) depth_format: vk::Format,
+    pub(crate) extent: vk::Extent2D,
+}
+
+impl Swapchain {
+    /// Colour images (two layers each; attachment, transfer source and destination).
+    #[must_use]
+    pub fn color(&self) -> &[vk::Image] {
+        &self.color
+    }
+
+    /// Colour format, an 8-bit sRGB one.
+    #[must_use]
+    pub fn color_format(&self) -> vk::Format {
+        self.color_format
+    }
+
+    /// Depth images (as the colour's), empty where the runtime takes no depth layer.
+    #[must_use]
+    pub fn depth(&self) -> &[vk::Image] {
+        &self.depth
+    }
+
+    /// Depth format, `UNDEFINED` where there are no depth images.
+    #[must_use]
+    pub fn depth_format(&self) -> vk::Format {
+        self.depth_format
+    }
+
+    /// Width and height of one eye in pixels.
+    pub fn extent(&self) -> vk::Extent2D {
+        self.extent
+    }
 }
 
 impl VulkanHost for System {

@@ -18,7 +18,8 @@ use ramus_monado::{
 };
 use ramus_xr::{
     Frame, Hand, Headset, HeadsetError, Pose, Pulse, Tick, View,
-    openxr::{OpenXrHeadset, StartParams, VulkanHandles, connect},
+    openxr::{OpenXrHeadset, StartParams, connect},
+    vulkan::VulkanHandles,
 };
 
 /// Runs a test where the runtime is, and fails it for whatever the runtime or a layer complained about.

@@ -11,13 +11,13 @@ use super::connect::{ConnectError, refused};
 use super::input::Input;
 use super::space::{Stage, locate, raw_from_pose};
 use super::swapchain::{Chain, choose_formats};
-use super::system::{STEREO, StartParams, System, VulkanHandles};
+use super::system::{STEREO, StartParams, System};
 use super::view::locate_views;
 use super::{events, frames};
 use crate::frame::{Frame, Hand, Pose, Pulse, View};
-use crate::headset::{Acquired, Headset, HeadsetError, Swapchain, Tick};
+use crate::headset::{Acquired, Headset, HeadsetError, Tick};
 use crate::lifecycle::{Demand, FrameCall, FrameClock, Lifecycle, Stage as FrameStage, State};
-use crate::vulkan::VulkanDevice;
+use crate::vulkan::{Swapchain, VulkanDevice, VulkanHandles};
 
 /// How long `wait` rests while no session runs, so that a loop around it does not spin.
 const IDLE_PAUSE: Duration = Duration::from_millis(10);

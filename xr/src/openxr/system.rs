@@ -7,7 +7,7 @@ use ash::vk::{self, Handle as _};
 
 use super::connect::{ConnectError, refused};
 use super::headset::OpenXrHeadset;
-use crate::vulkan::VulkanDevice;
+use crate::vulkan::{VulkanDevice, VulkanHandles};
 
 /// The one view configuration that Ramus draws.
 pub(super) const STEREO: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
@@ -24,21 +24,6 @@ pub struct System {
     pub(super) depth: bool,
     pub(super) blend: xr::EnvironmentBlendMode,
     pub(super) extent: vk::Extent2D,
-}
-
-/// Vulkan's objects for a session. They must stay alive until the headset is dropped.
-#[derive(Clone, Copy, Debug)]
-pub struct VulkanHandles {
-    /// From [`System::create_instance`].
-    pub instance: vk::Instance,
-    /// From [`System::graphics_device`].
-    pub physical_device: vk::PhysicalDevice,
-    /// From [`System::create_device`].
-    pub device: vk::Device,
-    /// Family of the queue that draws.
-    pub queue_family: u32,
-    /// The queue within its family.
-    pub queue_index: u32,
 }
 
 /// What the runtime must know of our pictures.

@@ -11,9 +11,10 @@ use xr::SessionState as S;
 use xr::sys::Result as Code;
 
 use super::fake::{self, Ended, FakeEvent, with};
-use super::{ConnectError, OpenXrHeadset, StartParams, VulkanHandles};
+use super::{ConnectError, OpenXrHeadset, StartParams};
 use crate::frame::{Frame, Hand, LONGEST_STEP, Pulse};
 use crate::headset::{Headset as _, HeadsetError, Tick};
+use crate::vulkan::VulkanHandles;
 
 const NEAR: f32 = 0.05;
 
