@@ -10,6 +10,7 @@
 mod person;
 mod world {
     mod any_input;
+    mod platform;
     mod trouble;
 }
 
@@ -322,106 +323,6 @@ fn a_hand_lets_go_of_a_node_that_the_other_hand_deletes() {
 fn on_rim(person: &Person) -> Vec3 {
     let ring = rim(&person.world.document().platform, &StageParams::default());
     ring.center + Vec3::X * (ring.inner + ring.outer) * 0.5
-}
-
-#[test]
-fn the_rim_moves_and_turns_the_platform_level() {
-    for hand in BOTH {
-        for touch in [false, true] {
-            let mut person = with_trunk(hand);
-            let before = person.world.document().clone();
-            let at = on_rim(&person);
-            if touch {
-                person.reach(hand, at);
-            } else {
-                person.aim(
-                    hand,
-                    at + Vec3::new(0.1, 0.5, 0.3),
-                    Vec3::new(-0.1, -0.5, -0.3),
-                );
-                person.frame();
-            }
-            let palette = Palette::default();
-            assert!(
-                person
-                    .scene()
-                    .plates
-                    .iter()
-                    .any(|plate| plate.color == palette.rim_hovered),
-                "highlighted"
-            );
-            person.press(hand, Button::Squeeze);
-            // The hand goes 10 cm to the right and nods: the platform goes along and stays level.
-            let pose = &mut person.input.hands[hand].grip;
-            pose.position += Vec3::X * 0.1;
-            pose.orientation = Quat::from_rotation_x(0.4) * pose.orientation;
-            person.frame();
-            assert_eq!(
-                person.world.document().platform,
-                before.platform,
-                "not yet an edit"
-            );
-            person.release(hand, Button::Squeeze);
-            let platform = person.world.document().platform;
-            assert!(
-                platform
-                    .position
-                    .distance(before.platform.position + Vec3::X * 0.1)
-                    < 1e-3,
-                "{platform:?}"
-            );
-            assert!(
-                platform.yaw_deg.min(360.0 - platform.yaw_deg) < 0.1
-                    && platform.scale == before.platform.scale
-            );
-            assert_eq!(person.world.document().sketch, before.sketch);
-            person.rest(hand);
-            person.flick(other(hand), -1.0);
-            assert_eq!(*person.world.document(), before);
-        }
-    }
-}
-
-#[test]
-fn two_hands_scale_the_platform_and_that_is_one_action() {
-    for first in BOTH {
-        let mut person = with_trunk(RIGHT);
-        let before = person.world.document().clone();
-        let undo_before = person.world.history().undo_count();
-        let center = before.platform.position;
-        let side = on_rim(&person) - center;
-        for hand in [first, other(first)] {
-            let sign = if hand == LEFT { -1.0 } else { 1.0 };
-            person.reach(hand, center + side * sign);
-            person.press(hand, Button::Squeeze);
-        }
-        let middle = (person.input.hands[LEFT].grip.position
-            + person.input.hands[RIGHT].grip.position)
-            * 0.5;
-        for hand in BOTH {
-            let sign = if hand == LEFT { -1.0 } else { 1.0 };
-            person.input.hands[hand].grip.position.x += sign * side.x;
-        }
-        person.frame();
-        person.release(first, Button::Squeeze);
-        assert_eq!(
-            *person.world.document(),
-            before,
-            "the other hand still holds it"
-        );
-        person.release(other(first), Button::Squeeze);
-        let platform = person.world.document().platform;
-        assert!(
-            (platform.scale / before.platform.scale - 2.0).abs() < 0.02,
-            "{platform:?}"
-        );
-        // Twice as far from the middle of the hands, which stays where it is.
-        assert!(
-            platform.position.distance(middle + (center - middle) * 2.0) < 2e-3,
-            "{platform:?}"
-        );
-        assert_eq!(person.world.history().undo_count(), undo_before + 1);
-    }
 }
 
 #[test]
