@@ -610,3 +610,31 @@ fn a_full_disk_leaves_the_old_file_and_says_so() {
         "the old file stays, and nothing else"
     );
 }
+
+#[test]
+fn a_recorded_session_replays_to_the_same_project() {
+    if !can_draw() {
+        return;
+    }
+    let folder = folder();
+    let session = folder.path().join("mine.session");
+    let said = succeed(
+        ramus()
+            .current_dir(folder.path())
+            .arg("--record")
+            .arg(&session),
+    );
+    assert!(said.contains("mine.session"), "{said}");
+    let project = folder.path().join("again.ramus");
+    succeed(
+        ramus()
+            .arg("replay")
+            .arg(&session)
+            .arg("--project")
+            .arg(&project),
+    );
+    assert_eq!(
+        fs::read_to_string(project).unwrap(),
+        fs::read_to_string(folder.path().join("out/first-tree.ramus")).unwrap()
+    );
+}

@@ -70,20 +70,20 @@ impl Opened {
         self.gpu.messages().list()
     }
 
-    /// Runs a session to its end; `wrap` may put a headset around the headset (a recorder, a player).
-    ///
-    /// # Errors
-    /// [`SessionEnd`].
+    /// Runs a session to its end; `wrap` may put a headset around the headset (a recorder, a player), which is given
+    /// back with how the session ended.
     pub fn run<'a, Outer: Headset + 'a>(
         self,
         wrap: impl FnOnce(OpenXrHeadset) -> Outer,
         workshop: &mut Workshop,
         watcher: &mut dyn Watcher,
-    ) -> Result<(), SessionEnd> {
-        // Dropped in the reverse order: the picture before the headset whose images it shows.
+    ) -> (Outer, Result<(), SessionEnd>) {
+        // The picture is dropped here, before the headset whose images it shows.
         let mut headset = wrap(self.headset);
         let mut picture = self.picture;
-        session::run(&mut headset, workshop, Some(&mut picture), watcher)
+        let outcome = session::run(&mut headset, workshop, Some(&mut picture), watcher);
+        drop(picture);
+        (headset, outcome)
     }
 }
 
@@ -98,5 +98,7 @@ pub fn play(
 ) -> Result<(), SessionEnd> {
     let opened = connect().map_err(OpenError::from).and_then(Opened::start)?;
     let frames = frames.into_iter().map(Ok);
-    opened.run(|headset| Player::new(headset, frames), workshop, watcher)
+    opened
+        .run(|headset| Player::new(headset, frames), workshop, watcher)
+        .1
 }

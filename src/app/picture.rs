@@ -32,8 +32,10 @@ pub struct Picture {
     renderer: Renderer,
     board: BoardUi,
     uploads: Worker<(Gpu, PlacedTree), Upload>,
-    /// Revision of the tree that is being prepared on the worker.
+    /// Revision of the tree that is being prepared on the worker, or that could not be.
     preparing: Option<u64>,
+    /// Why a tree is not in the picture, until it was told.
+    trouble: Option<String>,
     gpu: Gpu,
 }
 
@@ -101,6 +103,7 @@ impl Picture {
             board: BoardUi::default(),
             uploads,
             preparing: None,
+            trouble: None,
             gpu: gpu.clone(),
         })
     }
@@ -115,7 +118,9 @@ impl Picture {
         views: &[View; 2],
         acquired: Option<Acquired>,
     ) -> Result<DrawReport, RenderError> {
-        self.take_upload()?;
+        if let Some(upload) = self.uploads.poll() {
+            self.take_upload(upload);
+        }
         if let Some(board) = &scene.board
             && let Some(mut painted) = self.board.lay_out(board)
         {
@@ -154,8 +159,10 @@ impl Picture {
                 TreeState::Copying => {}
                 TreeState::Wanted(_) => {
                     if let Some(upload) = self.uploads.wait() {
-                        self.renderer.set_tree(upload?);
-                        self.preparing = None;
+                        self.take_upload(upload);
+                    }
+                    if self.trouble.is_some() {
+                        return Ok(report);
                     }
                 }
             }
@@ -171,12 +178,20 @@ impl Picture {
         crate::render::read_color(&self.gpu, target.color)
     }
 
-    fn take_upload(&mut self) -> Result<(), RenderError> {
-        if let Some(upload) = self.uploads.poll() {
-            self.renderer.set_tree(upload?);
-            self.preparing = None;
+    /// Why a tree is not in the picture, in a sentence; told once.
+    pub fn take_trouble(&mut self) -> Option<String> {
+        self.trouble.take()
+    }
+
+    /// A tree that finds no room on the device ends no session: the one before stays in view.
+    fn take_upload(&mut self, upload: Upload) {
+        match upload {
+            Ok(upload) => {
+                self.renderer.set_tree(upload);
+                self.preparing = None;
+            }
+            Err(error) => self.trouble = Some(format!("the tree cannot be shown: {error}")),
         }
-        Ok(())
     }
 }
 

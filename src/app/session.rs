@@ -102,6 +102,9 @@ fn one_frame(
             } else {
                 picture.draw(scene, &views, acquired)?;
             }
+            if let Some(trouble) = picture.take_trouble() {
+                workshop.show_message(trouble);
+            }
             watcher.drawn(workshop, picture, acquired)?;
             true
         }

@@ -118,6 +118,11 @@ impl Workshop {
         &self.scene
     }
 
+    /// Shows a sentence on the board.
+    pub fn show_message(&mut self, text: String) {
+        self.world.show_message(text);
+    }
+
     /// The world, to ask it.
     #[must_use]
     pub fn world(&self) -> &World {

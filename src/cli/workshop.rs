@@ -1,9 +1,13 @@
 //! `ramus`: the workshop, in the headset that answers, else as a demonstration on the simulated one.
 
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::{Args as ClapArgs, ValueEnum};
+use ramus_xr::Headset;
+use ramus_xr::record::Recorder;
 use ramus_xr::simulated::Simulated;
 
 use super::progress::Progress;
@@ -25,6 +29,9 @@ pub(super) struct Args {
     /// Where pictures and exports go
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
+    /// Record the session into this file, to be played by `ramus replay`
+    #[arg(long, value_name = "FILE.session")]
+    record: Option<PathBuf>,
     /// Which headset to use
     #[arg(long, value_enum, default_value_t = Which::Auto, value_name = "WHICH")]
     headset: Which,
@@ -51,7 +58,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     make_folder(&args.out)?;
     match &args.project {
         Some(project) => look_at(project, &args.out),
-        None => demonstrate(&args.out),
+        None => demonstrate(&args.out, args.record.as_deref()),
     }
 }
 
@@ -73,7 +80,16 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
         println!("{message}");
     }
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
-    let outcome = opened.run(|headset| headset, &mut workshop, &mut Nobody);
+    let outcome = match &args.record {
+        None => opened.run(|headset| headset, &mut workshop, &mut Nobody).1,
+        Some(path) => {
+            let output = recording(path)?;
+            let record = |headset| Recorder::new(headset, output);
+            let (recorder, outcome) = opened.run(record, &mut workshop, &mut Nobody);
+            tell_recording(recorder, path);
+            outcome
+        }
+    };
     // However the session ended, the work is saved first.
     workshop.finish_tree();
     let world = workshop.close()?;
@@ -90,8 +106,29 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     Ok(outcome?)
 }
 
+/// A recording that is being written.
+type Recording = BufWriter<File>;
+
+fn recording(path: &Path) -> Result<Recording> {
+    let file = File::create(path)
+        .with_context(|| format!("cannot record the session into {}", path.display()))?;
+    Ok(BufWriter::new(file))
+}
+
+/// Says what became of a recording; the session itself is not touched by its failure.
+fn tell_recording<H: Headset>(recorder: Recorder<H, Recording>, path: &Path) {
+    let (_headset, written) = recorder.finish();
+    match written {
+        Ok(_) => println!("  session   {}", path.display()),
+        Err(error) => eprintln!(
+            "ramus: the recording {} is not whole: {error}",
+            path.display()
+        ),
+    }
+}
+
 /// Without a headset and without a project: a recorded session shows what the workshop is.
-fn demonstrate(out: &Path) -> Result<()> {
+fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
     println!("Playing the recorded session first-tree on the built-in simulated headset …");
     let frames = demonstration::first_tree()?;
     let total = frames.len();
@@ -103,10 +140,15 @@ fn demonstrate(out: &Path) -> Result<()> {
     let mut workshop = Workshop::new(opened, WorkshopParams::default())?;
     let gpu = portrait::open_gpu()?;
     let mut picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
-    let mut headset = Simulated::new(frames, EXTENT);
+    let mut headset: Box<dyn Headset> = Box::new(Simulated::new(frames, EXTENT));
+    if let Some(path) = record {
+        headset = Box::new(Recorder::new(headset, recording(path)?));
+    }
     let mut progress = Progress::new("playing");
     let mut album = Album::new(Some(out), Box::new(|frame| progress.show(frame, total)))?;
-    let outcome = session::run(&mut headset, &mut workshop, Some(&mut picture), &mut album);
+    let outcome = session::run(&mut *headset, &mut workshop, Some(&mut picture), &mut album);
+    // A recording is whole when its headset goes.
+    drop(headset);
     let steps = album.steps().clone();
     drop(album);
     drop(progress);

@@ -28,16 +28,17 @@ pub struct Recorder<H, W: Write> {
 
 impl<H: Headset, W: Write> Recorder<H, W> {
     /// Records `inner` into `output` (buffer it: a frame is a few hundred bytes).
-    ///
-    /// # Errors
-    /// [`SessionError::Io`] where the header cannot be written.
-    pub fn new(inner: H, output: W) -> Result<Self, SessionError> {
-        Ok(Self {
+    pub fn new(inner: H, output: W) -> Self {
+        let (writer, fault) = match SessionWriter::new(output) {
+            Ok(writer) => (Some(writer), None),
+            Err(fault) => (None, Some(fault)),
+        };
+        Self {
             inner,
-            writer: Some(SessionWriter::new(output)?),
-            fault: None,
+            writer,
+            fault,
             pending: None,
-        })
+        }
     }
 
     /// Why recording stopped, if it did.
@@ -317,7 +318,7 @@ mod tests {
 
     #[test]
     fn a_recording_is_what_the_application_saw() {
-        let mut recorder = Recorder::new(Simulated::new(session(), EXTENT), Vec::new()).unwrap();
+        let mut recorder = Recorder::new(Simulated::new(session(), EXTENT), Vec::new());
         let seen = run(&mut recorder);
         assert!(recorder.fault().is_none());
         let (_, bytes) = recorder.finish();
@@ -327,7 +328,7 @@ mod tests {
 
     #[test]
     fn a_frame_under_way_is_recorded_too() {
-        let mut recorder = Recorder::new(Simulated::new(session(), EXTENT), Vec::new()).unwrap();
+        let mut recorder = Recorder::new(Simulated::new(session(), EXTENT), Vec::new());
         recorder.wait().unwrap();
         let (_, bytes) = recorder.finish();
         assert_eq!(from_bytes(&bytes.unwrap()).unwrap(), session()[..1]);
@@ -348,7 +349,7 @@ mod tests {
                 Ok(())
             }
         }
-        let mut recorder = Recorder::new(Simulated::new(session(), EXTENT), Full(100)).unwrap();
+        let mut recorder = Recorder::new(Simulated::new(session(), EXTENT), Full(100));
         assert_eq!(run(&mut recorder).len(), session().len());
         assert!(
             recorder

@@ -1,0 +1,190 @@
+//! The frame loop: an edit shows in the next frame, large trees never hold it up, and once warm it allocates nothing.
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_assert_message,
+    reason = "a test that stops says enough by stopping"
+)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use glam::Vec3;
+use ramus::app::picture::Picture;
+use ramus::app::portrait;
+use ramus::app::session::{self, Watcher};
+use ramus::app::workshop::Workshop;
+use ramus::sketch::{Letter, NodeRef};
+use ramus::world::World;
+use ramus::world::document::Edit;
+use ramus::world::history::History;
+use ramus_xr::simulated::Simulated;
+use ramus_xr::{Frame, Headset};
+
+thread_local! {
+    /// Allocations of this thread: workers and the driver's own threads are not the loop.
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: hands every call on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// A trunk and a branch at its first node, which carries copies of itself: Fib(step + 2) − 1 segments.
+fn grown(step: u32) -> Workshop {
+    let mut history = History::default();
+    for edit in [
+        Edit::AddSegment {
+            to: Vec3::new(0.0, 0.1, 0.0),
+        },
+        Edit::AddSegment {
+            to: Vec3::new(0.0, 0.2, 0.0),
+        },
+        Edit::Select {
+            at: NodeRef::new(Letter::TRUNK, 1),
+        },
+        Edit::AddSegment {
+            to: Vec3::new(0.05, 0.15, 0.0),
+        },
+        Edit::SetStep { step },
+    ] {
+        history.apply(edit).unwrap();
+    }
+    Workshop::unsaved(World::new(history)).unwrap()
+}
+
+fn segments(workshop: &mut Workshop) -> usize {
+    workshop
+        .scene()
+        .tree
+        .as_ref()
+        .map_or(0, |placed| placed.tree.segment_count())
+}
+
+/// Frames that press and release the right hand's lower button.
+fn press(mut frame: Frame) -> [Frame; 2] {
+    frame.focused = true;
+    frame.hands[1].tracked = true;
+    let mut pressed = frame;
+    pressed.hands[1].lower = true;
+    [pressed, frame]
+}
+
+#[test]
+fn an_edit_of_75000_segments_shows_in_the_same_frame() {
+    let mut workshop = grown(22);
+    let mut frame = Frame::start();
+    workshop.update(&frame);
+    assert_eq!(segments(&mut workshop), 46_367);
+    frame.time += 0.011;
+    workshop.update(&press(frame)[0]);
+    // The step shrinks or grows on the eye; the tree itself is there at once.
+    assert_eq!(workshop.document().step, 23);
+    assert_eq!(segments(&mut workshop), 75_024);
+    assert!(!workshop.is_busy());
+}
+
+#[test]
+fn a_larger_tree_grows_on_the_worker_while_frames_go_on() {
+    let mut workshop = grown(23);
+    let mut frame = Frame::start();
+    workshop.update(&frame);
+    assert_eq!(segments(&mut workshop), 75_024);
+    workshop.update(&press(frame)[0]);
+    assert_eq!(workshop.document().step, 24);
+    assert!(
+        workshop.is_busy(),
+        "121,392 segments are beyond what grows within a frame"
+    );
+    assert_eq!(
+        segments(&mut workshop),
+        75_024,
+        "the old tree stays in view"
+    );
+    let mut frames = 0;
+    while segments(&mut workshop) != 121_392 {
+        frame.time += 0.001;
+        workshop.update(&frame);
+        frames += 1;
+    }
+    assert!(frames > 1, "the loop went on meanwhile");
+    assert!(!workshop.is_busy());
+}
+
+/// Notes the allocations before each frame.
+struct Meter {
+    counts: Vec<u64>,
+}
+
+impl Watcher for Meter {
+    fn ended(&mut self, _headset: &mut dyn Headset) {
+        // Has its room from the start: noting allocates nothing.
+        self.counts.push(COUNT.with(Cell::get));
+    }
+}
+
+#[test]
+fn the_whole_warm_loop_allocates_nothing() {
+    let gpu = match portrait::open_gpu() {
+        Ok(gpu) => gpu,
+        Err(error) => {
+            assert!(
+                std::env::var("CI").is_err(),
+                "CI needs a Vulkan device: {error}"
+            );
+            println!("skipped: {error}");
+            return;
+        }
+    };
+    const WARM: usize = 120;
+    const FRAMES: usize = 200;
+    let mut workshop = grown(12);
+    let mut picture = Picture::offscreen(&gpu, 64, 64).unwrap();
+    let mut frame = Frame::start();
+    let frames: Vec<Frame> = (0..FRAMES)
+        .map(|_| {
+            frame.time += 0.011;
+            frame.focused = true;
+            for hand in &mut frame.hands {
+                hand.tracked = true;
+                hand.aim.position += Vec3::new(0.0005, 0.0002, -0.0003);
+                hand.grip.position = hand.aim.position;
+            }
+            frame
+        })
+        .collect();
+    let mut headset = Simulated::new(
+        frames,
+        ash::vk::Extent2D {
+            width: 64,
+            height: 64,
+        },
+    );
+    let mut meter = Meter {
+        counts: Vec::with_capacity(FRAMES),
+    };
+    session::run(&mut headset, &mut workshop, Some(&mut picture), &mut meter).unwrap();
+    assert_eq!(headset.rendered(), FRAMES);
+    let warm = &meter.counts[WARM..];
+    let last = warm.last().unwrap();
+    assert_eq!(
+        last - warm[0],
+        0,
+        "allocations in {} warm frames",
+        warm.len() - 1
+    );
+}
