@@ -125,6 +125,7 @@ fn a_session_pushed_into_the_runtime_makes_the_same_project_and_shows_the_tree()
                     &mut workshop,
                     &mut sight,
                 )
+                .1
                 .unwrap();
             assert_eq!(
                 sight.frames(),
@@ -227,6 +228,7 @@ fn a_focus_lost_in_the_middle_of_a_stroke_ends_it_cleanly() {
                     &mut workshop,
                     &mut Nobody,
                 )
+                .1
                 .unwrap();
             assert_eq!(
                 String::from_utf8(bytes(&workshop)),
@@ -260,7 +262,7 @@ fn a_killed_runtime_loses_nothing_that_was_made() {
                 &mut workshop,
                 &mut Nobody,
             );
-            match end {
+            match end.1 {
                 Err(SessionEnd::Headset(HeadsetError::Lost(_))) => {}
                 other => panic!("{other:?}"),
             }

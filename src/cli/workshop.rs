@@ -140,15 +140,21 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
     let mut workshop = Workshop::new(opened, WorkshopParams::default())?;
     let gpu = portrait::open_gpu()?;
     let mut picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
-    let mut headset: Box<dyn Headset> = Box::new(Simulated::new(frames, EXTENT));
-    if let Some(path) = record {
-        headset = Box::new(Recorder::new(headset, recording(path)?));
-    }
+    let mut headset = Simulated::new(frames, EXTENT);
     let mut progress = Progress::new("playing");
     let mut album = Album::new(Some(out), Box::new(|frame| progress.show(frame, total)))?;
-    let outcome = session::run(&mut *headset, &mut workshop, Some(&mut picture), &mut album);
-    // A recording is whole when its headset goes.
-    drop(headset);
+    let mut play = |headset: &mut dyn Headset| {
+        session::run(headset, &mut workshop, Some(&mut picture), &mut album)
+    };
+    let outcome = match record {
+        None => play(&mut headset),
+        Some(path) => {
+            let mut recorder = Recorder::new(headset, recording(path)?);
+            let outcome = play(&mut recorder);
+            tell_recording(recorder, path);
+            outcome
+        }
+    };
     let steps = album.steps().clone();
     drop(album);
     drop(progress);
