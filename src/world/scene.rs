@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
-pub use super::input::Pose;
 use crate::tree::Tree;
 
 pub use super::input::Pose;
