@@ -158,6 +158,25 @@ pub(crate) fn full_barrier(
     unsafe { (gpu.newer.barrier)(commands, &raw const info) };
 }
 
+/// Makes a resolved depth image what whoever takes it over expects: written as depth. Depth is resolved in the stage
+/// that writes colours, and an OpenXR runtime's own barrier at the release waits only for the stages of depth.
+pub(crate) fn depth_was_resolved(gpu: &Gpu, commands: vk::CommandBuffer) {
+    let memory = [vk::MemoryBarrier2::default()
+        .src_stage_mask(vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT)
+        .src_access_mask(vk::AccessFlags2::COLOR_ATTACHMENT_WRITE)
+        .dst_stage_mask(
+            vk::PipelineStageFlags2::EARLY_FRAGMENT_TESTS
+                | vk::PipelineStageFlags2::LATE_FRAGMENT_TESTS,
+        )
+        .dst_access_mask(
+            vk::AccessFlags2::DEPTH_STENCIL_ATTACHMENT_READ
+                | vk::AccessFlags2::DEPTH_STENCIL_ATTACHMENT_WRITE,
+        )];
+    let info = vk::DependencyInfo::default().memory_barriers(&memory);
+    // SAFETY: the command buffer is recording.
+    unsafe { (gpu.newer.barrier)(commands, &raw const info) };
+}
+
 /// An image barrier from everything to everything.
 pub(crate) fn transition(
     image: vk::Image,

@@ -15,7 +15,7 @@ use super::{
     data::{self, FrameData, RodData, SolidData, ViewData},
     error::RenderError,
     eye::Eye,
-    frame::{Pool, SLOTS, Slot, block_stride, full_barrier},
+    frame::{Pool, SLOTS, Slot, block_stride, depth_was_resolved, full_barrier},
     gpu::Gpu,
     memory::Buffer,
     meshes::Meshes,
@@ -305,6 +305,9 @@ impl Renderer {
         match self.params.mode {
             StereoMode::Multiview => self.record_both(&pass, target, &mut report),
             StereoMode::PerEye => self.record_each(&pass, target, &mut report),
+        }
+        if target.depth.is_some() {
+            depth_was_resolved(&self.gpu, commands);
         }
         self.slots[at].commands.submit()?;
         Ok(report)
