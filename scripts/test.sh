@@ -8,7 +8,7 @@ set -euo pipefail
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$repository"
 target=${CARGO_TARGET_DIR:-$repository/target}
-stages=(scripts fmt clippy docs validator monado build-tests doctests tests run)
+stages=(scripts fmt clippy docs validator driver monado build-tests doctests tests run)
 
 if [ "${1:-}" = --list ]; then
     echo "${stages[*]}"
@@ -53,6 +53,27 @@ stage_validator() {
     fi
 }
 
+# Debian 12's own driver, whose multiview is broken, unpacked beside the installed one: the fallback is tested on it.
+stage_driver() {
+    local folder=$target/mesa22 parts
+    [ ! -r "$folder/lvp_icd.json" ] || return 0
+    if ! grep -qs '^VERSION_CODENAME=bookworm' /etc/os-release; then
+        echo "driver: only Debian 12 has the broken one; the fallback's test on it is skipped"
+        return 0
+    fi
+    parts=$(mktemp -d)
+    if ! (cd "$parts" && apt-get download -q mesa-vulkan-drivers/bookworm && dpkg -x ./*.deb tree); then
+        echo "driver: the old driver cannot be had; the fallback's test on it is skipped"
+        rm -rf "$parts"
+        return 0
+    fi
+    mkdir -p "$folder"
+    cp "$parts"/tree/usr/lib/*/libvulkan_lvp.so "$folder"
+    sed "s|\"library_path\": *\"[^\"]*\"|\"library_path\": \"$folder/libvulkan_lvp.so\"|" \
+        "$parts"/tree/usr/share/vulkan/icd.d/lvp_icd*.json >"$folder/lvp_icd.json"
+    rm -rf "$parts"
+}
+
 # The real OpenXR runtime. Away from CI the tests that need it are skipped where it cannot be had.
 stage_monado() {
     if ! xr/monado/make-root.sh && [ "${CI:-}" = true ]; then
@@ -66,6 +87,7 @@ stage_doctests() { cargo test --workspace --doc --quiet; }
 
 stage_tests() {
     local log=$target/nextest.log failed=''
+    [ ! -r "$target/mesa22/lvp_icd.json" ] || export RAMUS_BROKEN_DRIVER=$target/mesa22/lvp_icd.json
     cargo nextest run --workspace --cargo-quiet --no-fail-fast --color never 2>&1 | tee "$log" || failed=yes
     summary=$(grep -E '^ *Summary \[' "$log" | tail -n 1)
     [ -z "$failed" ]
