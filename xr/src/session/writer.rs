@@ -136,7 +136,7 @@ fn push_view(text: &mut String, side: &str, eye: &mut Eye, head: Pose, view: Vie
         },
         fov: view.fov,
     };
-    let relative = Eye::Relative(fixed);
+    let relative = Eye::Relative(fixed.settled());
     let (word, said) = if fixed.pose.is_sane() && says(relative, head, view) {
         *eye = relative;
         (" eye", fixed)
@@ -153,10 +153,12 @@ fn push_view(text: &mut String, side: &str, eye: &mut Eye, head: Pose, view: Vie
     text.push('\n');
 }
 
-/// Whether `eye` is read as `view`: the reader settles the product.
+/// Whether the reader makes the same of `eye` as of `view` written out; it settles whatever it reads and works out.
+/// Of a head that is not settled yet it is enough that the eye moves with it.
 fn says(eye: Eye, head: Pose, view: View) -> bool {
-    let product = eye.view(head);
-    same_view(product, view) || same_view(product.settled(), view)
+    let settled = head.settled();
+    same_view(eye.view(settled).settled(), view.settled())
+        || (!same_pose(settled, head) && same_view(eye.view(head), view))
 }
 
 /// To a hundredth of a millimetre; never a negative zero.
