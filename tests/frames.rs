@@ -5,9 +5,9 @@
     reason = "a test that stops says enough by stopping"
 )]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+mod counting;
 
+use counting::allocations;
 use glam::Vec3;
 use ramus::app::picture::Picture;
 use ramus::app::portrait;
@@ -19,30 +19,6 @@ use ramus::world::document::Edit;
 use ramus::world::history::History;
 use ramus_xr::simulated::Simulated;
 use ramus_xr::{Frame, Headset};
-
-thread_local! {
-    /// Allocations of this thread: workers and the driver's own threads are not the loop.
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: hands every call on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// A trunk and a branch at its first node, which carries copies of itself: Fib(step + 2) − 1 segments.
 fn grown(step: u32) -> Workshop {
@@ -133,7 +109,7 @@ struct Meter {
 impl Watcher for Meter {
     fn ended(&mut self, _headset: &mut dyn Headset) {
         // Has its room from the start: noting allocates nothing.
-        self.counts.push(COUNT.with(Cell::get));
+        self.counts.push(allocations());
     }
 }
 
