@@ -1,4 +1,4 @@
-//! Once it is warm, drawing a frame allocates nothing on the heap.
+//! Once it is warm, drawing a frame allocates nothing on the heap and makes no pipeline.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 mod counting;
@@ -76,7 +76,7 @@ fn scene() -> Scene {
 }
 
 #[test]
-fn a_warm_frame_allocates_nothing() {
+fn a_warm_frame_allocates_nothing_and_makes_no_pipeline() {
     let gpu = match Gpu::new(&Headless::default(), &GpuParams::default()) {
         Ok(gpu) => gpu,
         Err(error) => {
@@ -93,6 +93,8 @@ fn a_warm_frame_allocates_nothing() {
         let offscreen = Offscreen::new(&gpu, params.extent).unwrap();
         let mut renderer = Renderer::new(&gpu, &params).unwrap();
         let mut scene = scene();
+        let made = gpu.pipelines_made();
+        assert!(made > 0, "the renderer makes its pipelines at its start");
         let mut counted = 0;
         for frame in 0..12_u16 {
             let t = f32::from(frame) / 12.0;
@@ -113,5 +115,6 @@ fn a_warm_frame_allocates_nothing() {
             }
         }
         assert_eq!(counted, 0, "allocations in eight warm frames ({mode:?})");
+        assert_eq!(gpu.pipelines_made(), made, "pipelines of frames ({mode:?})");
     }
 }
