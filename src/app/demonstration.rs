@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use ramus_xr::Frame;
 
 use crate::app::album::Album;
 use crate::app::export;
 use crate::app::picture::{Picture, side_by_side};
 use crate::app::workshop::Workshop;
-use crate::world::World;
+use crate::sketch::predict_segments;
 use crate::world::document::Document;
 use crate::world::history::History;
+use crate::world::{GrowthParams, World};
 
 /// `assets/sessions/first-tree.session`, built in so that the program works from any folder.
 const FIRST_TREE: &[u8] = include_bytes!("../../assets/sessions/first-tree.session");
@@ -25,6 +26,21 @@ const MOST_STEPS: u32 = 60;
 /// Where the built-in session is broken, which a test excludes.
 pub fn first_tree() -> Result<Vec<Frame>> {
     ramus_xr::session::from_bytes(FIRST_TREE).context("the built-in session cannot be played")
+}
+
+/// Refuses a document whose tree is larger than the workshop shows, before anything is drawn.
+///
+/// # Errors
+/// In a sentence that says how to mend it.
+pub fn check_size(document: &Document) -> Result<()> {
+    let most = GrowthParams::default().max_segments;
+    let segments = predict_segments(&document.sketch, document.step);
+    ensure!(
+        segments <= most,
+        "at step {} this project has more than {most} segments, which cannot be shown: set a lower step in its file",
+        document.step
+    );
+    Ok(())
 }
 
 /// Pictures each growth step of a document as a person at the platform sees it; gives how many.

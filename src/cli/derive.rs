@@ -10,6 +10,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
+use super::not_over_input;
 use super::progress::Progress;
 use crate::app::{export, portrait};
 use crate::lsystem::report::Report;
@@ -72,6 +73,9 @@ enum Widths {
 pub(super) fn run(args: &Args) -> Result<()> {
     for path in &args.export {
         export::Format::of(path)?;
+    }
+    for path in args.export.iter().chain(&args.png) {
+        not_over_input(path, &args.file)?;
     }
     let grammar = read(args)?;
     let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
@@ -168,19 +172,21 @@ fn write_files(args: &Args, mut tree: Tree) -> Result<()> {
     if args.export.is_empty() && args.png.is_none() {
         return Ok(());
     }
-    if args.widths == Widths::Auto
-        && let Some(factor) = radii::fit(&mut tree, &FitParams::default())
-    {
-        eprintln!(
-            "ramus: the widths are far too large for metres and were multiplied by {factor:.4}; --widths metres leaves them"
-        );
-    }
+    let factor = match args.widths {
+        Widths::Auto => radii::fit(&mut tree, &FitParams::default()),
+        Widths::Metres => None,
+    };
     for path in &args.export {
         export::tree(&tree, path)?;
     }
     if let Some(path) = &args.png {
         let picture = portrait::of_tree(Arc::new(tree), args.size)?;
         export::png(&picture, path)?;
+    }
+    if let Some(factor) = factor {
+        whisper!(
+            "ramus: the widths are far too large for metres and were multiplied by {factor:.2e}; --widths metres leaves them"
+        );
     }
     Ok(())
 }

@@ -12,9 +12,9 @@ pub(super) fn run() -> Result<()> {
             Health::Lacking => "--",
             Health::Missing => "!!",
         };
-        println!("{mark}  {:<18} {}", finding.part, finding.found);
+        tell!("{mark}  {:<18} {}", finding.part, finding.found);
         if let Some(mend) = &finding.mend {
-            println!("    {:<18} mend it: {mend}", "");
+            tell!("    {:<18} mend it: {mend}", "");
         }
     }
     let missing = findings
@@ -23,7 +23,7 @@ pub(super) fn run() -> Result<()> {
     let headset = findings
         .iter()
         .any(|finding| finding.part == "headset" && finding.health == Health::Good);
-    println!(
+    tell!(
         "{}",
         match (missing, headset) {
             (true, _) => "Ramus cannot draw here yet; grammars can be derived and exported.",

@@ -1,5 +1,21 @@
 //! The command line: one file a subcommand; argument parsing and printing only.
 
+/// Tells the person something on standard output. Nobody listening (a closed pipe, a full disk) must not end the work.
+macro_rules! tell {
+    ($($part:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($part)*);
+    }};
+}
+
+/// The same on standard error: remarks that are not the result.
+macro_rules! whisper {
+    ($($part:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($part)*);
+    }};
+}
+
 mod derive;
 mod doctor;
 mod progress;
@@ -7,6 +23,7 @@ mod replay;
 mod workshop;
 
 use std::io::{IsTerminal as _, Write as _};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -65,6 +82,20 @@ pub fn run() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Refuses to write a result over what it is made from.
+fn not_over_input(output: &Path, input: &Path) -> anyhow::Result<()> {
+    let same = match (output.canonicalize(), input.canonicalize()) {
+        (Ok(output), Ok(input)) => output == input,
+        _ => false,
+    };
+    anyhow::ensure!(
+        !same,
+        "{} would be overwritten by what is made from it: choose another name",
+        output.display()
+    );
+    Ok(())
 }
 
 /// An error with its causes in one line; a cause that the text says already is not said twice.

@@ -7,6 +7,7 @@ use ash::vk;
 use clap::{Args as ClapArgs, ValueEnum};
 use ramus_xr::simulated::Simulated;
 
+use super::not_over_input;
 use super::progress::Progress;
 use crate::app::album::Album;
 use crate::app::picture::Picture;
@@ -58,6 +59,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let frames =
         ramus_xr::session::read_file(path).with_context(|| format!("cannot play {name}"))?;
     let total = frames.len();
+    for output in [&args.project, &args.glb, &args.lsys].into_iter().flatten() {
+        not_over_input(output, path)?;
+    }
     let mut workshop = open(args.project.as_deref())?;
     let mut progress = Progress::new("playing");
     let mut album = Album::new(
@@ -86,26 +90,26 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let world = workshop.close()?;
     outcome?;
     drop(progress);
-    println!(
+    tell!(
         "played {played} frames of {name}: {}",
         take_home::summary(&world)
     );
     if let Some(project) = &args.project {
-        println!("  project   {}", project.display());
+        tell!("  project   {}", project.display());
     }
     if let Some(folder) = &args.png {
-        println!(
+        tell!(
             "  pictures  {} (stereo, {steps} growth steps)",
             folder.display()
         );
     }
     if let Some(lsys) = &args.lsys {
         take_home::grammar(&world, lsys)?;
-        println!("  grammar   {}", lsys.display());
+        tell!("  grammar   {}", lsys.display());
     }
     if let Some(glb) = &args.glb {
         take_home::export(&world, glb)?;
-        println!("  tree      {}", glb.display());
+        tell!("  tree      {}", glb.display());
     }
     Ok(())
 }
@@ -117,7 +121,7 @@ fn open(project: Option<&Path>) -> Result<Workshop> {
         Some(path) => {
             let opened = Store::begin(path)?;
             if let Some(message) = &opened.message {
-                eprintln!("ramus: {message}");
+                whisper!("ramus: {message}");
             }
             Workshop::new(opened, params)?
         }

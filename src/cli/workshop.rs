@@ -52,7 +52,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         match headset::connect() {
             Ok(system) => return in_headset(Opened::start(system)?, args),
             Err(error) if args.headset == Which::Openxr => return Err(error.into()),
-            Err(error) => println!("No headset: {error}."),
+            Err(error) => tell!("No headset: {error}."),
         }
     }
     make_folder(&args.out)?;
@@ -79,10 +79,10 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     if args.project.is_none() {
         make_folder(&args.out)?;
     }
-    println!("In the headset: {}.", opened.describe());
+    tell!("In the headset: {}.", opened.describe());
     let store = Store::open(&project)?;
     if let Some(message) = &store.message {
-        println!("{message}");
+        tell!("{message}");
     }
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
     let outcome = match &args.record {
@@ -98,7 +98,7 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     // However the session ended, the work is saved first.
     workshop.finish_tree();
     let world = workshop.close()?;
-    println!(
+    tell!(
         "Saved {}: {}.",
         project.display(),
         take_home::summary(&world)
@@ -106,10 +106,10 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     if world.document().step > 0 {
         let glb = project.with_extension("glb");
         take_home::export(&world, &glb)?;
-        println!("The tree is in {}.", glb.display());
+        tell!("The tree is in {}.", glb.display());
         let lsys = project.with_extension("lsys");
         take_home::grammar(&world, &lsys)?;
-        println!("Its grammar is in {}.", lsys.display());
+        tell!("Its grammar is in {}.", lsys.display());
     }
     Ok(outcome?)
 }
@@ -118,7 +118,8 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
 type Recording = BufWriter<File>;
 
 fn recording(path: &Path) -> Result<Recording> {
-    let file = File::create(path)
+    // Sessions are not made again: an older one is never written over.
+    let file = File::create_new(path)
         .with_context(|| format!("cannot record the session into {}", path.display()))?;
     Ok(BufWriter::new(file))
 }
@@ -127,8 +128,8 @@ fn recording(path: &Path) -> Result<Recording> {
 fn tell_recording<H: Headset>(recorder: Recorder<H, Recording>, path: &Path) {
     let (_headset, written) = recorder.finish();
     match written {
-        Ok(_) => println!("  session   {}", path.display()),
-        Err(error) => eprintln!(
+        Ok(_) => tell!("  session   {}", path.display()),
+        Err(error) => whisper!(
             "ramus: the recording {} is not whole: {error}",
             path.display()
         ),
@@ -137,13 +138,13 @@ fn tell_recording<H: Headset>(recorder: Recorder<H, Recording>, path: &Path) {
 
 /// Without a headset and without a project: a recorded session shows what the workshop is.
 fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
-    println!("Playing the recorded session first-tree on the built-in simulated headset …");
+    tell!("Playing the recorded session first-tree on the built-in simulated headset …");
     let frames = demonstration::first_tree()?;
     let total = frames.len();
     let project = out.join("first-tree.ramus");
     let opened = Store::begin(&project)?;
     if let Some(message) = &opened.message {
-        println!("{message}");
+        tell!("{message}");
     }
     let mut workshop = Workshop::new(opened, WorkshopParams::default())?;
     let gpu = portrait::open_gpu()?;
@@ -173,13 +174,13 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
     take_home::export(&world, &glb)?;
     let lsys = out.join("first-tree.lsys");
     take_home::grammar(&world, &lsys)?;
-    println!(
+    tell!(
         "A tree was drawn with two controllers and grown: {}.",
         take_home::summary(&world)
     );
     tell(out, steps.len(), Some(&project), &glb);
-    println!("  grammar   {}", lsys.display());
-    println!(
+    tell!("  grammar   {}", lsys.display());
+    tell!(
         "With a headset the same command starts the workshop in it; `ramus doctor` says what is missing."
     );
     Ok(())
@@ -191,7 +192,7 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
     let document = if Store::has_journal(project) {
         let opened = Store::open(project)?;
         if let Some(message) = &opened.message {
-            println!("{message}");
+            tell!("{message}");
         }
         let document = opened.history.committed().clone();
         opened.store.close(&document)?;
@@ -199,6 +200,7 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
     } else {
         read_project(project)?
     };
+    demonstration::check_size(&document)?;
     let gpu = portrait::open_gpu()?;
     let mut picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
     let mut progress = Progress::new("drawing");
@@ -207,7 +209,7 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
     })?;
     drop(progress);
     let world = World::new(crate::world::history::History::new(document));
-    println!("{}: {}.", project.display(), take_home::summary(&world));
+    tell!("{}: {}.", project.display(), take_home::summary(&world));
     let glb = out
         .join(project.file_stem().unwrap_or_default())
         .with_extension("glb");
@@ -215,18 +217,18 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
         take_home::export(&world, &glb)?;
         tell(out, steps, None, &glb);
     } else {
-        println!("It has not grown yet: pictures are in {}.", out.display());
+        tell!("It has not grown yet: pictures are in {}.", out.display());
     }
     Ok(())
 }
 
 fn tell(out: &Path, steps: usize, project: Option<&Path>, glb: &Path) {
-    println!(
+    tell!(
         "  pictures  {} ({steps} growth steps, left and right eye)",
         out.join("step-*.png").display()
     );
     if let Some(project) = project {
-        println!("  project   {}", project.display());
+        tell!("  project   {}", project.display());
     }
-    println!("  tree      {}", glb.display());
+    tell!("  tree      {}", glb.display());
 }

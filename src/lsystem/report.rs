@@ -184,9 +184,15 @@ impl Report {
 }
 
 fn bounds(tree: &Tree) -> Bounds {
-    let mut nodes = tree.position.iter();
-    let first = nodes.next().copied().unwrap_or_default();
-    let (min, max) = nodes.fold((first, first), |(min, max), p| (min.min(*p), max.max(*p)));
+    // Both ends of each segment: where the turtle moved without drawing (or began) nothing stands.
+    let mut ends = tree
+        .parent
+        .iter()
+        .zip(&tree.position)
+        .filter_map(|(parent, end)| Some([*tree.position.get(*parent as usize)?, *end]))
+        .flatten();
+    let first = ends.next().unwrap_or_default();
+    let (min, max) = ends.fold((first, first), |(min, max), p| (min.min(p), max.max(p)));
     Bounds {
         min: min.to_array(),
         max: max.to_array(),
