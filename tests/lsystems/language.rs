@@ -183,6 +183,12 @@ fn strings_of_small_grammars() {
             "",
         ),
         (
+            "cut what decomposing the axiom brings",
+            "axiom A\ndecompose {\n  A -> F[%F]F\n}\n".into(),
+            0,
+            "F[]F",
+        ),
+        (
             "decomposition goes on until nothing changes",
             "axiom N(3)\ndecompose {\n  N(n) : n > 0 -> F N(n-1)\n  N(n) -> *\n}\nF -> N(1)G\n"
                 .into(),
