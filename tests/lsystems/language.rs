@@ -302,6 +302,18 @@ fn faults_are_told_where_they_are() {
             &["found `,`", "expected a number"],
         ),
         ("axiom A\nA > -> B\n", 2, 5, &["right context"]),
+        (
+            "axiom A\nA > B[F] -> B\nignore + F\n",
+            2,
+            7,
+            &["contexts skip `F`", "never matches", "out of `ignore`"],
+        ),
+        (
+            "consider A B\naxiom A\nB C < A -> B\n",
+            3,
+            3,
+            &["contexts skip `C`", "add `C` to `consider`"],
+        ),
         ("axiom A\n< A -> B\n", 2, 1, &["left context is empty"]),
         (
             "axiom A\n-> B\n",
