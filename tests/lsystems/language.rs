@@ -600,6 +600,10 @@ fn includes() {
     let read = |text: &str| Grammar::parse(text, &main);
     let grammar = read("include \"rules.lsys\"\naxiom A(k)\n").unwrap();
     assert_eq!(text_of(&grammar, 1), "A(4)");
+    std::fs::create_dir(inner.join("folder")).unwrap();
+    // A hole of a file: it takes no room on the disk.
+    let long = std::fs::File::create(inner.join("long.lsys")).unwrap();
+    long.set_len(300 << 20).unwrap();
     write("a.lsys", "include \"b.lsys\"\n");
     write("b.lsys", "include \"a.lsys\"\n");
     for (text, part) in [
@@ -619,6 +623,14 @@ fn includes() {
             "include \"missing.lsys\"\naxiom A\n",
             "cannot read `missing.lsys`",
         ),
+        (
+            "include \"folder\"\naxiom A\n",
+            "cannot read `folder`: it is no regular file",
+        ),
+        (
+            "include \"long.lsys\"\naxiom A\n",
+            "cannot read `long.lsys`: it is longer than",
+        ),
         ("include \"main.lsys\"\naxiom A\n", "includes itself"),
         ("include \"a.lsys\"\naxiom A\n", "includes itself"),
         ("include \"rules.lsys\naxiom A\n", "not closed"),
@@ -635,4 +647,24 @@ fn includes() {
             .to_string();
         assert!(shown.contains("outside the grammar's folder"), "{shown}");
     }
+}
+
+/// Opening a pipe waits for its writer, so a test that fails here does not end.
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_not_included() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = std::process::Command::new("mkfifo")
+        .arg(folder.path().join("pipe.lsys"))
+        .status();
+    if !made.is_ok_and(|status| status.success()) {
+        eprintln!("skipped: mkfifo makes no pipe here");
+        return;
+    }
+    let main = folder.path().join("main.lsys");
+    std::fs::write(&main, "").unwrap();
+    let error = Grammar::parse("include \"pipe.lsys\"\naxiom A\n", main.to_str().unwrap())
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("no regular file"), "{error}");
 }
