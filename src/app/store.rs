@@ -1,16 +1,16 @@
 //! The project on disk: opened, recovered, journalled while the session runs, saved at its end.
 //!
 //! Beside `tree.ramus` lies `tree.ramus.journal` while a session is open: every finished action is
-//! appended to it at once (a write to the page cache, microseconds), and a worker forces it to the
-//! disk. A killed session loses nothing but what was not finished; the next start repeats the
+//! appended to it at once (into the system's cache, so that a kill loses nothing), and a worker forces it
+//! to the disk. A killed session loses nothing but what was not finished; the next start repeats the
 //! journal on the project. Saving writes the project whole; closing
 //! also takes the journal away. The journal is locked, so that two sessions never write one project.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::app::worker::Worker;
 use crate::tree::{TreeError, file::write_atomically};
@@ -88,7 +88,11 @@ pub struct Store {
     whole_bytes: u64,
     /// Lines that could not be written yet (a full disk); they are tried again with the next.
     unwritten: Vec<u8>,
-    sync: Worker<Arc<File>, io::Result<()>>,
+    sync: Worker<Arc<File>, ()>,
+    /// What forcing the journal to the disk failed in, until it was told.
+    fault: Arc<Mutex<Option<io::Error>>>,
+    /// Where the older project is kept that this session replaces.
+    before: Option<PathBuf>,
 }
 
 /// `tree.ramus` → `tree.ramus.journal`, and the like.
@@ -146,10 +150,9 @@ pub fn read_project(path: &Path) -> Result<Document, StoreError> {
     })
 }
 
-/// Whether a journal was kept for this project: for the state that it starts from (nothing, where a session began
-/// anew), or for one that was saved on the way.
+/// Whether a journal was kept for this project: for the state that it starts from, or for one that was saved on the way.
 fn belongs(decoded: &Decoded, project: &Document) -> bool {
-    if decoded.project == *project || decoded.project == Document::default() {
+    if decoded.project == *project {
         return true;
     }
     let mut history = History::new(decoded.project.clone());
@@ -185,8 +188,14 @@ impl Store {
         Self::keep(project, journal_path, file, left)
     }
 
-    /// Begins a new project whatever is at `project`, which stays until the first save. Work that a
-    /// killed session left in its journal is saved beside it.
+    /// Whether a killed session left a journal beside a project.
+    #[must_use]
+    pub fn has_journal(project: &Path) -> bool {
+        std::fs::metadata(beside(project, ".journal")).is_ok_and(|data| data.len() > 0)
+    }
+
+    /// Begins a new project whatever is at `project`: an older file is kept beside it until the session is closed in
+    /// good order. Work that a killed session left in its journal is saved beside it too.
     ///
     /// # Errors
     /// [`StoreError`]; no file is changed then.
@@ -212,7 +221,22 @@ impl Store {
             journal: None,
             message,
         };
-        Self::keep(project, journal_path, file, left)
+        let before = Self::put_before(project)?;
+        let mut opened = Self::keep(project, journal_path, file, left)?;
+        opened.store.before = before;
+        Ok(opened)
+    }
+
+    /// Puts an empty project in the place of an older one, which is kept: so the journal of the new session belongs to
+    /// what lies there, and a killed session is recovered on it.
+    fn put_before(project: &Path) -> Result<Option<PathBuf>, StoreError> {
+        let Some(bytes) = read(project)? else {
+            return Ok(None);
+        };
+        let before = free_name(project, ".before.ramus");
+        write_atomically(&before, &bytes)?;
+        write_atomically(project, &project::to_bytes(&Document::default()))?;
+        Ok(Some(before))
     }
 
     fn lock(project: &Path, journal_path: &Path) -> Result<File, StoreError> {
@@ -304,8 +328,14 @@ impl Store {
             source,
             path: journal_path.clone(),
         };
-        let sync = Worker::start("ramus-sync", |file: &Arc<File>, _: &AtomicBool| {
-            file.sync_data()
+        let fault = Arc::new(Mutex::new(None));
+        let sync = Worker::start("ramus-sync", {
+            let fault = Arc::clone(&fault);
+            move |file: &Arc<File>, _: &AtomicBool| {
+                if let Err(error) = file.sync_data() {
+                    *fault.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                }
+            }
         })
         .map_err(failed)?;
         let (journal, whole_bytes) = left.journal.unwrap_or_else(|| {
@@ -320,6 +350,8 @@ impl Store {
             whole_bytes,
             unwritten: Vec::new(),
             sync,
+            fault,
+            before: None,
         };
         if whole_bytes == 0 {
             // What could not be repeated lies in a file of its own; what could is saved before the journal starts anew.
@@ -369,13 +401,17 @@ impl Store {
     /// # Errors
     /// Where forcing failed: the disk is full or gone.
     pub fn check(&mut self) -> Result<(), StoreError> {
-        match self.sync.poll() {
-            Some(Err(source)) => Err(StoreError::Journal {
+        let fault = self
+            .fault
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        fault.map_or(Ok(()), |source| {
+            Err(StoreError::Journal {
                 source,
                 path: self.journal_path.clone(),
-            }),
-            _ => Ok(()),
-        }
+            })
+        })
     }
 
     /// Saves the project whole. The journal goes on: undo may reach back behind a save.
@@ -397,6 +433,9 @@ impl Store {
         self.save(document)?;
         // A journal that cannot be removed repeats what is saved already.
         let _ = std::fs::remove_file(&self.journal_path);
+        if let Some(before) = &self.before {
+            let _ = std::fs::remove_file(before);
+        }
         Ok(())
     }
 
@@ -603,6 +642,45 @@ mod tests {
         draw(&mut opened, &[0.1, 0.2]);
         let document = kill(opened);
         assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
+    }
+
+    #[test]
+    fn a_project_put_in_the_place_of_a_killed_new_one_is_not_overwritten() {
+        let folder = folder();
+        let [path, other] = ["tree.ramus", "other.ramus"].map(|name| folder.path().join(name));
+        let mut opened = Store::open(&other).unwrap();
+        draw(&mut opened, &[0.7]);
+        let theirs = opened.history.committed().clone();
+        opened.store.close(&theirs).unwrap();
+        for begin in [Store::begin as fn(&Path) -> _, Store::open] {
+            let mut opened: Opened = begin(&path).unwrap();
+            draw(&mut opened, &[0.1]);
+            let work = kill(opened);
+            fs::copy(&other, &path).unwrap();
+            let opened = Store::open(&path).unwrap();
+            assert_eq!(*opened.history.committed(), theirs);
+            let aside = beside(&path, ".recovered.ramus");
+            assert_eq!(read_project(&aside).unwrap(), work);
+            drop(opened);
+            for left in [aside, path.clone(), beside(&path, ".journal")] {
+                let _ = fs::remove_file(left);
+            }
+        }
+    }
+
+    #[test]
+    fn a_replaced_project_is_kept_until_the_new_one_is_whole() {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        let mut opened = Store::open(&path).unwrap();
+        draw(&mut opened, &[0.7]);
+        let old = opened.history.committed().clone();
+        opened.store.close(&old).unwrap();
+        let opened = Store::begin(&path).unwrap();
+        let before = beside(&path, ".before.ramus");
+        assert_eq!(read_project(&before).unwrap(), old);
+        opened.store.close(&Document::default()).unwrap();
+        assert!(!before.exists());
     }
 
     #[test]

@@ -92,6 +92,16 @@ impl Grower {
         }
     }
 
+    /// How many times a string would be rewritten to grow this: none or one where the kept string serves.
+    #[must_use]
+    pub fn steps_to_derive(&self, sketch: &Sketch, step: u32) -> u32 {
+        let rewrites = step.saturating_sub(1);
+        match rewrites.checked_sub(self.rewrites) {
+            Some(more) if !self.rules.is_empty() && self.rules == sketch.rules_text() => more,
+            _ => rewrites,
+        }
+    }
+
     /// Grows a sketch to a step.
     ///
     /// # Errors
