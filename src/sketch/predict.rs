@@ -418,10 +418,10 @@ mod tests {
         for (what, sketch, most) in [
             ("deep", wide(1, own(100)), None),
             ("refused at once", wide(9_000, own(1)), None),
-            ("just let through", wide(6_100, None), Some(2_000_000)),
+            ("just let through", wide(6_150, None), Some(2_000_000)),
             (
                 "the same with copies",
-                wide(6_800, own(2_200)),
+                wide(7_100, own(2_200)),
                 Some(2_000_000),
             ),
         ] {
