@@ -1,7 +1,7 @@
 //! The session without its headset and its picture: world, project on disk, growing trees.
 //!
 //! A frame's order: input to the world, its edits to the journal, its request for a tree to
-//! [`sketch::grow()`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
+//! [`Grower`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use ramus_xr::{Frame, Pulse};
 use crate::app::convert::input_from_frame;
 use crate::app::store::{Opened, Store, StoreError};
 use crate::app::worker::Worker;
-use crate::sketch::{self, Grower, Grown, Sketch};
+use crate::sketch::{Grower, Grown, Sketch};
 use crate::world::World;
 use crate::world::document::Document;
 use crate::world::scene::Scene;
@@ -197,8 +197,7 @@ impl Workshop {
     }
 
     /// Whether a tree grows within a frame: few segments, and few rewrites on the way to them.
-    fn is_small(&self, (_, sketch, step): &Wanted) -> bool {
-        let segments = sketch::predict_segments(sketch, *step);
+    fn is_small(&self, (_, sketch, step): &Wanted, segments: u64) -> bool {
         let steps = u64::from(self.grower.steps_to_derive(sketch, *step));
         segments <= self.params.at_once
             && segments.saturating_mul(steps) <= self.params.at_once * self.params.rewrites
@@ -212,7 +211,7 @@ impl Workshop {
             return;
         };
         let wanted = (request.id, Arc::clone(&request.sketch), request.step);
-        if self.is_small(&wanted) {
+        if self.is_small(&wanted, request.segments) {
             let (id, grown) = grow(&mut self.grower, &wanted, &AtomicBool::new(false));
             self.growing = None;
             self.world.set_tree(id, grown);
