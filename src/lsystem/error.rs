@@ -86,8 +86,13 @@ pub struct GrammarErrors {
 }
 
 impl GrammarErrors {
+    /// Whether further faults are only counted: then nobody need work out where they are.
+    pub(crate) fn is_full(&self) -> bool {
+        self.errors.len() >= MAX_ERRORS
+    }
+
     pub(crate) fn push(&mut self, error: GrammarError) {
-        if self.errors.len() < MAX_ERRORS {
+        if !self.is_full() {
             self.errors.push(error);
         } else {
             self.more += 1;

@@ -247,6 +247,10 @@ impl Parser<'_, '_, '_> {
         if let Some(value) = self.scope.constants.get(name) {
             return self.push(Op::Push(*value));
         }
+        if self.errors.is_full() {
+            self.errors.more += 1;
+            return self.push(Op::Push(0.0));
+        }
         let known = self
             .scope
             .parameters
@@ -380,10 +384,7 @@ mod tests {
     use super::*;
 
     fn compile(text: &str) -> Result<Expression, String> {
-        let source = Source {
-            name: "t".into(),
-            text: text.into(),
-        };
+        let source = Source::new("t".into(), text.into());
         let mut cursor = Cursor::new(&source, 0, text.len());
         let constants = BTreeMap::from([("pi".to_owned(), std::f64::consts::PI)]);
         let parameters = ["x".to_owned(), "y".to_owned()];

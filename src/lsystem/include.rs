@@ -97,13 +97,7 @@ fn included(
         return fail(format!("`{name}` includes itself"));
     }
     match read(&path) {
-        Ok(text) => Ok((
-            path,
-            Source {
-                name: name.to_owned(),
-                text,
-            },
-        )),
+        Ok(text) => Ok((path, Source::new(name.to_owned(), text))),
         Err(why) => fail(format!("cannot read `{name}`: {why}")),
     }
 }

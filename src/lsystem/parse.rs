@@ -66,10 +66,7 @@ pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> 
         &mut parser.errors,
         &mut sources,
         &mut all,
-        Source {
-            name: file.to_owned(),
-            text: text.to_owned(),
-        },
+        Source::new(file.to_owned(), text.to_owned()),
         folder.as_deref(),
         &mut chain,
     );
@@ -184,6 +181,10 @@ impl Parser {
         let Some(source) = sources.get(statement.file) else {
             return;
         };
+        if self.errors.is_full() {
+            // A person mends the first faults first; what stands behind them is not even read.
+            return;
+        }
         let mut cursor = Cursor::new(source, statement.body, statement.end);
         let in_block = statement.block != Block::Main && !statement.keyword.is_empty();
         let result = if in_block {

@@ -111,10 +111,7 @@ pub(crate) fn production(
     if !(cursor.take("-->") || cursor.take("->")) {
         return Err(cursor.expected("`->`"));
     }
-    let location = {
-        let error = cursor.error_at(start, String::new());
-        format!("{}:{}", error.file, error.line)
-    };
+    let location = cursor.location(start);
     let mut rule = Rule {
         text: text.trim_end().to_owned(),
         location,

@@ -4,6 +4,8 @@
 //! keyword continues the line before (so does a line that begins with `]`). Statements carry
 //! byte ranges into their file, so every error can point at its place.
 
+use std::sync::OnceLock;
+
 use super::error::{GrammarError, GrammarErrors};
 
 /// Bytes of grammar text accepted in all, includes counted.
@@ -35,6 +37,27 @@ pub(crate) const KEYWORDS: [&str; 17] = [
 pub(crate) struct Source {
     pub(crate) name: String,
     pub(crate) text: String,
+    /// Where each line begins, once somebody asked: every production notes its line.
+    lines: OnceLock<Vec<usize>>,
+}
+
+impl Source {
+    pub(crate) fn new(name: String, text: String) -> Self {
+        Self {
+            name,
+            text,
+            lines: OnceLock::new(),
+        }
+    }
+
+    /// The line of the byte `at`, from 1.
+    fn line(&self, at: usize) -> usize {
+        let starts = self.lines.get_or_init(|| {
+            let ends = self.text.match_indices('\n').map(|(end, _)| end + 1);
+            std::iter::once(0).chain(ends).collect()
+        });
+        starts.partition_point(|&start| start <= at)
+    }
 }
 
 /// Which block a statement stands in.
@@ -267,7 +290,12 @@ impl<'a> Cursor<'a> {
         format!("`{first}`")
     }
 
-    /// An error at byte `at`.
+    /// File and line of the byte `at`.
+    pub(crate) fn location(&self, at: usize) -> String {
+        format!("{}:{}", self.source.name, self.source.line(at))
+    }
+
+    /// An error at the byte `at`.
     pub(crate) fn error_at(&self, at: usize, message: String) -> GrammarError {
         GrammarError::new(&self.source.name, &self.source.text, at, message)
     }
@@ -295,10 +323,7 @@ mod tests {
 
     #[test]
     fn statements_continue_over_indented_lines() {
-        let source = Source {
-            name: "t".into(),
-            text: "# c\naxiom A # x\n  B\nA -> F\n   [A]\ndecompose {\n  A -> B\n}\nshape A = [\n (0 1 0)\n]\n".into(),
-        };
+        let source = Source::new("t".into(), "# c\naxiom A # x\n  B\nA -> F\n   [A]\ndecompose {\n  A -> B\n}\nshape A = [\n (0 1 0)\n]\n".into());
         let mut errors = GrammarErrors::default();
         let found = statements(0, &source, &mut errors);
         let shown: Vec<(&str, &str, Block)> = found
