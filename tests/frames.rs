@@ -1,48 +1,26 @@
-//! The frame loop: an edit shows in the next frame, large trees never hold it up, and once warm it allocates nothing.
+//! The frame loop: an edit shows in the next frame, large trees never hold it up, and once warm it
+//! allocates nothing and makes no pipeline.
 #![allow(
     clippy::unwrap_used,
     clippy::missing_assert_message,
     reason = "a test that stops says enough by stopping"
 )]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+mod counting;
 
+use counting::allocations;
 use glam::Vec3;
 use ramus::app::picture::Picture;
 use ramus::app::portrait;
 use ramus::app::session::{self, Watcher};
 use ramus::app::workshop::Workshop;
+use ramus::render::Gpu;
 use ramus::sketch::{Letter, NodeRef};
 use ramus::world::World;
 use ramus::world::document::Edit;
 use ramus::world::history::History;
 use ramus_xr::simulated::Simulated;
 use ramus_xr::{Frame, Headset};
-
-thread_local! {
-    /// Allocations of this thread: workers and the driver's own threads are not the loop.
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: hands every call on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// A trunk and a branch at its first node, which carries copies of itself: Fib(step + 2) − 1 segments.
 fn grown(step: u32) -> Workshop {
@@ -125,20 +103,21 @@ fn a_larger_tree_grows_on_the_worker_while_frames_go_on() {
     assert!(!workshop.is_busy());
 }
 
-/// Notes the allocations before each frame.
-struct Meter {
-    counts: Vec<u64>,
+/// Notes the allocations and the pipelines made so far after each frame.
+struct Meter<'a> {
+    gpu: &'a Gpu,
+    counts: Vec<(u64, u64)>,
 }
 
-impl Watcher for Meter {
+impl Watcher for Meter<'_> {
     fn ended(&mut self, _headset: &mut dyn Headset) {
         // Has its room from the start: noting allocates nothing.
-        self.counts.push(COUNT.with(Cell::get));
+        self.counts.push((allocations(), self.gpu.pipelines_made()));
     }
 }
 
 #[test]
-fn the_whole_warm_loop_allocates_nothing() {
+fn the_whole_warm_loop_allocates_nothing_and_makes_no_pipeline() {
     let gpu = match portrait::open_gpu() {
         Ok(gpu) => gpu,
         Err(error) => {
@@ -175,6 +154,7 @@ fn the_whole_warm_loop_allocates_nothing() {
         },
     );
     let mut meter = Meter {
+        gpu: &gpu,
         counts: Vec::with_capacity(FRAMES),
     };
     session::run(&mut headset, &mut workshop, Some(&mut picture), &mut meter).unwrap();
@@ -182,9 +162,10 @@ fn the_whole_warm_loop_allocates_nothing() {
     let warm = &meter.counts[WARM..];
     let last = warm.last().unwrap();
     assert_eq!(
-        last - warm[0],
-        0,
-        "allocations in {} warm frames",
+        (last.0 - warm[0].0, last.1 - warm[0].1),
+        (0, 0),
+        "allocations and pipelines in {} warm frames",
         warm.len() - 1
     );
+    assert!(last.1 > 0, "the pipelines of the start were counted");
 }

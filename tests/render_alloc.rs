@@ -1,41 +1,17 @@
-//! Once it is warm, drawing a frame allocates nothing on the heap.
+//! Once it is warm, drawing a frame allocates nothing on the heap and makes no pipeline.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    cell::Cell,
-    sync::Arc,
-};
+mod counting;
 
+use std::sync::Arc;
+
+use counting::allocations;
 use glam::{Affine3A, Vec3};
 use ramus::{
     render::{Eye, Fov, Gpu, GpuParams, Headless, Offscreen, Renderer, RendererParams, StereoMode},
     tree::{NO_PARENT, Tree},
     world::scene::{Ball, Board, Controller, PlacedTree, Plate, Rod, Scene},
 };
-
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: hands everything on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn scene() -> Scene {
     let mut tree = Tree {
@@ -100,7 +76,7 @@ fn scene() -> Scene {
 }
 
 #[test]
-fn a_warm_frame_allocates_nothing() {
+fn a_warm_frame_allocates_nothing_and_makes_no_pipeline() {
     let gpu = match Gpu::new(&Headless::default(), &GpuParams::default()) {
         Ok(gpu) => gpu,
         Err(error) => {
@@ -117,6 +93,8 @@ fn a_warm_frame_allocates_nothing() {
         let offscreen = Offscreen::new(&gpu, params.extent).unwrap();
         let mut renderer = Renderer::new(&gpu, &params).unwrap();
         let mut scene = scene();
+        let made = gpu.pipelines_made();
+        assert!(made > 0, "the renderer makes its pipelines at its start");
         let mut counted = 0;
         for frame in 0..12_u16 {
             let t = f32::from(frame) / 12.0;
@@ -130,12 +108,13 @@ fn a_warm_frame_allocates_nothing() {
             if let Some(tree) = &mut scene.tree {
                 tree.growth = t;
             }
-            let before = COUNT.with(Cell::get);
+            let before = allocations();
             renderer.draw(&scene, &eyes, &offscreen.target()).unwrap();
             if frame >= 4 {
-                counted += COUNT.with(Cell::get) - before;
+                counted += allocations() - before;
             }
         }
         assert_eq!(counted, 0, "allocations in eight warm frames ({mode:?})");
+        assert_eq!(gpu.pipelines_made(), made, "pipelines of frames ({mode:?})");
     }
 }

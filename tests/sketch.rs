@@ -19,8 +19,8 @@ use proptest::prelude::*;
 use ramus::{
     lsystem::{Grammar, Limits},
     sketch::{
-        BOUNDS, GROW, GrowParams, Grower, Grown, Letter, NodeRef, SelfSimilar, Sketch, SketchError,
-        Stroke, Wrap, grow, predict_segments, sketch_nodes,
+        BOUNDS, GROW, GrowParams, Grower, Grown, Letter, MAX_SEGMENTS, NodeRef, SelfSimilar,
+        Sketch, SketchError, Stroke, Wrap, grow, predict_segments, sketch_nodes,
     },
     tree::NO_PARENT,
     world::{document::Edit, history::History, journal::Journal, project},
@@ -655,5 +655,24 @@ fn a_nodes_repeats_are_known() {
         highest,
         Some(2),
         "a branch of two segments repeats its nodes 1 and 2"
+    );
+}
+
+/// The tools, the world and the grower refuse the same, and the handbook says so.
+#[test]
+fn one_bound_of_segments() {
+    let params = ramus::world::WorldParams::default();
+    for most in [
+        GROW.segments,
+        params.growth.max_segments,
+        params.tools.draw.max_segments,
+    ] {
+        assert_eq!(most, MAX_SEGMENTS);
+    }
+    let said = format!("Above {} million it is refused", MAX_SEGMENTS / 1_000_000);
+    assert!(MAX_SEGMENTS.is_multiple_of(1_000_000));
+    assert!(
+        include_str!("../docs/src/sketch.md").contains(&said),
+        "{said}"
     );
 }

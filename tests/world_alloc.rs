@@ -6,51 +6,18 @@
     reason = "a test that fails shows the line"
 )]
 
+mod counting;
 mod person;
 
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    cell::Cell,
-};
-
+use counting::allocations;
 use glam::Vec3;
 use person::{Button, LEFT, Person, RIGHT};
 use ramus::{sketch::Letter, world::scene::Scene};
 
-thread_local! {
-    /// Allocations of this thread; the test runner's own threads count for themselves.
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: hands every call on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
 fn counted(act: impl FnOnce()) -> u64 {
-    let before = COUNT.with(Cell::get);
+    let before = allocations();
     act();
-    COUNT.with(Cell::get) - before
+    allocations() - before
 }
 
 #[test]

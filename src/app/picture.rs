@@ -32,8 +32,10 @@ pub struct Picture {
     renderer: Renderer,
     board: BoardUi,
     uploads: Worker<(Gpu, PlacedTree), Upload>,
-    /// Revision of the tree that is being prepared on the worker, or that could not be.
+    /// Revision of the tree that is being prepared on the worker.
     preparing: Option<u64>,
+    /// Revision of the tree that could not be prepared: it is not tried again.
+    refused: Option<u64>,
     /// Why a tree is not in the picture, until it was told.
     trouble: Option<String>,
     gpu: Gpu,
@@ -103,6 +105,7 @@ impl Picture {
             board: BoardUi::default(),
             uploads,
             preparing: None,
+            refused: None,
             trouble: None,
             gpu: gpu.clone(),
         })
@@ -135,6 +138,7 @@ impl Picture {
         let report = self.renderer.draw(scene, &eyes(views), &target)?;
         if let (TreeState::Wanted(revision), Some(placed)) = (report.tree, &scene.tree)
             && self.preparing != Some(revision)
+            && self.refused != Some(revision)
         {
             self.preparing = Some(revision);
             self.uploads.ask((self.gpu.clone(), placed.clone()));
@@ -157,12 +161,10 @@ impl Picture {
             match report.tree {
                 TreeState::None | TreeState::Shown => return Ok(report),
                 TreeState::Copying => {}
+                TreeState::Wanted(revision) if self.refused == Some(revision) => return Ok(report),
                 TreeState::Wanted(_) => {
                     if let Some(upload) = self.uploads.wait() {
                         self.take_upload(upload);
-                    }
-                    if self.trouble.is_some() {
-                        return Ok(report);
                     }
                 }
             }
@@ -190,7 +192,10 @@ impl Picture {
                 self.renderer.set_tree(upload);
                 self.preparing = None;
             }
-            Err(error) => self.trouble = Some(format!("the tree cannot be shown: {error}")),
+            Err(error) => {
+                self.refused = self.preparing.take();
+                self.trouble = Some(format!("the tree cannot be shown: {error}"));
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Tick};
 
 use crate::app::picture::Picture;
 use crate::app::workshop::Workshop;
-use crate::render::RenderError;
+use crate::render::{RenderError, TreeState};
 
 /// How long the loop rests while the runtime shows us nothing.
 const IDLE_PAUSE: Duration = Duration::from_millis(10);
@@ -96,16 +96,18 @@ fn one_frame(
         Some(picture) if ready && (acquired.is_some() || watcher.wants(workshop, frame)) => {
             let views = headset.views()?;
             let scene = workshop.scene();
-            if acquired.is_none() {
+            let report = if acquired.is_none() {
                 // Nobody waits for a picture without a headset: it is drawn when all of it is there.
-                picture.draw_whole(scene, &views, acquired)?;
+                picture.draw_whole(scene, &views, acquired)?
             } else {
-                picture.draw(scene, &views, acquired)?;
-            }
+                picture.draw(scene, &views, acquired)?
+            };
             if let Some(trouble) = picture.take_trouble() {
                 workshop.show_message(trouble);
             }
-            watcher.drawn(workshop, picture, acquired)?;
+            if acquired.is_some() || !matches!(report.tree, TreeState::Wanted(_)) {
+                watcher.drawn(workshop, picture, acquired)?;
+            }
             true
         }
         _ => false,

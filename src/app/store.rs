@@ -1,16 +1,16 @@
 //! The project on disk: opened, recovered, journalled while the session runs, saved at its end.
 //!
 //! Beside `tree.ramus` lies `tree.ramus.journal` while a session is open: every finished action is
-//! appended to it at once (a write to the page cache, microseconds), and a worker forces it to the
-//! disk. A killed session loses nothing but what was not finished; the next start repeats the
+//! appended to it at once (into the system's cache, so that a kill loses nothing), and a worker forces it
+//! to the disk. A killed session loses nothing but what was not finished; the next start repeats the
 //! journal on the project. Saving writes the project whole; closing
 //! also takes the journal away. The journal is locked, so that two sessions never write one project.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::app::worker::Worker;
 use crate::tree::{TreeError, file::write_atomically};
@@ -88,7 +88,11 @@ pub struct Store {
     whole_bytes: u64,
     /// Lines that could not be written yet (a full disk); they are tried again with the next.
     unwritten: Vec<u8>,
-    sync: Worker<Arc<File>, io::Result<()>>,
+    sync: Worker<Arc<File>, ()>,
+    /// What forcing the journal to the disk failed in, until it was told.
+    fault: Arc<Mutex<Option<io::Error>>>,
+    /// Where the older project is kept that this session replaces.
+    before: Option<PathBuf>,
 }
 
 /// `tree.ramus` → `tree.ramus.journal`, and the like.
@@ -146,10 +150,9 @@ pub fn read_project(path: &Path) -> Result<Document, StoreError> {
     })
 }
 
-/// Whether a journal was kept for this project: for the state that it starts from (nothing, where a session began
-/// anew), or for one that was saved on the way.
+/// Whether a journal was kept for this project: for the state that it starts from, or for one that was saved on the way.
 fn belongs(decoded: &Decoded, project: &Document) -> bool {
-    if decoded.project == *project || decoded.project == Document::default() {
+    if decoded.project == *project {
         return true;
     }
     let mut history = History::new(decoded.project.clone());
@@ -185,8 +188,14 @@ impl Store {
         Self::keep(project, journal_path, file, left)
     }
 
-    /// Begins a new project whatever is at `project`, which stays until the first save. Work that a
-    /// killed session left in its journal is saved beside it.
+    /// Whether a killed session left a journal beside a project.
+    #[must_use]
+    pub fn has_journal(project: &Path) -> bool {
+        std::fs::metadata(beside(project, ".journal")).is_ok_and(|data| data.len() > 0)
+    }
+
+    /// Begins a new project whatever is at `project`: an older file is kept beside it until the session is closed in
+    /// good order. Work that a killed session left in its journal is saved beside it too.
     ///
     /// # Errors
     /// [`StoreError`]; no file is changed then.
@@ -212,7 +221,22 @@ impl Store {
             journal: None,
             message,
         };
-        Self::keep(project, journal_path, file, left)
+        let before = Self::put_before(project)?;
+        let mut opened = Self::keep(project, journal_path, file, left)?;
+        opened.store.before = before;
+        Ok(opened)
+    }
+
+    /// Puts an empty project in the place of an older one, which is kept: so the journal of the new session belongs to
+    /// what lies there, and a killed session is recovered on it.
+    fn put_before(project: &Path) -> Result<Option<PathBuf>, StoreError> {
+        let Some(bytes) = read(project)? else {
+            return Ok(None);
+        };
+        let before = free_name(project, ".before.ramus");
+        write_atomically(&before, &bytes)?;
+        write_atomically(project, &project::to_bytes(&Document::default()))?;
+        Ok(Some(before))
     }
 
     fn lock(project: &Path, journal_path: &Path) -> Result<File, StoreError> {
@@ -304,8 +328,14 @@ impl Store {
             source,
             path: journal_path.clone(),
         };
-        let sync = Worker::start("ramus-sync", |file: &Arc<File>, _: &AtomicBool| {
-            file.sync_data()
+        let fault = Arc::new(Mutex::new(None));
+        let sync = Worker::start("ramus-sync", {
+            let fault = Arc::clone(&fault);
+            move |file: &Arc<File>, _: &AtomicBool| {
+                if let Err(error) = file.sync_data() {
+                    *fault.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                }
+            }
         })
         .map_err(failed)?;
         let (journal, whole_bytes) = left.journal.unwrap_or_else(|| {
@@ -320,6 +350,8 @@ impl Store {
             whole_bytes,
             unwritten: Vec::new(),
             sync,
+            fault,
+            before: None,
         };
         if whole_bytes == 0 {
             // What could not be repeated lies in a file of its own; what could is saved before the journal starts anew.
@@ -369,13 +401,17 @@ impl Store {
     /// # Errors
     /// Where forcing failed: the disk is full or gone.
     pub fn check(&mut self) -> Result<(), StoreError> {
-        match self.sync.poll() {
-            Some(Err(source)) => Err(StoreError::Journal {
+        let fault = self
+            .fault
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        fault.map_or(Ok(()), |source| {
+            Err(StoreError::Journal {
                 source,
                 path: self.journal_path.clone(),
-            }),
-            _ => Ok(()),
-        }
+            })
+        })
     }
 
     /// Saves the project whole. The journal goes on: undo may reach back behind a save.
@@ -397,6 +433,9 @@ impl Store {
         self.save(document)?;
         // A journal that cannot be removed repeats what is saved already.
         let _ = std::fs::remove_file(&self.journal_path);
+        if let Some(before) = &self.before {
+            let _ = std::fs::remove_file(before);
+        }
         Ok(())
     }
 
@@ -423,216 +462,4 @@ impl Store {
 }
 
 #[cfg(test)]
-mod tests {
-    #![allow(clippy::missing_assert_message, clippy::unwrap_used, reason = "tests")]
-    use std::fs;
-
-    use glam::Vec3;
-
-    use super::*;
-    use crate::world::document::Edit;
-
-    fn draw(opened: &mut Opened, heights: &[f32]) {
-        for &height in heights {
-            opened
-                .history
-                .apply(Edit::AddSegment {
-                    to: Vec3::new(0.0, height, 0.0),
-                })
-                .unwrap();
-            let log = opened.history.take_log();
-            opened.store.append(&log).unwrap();
-        }
-    }
-
-    fn folder() -> tempfile::TempDir {
-        tempfile::tempdir().unwrap()
-    }
-
-    /// Ends a session as `kill -9` does: nothing more is written, the lock goes.
-    fn kill(opened: Opened) -> Document {
-        opened.history.committed().clone()
-    }
-
-    #[test]
-    fn a_closed_project_opens_as_it_was_and_leaves_no_journal() {
-        let folder = folder();
-        let path = folder.path().join("tree.ramus");
-        let mut opened = Store::open(&path).unwrap();
-        draw(&mut opened, &[0.1, 0.2, 0.3]);
-        let document = opened.history.committed().clone();
-        opened.store.close(&document).unwrap();
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-        let again = Store::open(&path).unwrap();
-        assert_eq!(*again.history.committed(), document);
-        assert_eq!(again.message, None);
-    }
-
-    #[test]
-    fn a_killed_session_is_recovered_with_its_undo_history() {
-        let folder = folder();
-        let path = folder.path().join("tree.ramus");
-        let mut opened = Store::open(&path).unwrap();
-        draw(&mut opened, &[0.1, 0.2]);
-        opened
-            .store
-            .save(&opened.history.committed().clone())
-            .unwrap();
-        draw(&mut opened, &[0.3, 0.4]);
-        let document = kill(opened);
-        let mut again = Store::open(&path).unwrap();
-        assert_eq!(*again.history.committed(), document);
-        assert!(
-            again
-                .message
-                .as_ref()
-                .unwrap()
-                .contains("recovered 4 actions")
-        );
-        assert_eq!(again.history.undo_count(), 4);
-        // The recovered session goes on in the same journal.
-        draw(&mut again, &[0.5]);
-        let document = kill(again);
-        assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
-    }
-
-    #[test]
-    fn an_undo_behind_the_last_save_survives_a_kill() {
-        let folder = folder();
-        let path = folder.path().join("tree.ramus");
-        let mut opened = Store::open(&path).unwrap();
-        draw(&mut opened, &[0.1, 0.2]);
-        let saved = opened.history.committed().clone();
-        opened.store.save(&saved).unwrap();
-        assert!(opened.history.undo() && opened.history.undo());
-        let log = opened.history.take_log();
-        opened.store.append(&log).unwrap();
-        assert!(kill(opened).sketch.is_empty());
-        let again = Store::open(&path).unwrap();
-        assert!(again.history.committed().sketch.is_empty());
-        assert_eq!(again.history.redo_count(), 2);
-    }
-
-    #[test]
-    fn a_journal_of_another_project_is_kept_aside() {
-        let folder = folder();
-        let [path, other] = ["tree.ramus", "other.ramus"].map(|name| folder.path().join(name));
-        for (path, height) in [(&path, 0.1), (&other, 0.7)] {
-            let mut opened = Store::open(path).unwrap();
-            draw(&mut opened, &[height]);
-            let document = opened.history.committed().clone();
-            opened.store.close(&document).unwrap();
-        }
-        let mut opened = Store::open(&path).unwrap();
-        draw(&mut opened, &[0.2]);
-        let work = kill(opened);
-        fs::copy(&other, &path).unwrap();
-        let opened = Store::open(&path).unwrap();
-        assert_eq!(*opened.history.committed(), read_project(&other).unwrap());
-        assert_eq!(
-            read_project(&beside(&path, ".recovered.ramus")).unwrap(),
-            work
-        );
-    }
-
-    #[test]
-    fn a_journal_cut_anywhere_gives_a_prefix_of_the_work() {
-        let folder = folder();
-        let path = folder.path().join("tree.ramus");
-        let mut opened = Store::open(&path).unwrap();
-        draw(&mut opened, &[0.1, 0.2, 0.3]);
-        kill(opened);
-        let journal = fs::read(beside(&path, ".journal")).unwrap();
-        let mut most = 0;
-        for cut in 0..=journal.len() {
-            let elsewhere = folder.path().join(format!("cut{cut}.ramus"));
-            fs::write(beside(&elsewhere, ".journal"), &journal[..cut]).unwrap();
-            let opened = Store::open(&elsewhere).unwrap();
-            let segments = opened.history.committed().sketch.segments().count();
-            assert!(segments >= most, "more of the journal never gives less");
-            most = segments;
-        }
-        assert_eq!(most, 3);
-    }
-
-    #[test]
-    fn damage_and_strangers_are_put_aside_and_nothing_is_thrown_away() {
-        let strange =
-            b"{\"format\":\"ramus-journal\",\"version\":1,\"base\":\"0123456789abcdef\"}\n";
-        for (name, bytes) in [
-            ("noise", &b"\x00\xff noise\nmore\n"[..]),
-            ("other base", &[&strange[..], b"{}\n"].concat()),
-        ] {
-            let folder = folder();
-            let path = folder.path().join("tree.ramus");
-            fs::write(beside(&path, ".journal"), bytes).unwrap();
-            let opened = Store::open(&path).unwrap();
-            if opened.message.is_some() {
-                assert_eq!(
-                    fs::read(beside(&path, ".journal.damaged")).unwrap(),
-                    bytes,
-                    "{name}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn beginning_anew_saves_what_a_killed_session_left() {
-        let folder = folder();
-        let path = folder.path().join("tree.ramus");
-        let mut opened = Store::begin(&path).unwrap();
-        draw(&mut opened, &[0.1, 0.2]);
-        let document = kill(opened);
-        let opened = Store::begin(&path).unwrap();
-        assert!(opened.history.committed().sketch.is_empty());
-        let aside = beside(&path, ".recovered.ramus");
-        assert!(opened.message.as_ref().unwrap().contains("recovered.ramus"));
-        assert_eq!(read_project(&aside).unwrap(), document);
-    }
-
-    #[test]
-    fn a_new_session_on_an_old_project_is_recovered_when_killed() {
-        let folder = folder();
-        let path = folder.path().join("tree.ramus");
-        let mut opened = Store::begin(&path).unwrap();
-        draw(&mut opened, &[0.9]);
-        let old = opened.history.committed().clone();
-        opened.store.close(&old).unwrap();
-        let mut opened = Store::begin(&path).unwrap();
-        draw(&mut opened, &[0.1, 0.2]);
-        let document = kill(opened);
-        assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
-    }
-
-    #[test]
-    fn two_sessions_never_share_a_project() {
-        let folder = folder();
-        let path = folder.path().join("tree.ramus");
-        let first = Store::open(&path).unwrap();
-        assert!(matches!(Store::open(&path), Err(StoreError::Busy { .. })));
-        drop(first);
-        assert!(Store::open(&path).is_ok());
-    }
-
-    #[test]
-    fn what_cannot_be_opened_says_so_and_stays() {
-        let folder = folder();
-        let path = folder.path().join("tree.ramus");
-        for broken in [&b"not a project"[..], b"{", b"", b"\xff\xfe\x00"] {
-            fs::write(&path, broken).unwrap();
-            let Err(error) = Store::open(&path) else {
-                panic!("opened {broken:?}")
-            };
-            assert!(error.to_string().contains("tree.ramus"), "{error}");
-            assert_eq!(fs::read(&path).unwrap(), broken);
-        }
-        let Err(error) = Store::open(&folder.path().join("none/tree.ramus")) else {
-            panic!("opened")
-        };
-        assert!(
-            error.to_string().contains("folder that you may write to"),
-            "{error}"
-        );
-    }
-}
+mod tests;

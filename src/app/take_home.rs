@@ -7,6 +7,7 @@ use anyhow::{Context as _, Result};
 
 use crate::app::export;
 use crate::sketch;
+use crate::tree::file::write_atomically;
 use crate::world::World;
 
 /// One line on what a session made.
@@ -35,4 +36,13 @@ pub fn export(world: &World, path: &Path) -> Result<()> {
     let document = world.document();
     let grown = sketch::grow(&document.sketch, document.step, &AtomicBool::new(false))?;
     export::tree(&grown.tree, path).with_context(|| "the tree was not written")
+}
+
+/// Writes the grammar that the sketch became, to be read, edited and derived.
+///
+/// # Errors
+/// Where it cannot be written.
+pub fn grammar(world: &World, path: &Path) -> Result<()> {
+    let text = world.document().sketch.grammar_text();
+    write_atomically(path, text.as_bytes()).context("the grammar was not written")
 }

@@ -79,7 +79,7 @@ impl<Input: Send + 'static, Output: Send + 'static> Worker<Input, Output> {
 }
 
 impl<Input, Output> Drop for Worker<Input, Output> {
-    /// Cancels what runs and waits for the thread, which a cancelled job ends within 50 ms.
+    /// Cancels what runs and waits for the thread: at once where the job looks at its flag, else when it is done.
     fn drop(&mut self) {
         self.cancel.store(true, Ordering::Relaxed);
         self.jobs = None;

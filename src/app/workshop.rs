@@ -1,7 +1,7 @@
 //! The session without its headset and its picture: world, project on disk, growing trees.
 //!
 //! A frame's order: input to the world, its edits to the journal, its request for a tree to
-//! [`sketch::grow()`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
+//! [`Grower`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use ramus_xr::{Frame, Pulse};
 use crate::app::convert::input_from_frame;
 use crate::app::store::{Opened, Store, StoreError};
 use crate::app::worker::Worker;
-use crate::sketch::{self, Grower, Grown, Sketch};
+use crate::sketch::{Grower, Grown, Sketch};
 use crate::world::World;
 use crate::world::document::Document;
 use crate::world::scene::Scene;
@@ -20,14 +20,20 @@ use crate::world::scene::Scene;
 /// How the workshop works.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkshopParams {
-    /// Trees with no more segments than this grow within the frame.
+    /// Trees with no more segments than this grow within the frame,
     pub at_once: u64,
+    /// where segments × steps to derive is no more than this times as many: a tall trunk is small, but every step on the
+    /// way to it rewrites all of it.
+    pub rewrites: u64,
 }
 
 impl Default for WorkshopParams {
     /// 100,000 segments, as the specification of the sketch asks.
     fn default() -> Self {
-        Self { at_once: 100_000 }
+        Self {
+            at_once: 100_000,
+            rewrites: 24,
+        }
     }
 }
 
@@ -149,22 +155,10 @@ impl Workshop {
 
     /// Waits for a tree that is growing on the worker, if any.
     pub fn finish_tree(&mut self) {
-        if self.growing.is_some()
+        while self.growing.is_some()
             && let Some((id, grown)) = self.worker.wait()
         {
-            self.growing = None;
-            self.world.set_tree(id, grown);
-        }
-    }
-
-    /// Saves the project and starts its journal anew.
-    ///
-    /// # Errors
-    /// Where it cannot be written; the journal still holds everything.
-    pub fn save(&mut self) -> Result<(), StoreError> {
-        match &mut self.store {
-            Some(store) => store.save(self.world.document()),
-            None => Ok(()),
+            self.take_tree(id, grown);
         }
     }
 
@@ -196,16 +190,28 @@ impl Workshop {
         }
     }
 
+    /// Takes a tree from the worker; an older one than the newest asked for leaves it busy.
+    fn take_tree(&mut self, id: u64, grown: Result<Grown, String>) {
+        self.growing = self.growing.filter(|&newest| newest != id);
+        self.world.set_tree(id, grown);
+    }
+
+    /// Whether a tree grows within a frame: few segments, and few rewrites on the way to them.
+    fn is_small(&self, (_, sketch, step): &Wanted, segments: u64) -> bool {
+        let steps = u64::from(self.grower.steps_to_derive(sketch, *step));
+        segments <= self.params.at_once
+            && segments.saturating_mul(steps) <= self.params.at_once * self.params.rewrites
+    }
+
     fn grow_tree(&mut self) {
         if let Some((id, grown)) = self.worker.poll() {
-            self.growing = self.growing.filter(|&newest| newest != id);
-            self.world.set_tree(id, grown);
+            self.take_tree(id, grown);
         }
         let Some(request) = self.world.tree_request() else {
             return;
         };
         let wanted = (request.id, Arc::clone(&request.sketch), request.step);
-        if sketch::predict_segments(&wanted.1, wanted.2) <= self.params.at_once {
+        if self.is_small(&wanted, request.segments) {
             let (id, grown) = grow(&mut self.grower, &wanted, &AtomicBool::new(false));
             self.growing = None;
             self.world.set_tree(id, grown);

@@ -1,6 +1,7 @@
 //! `ramus derive`: a grammar file grown, printed, drawn and exported.
 
-use std::io::{Write as _, stdout};
+use std::fs::File;
+use std::io::{Read as _, Write as _, stdout};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -9,6 +10,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
+use super::progress::Progress;
 use crate::app::{export, portrait};
 use crate::lsystem::report::Report;
 use crate::lsystem::{Grammar, Limits, TurtleParams, interpret};
@@ -85,9 +87,16 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let never = AtomicBool::new(false);
 
     let began = Instant::now();
-    let string = grammar
-        .derive(steps, &limits, &never)
-        .with_context(|| args.file.display().to_string())?;
+    let mut progress = Progress::new("deriving");
+    let named = || args.file.display().to_string();
+    let mut string = grammar.derive(0, &limits, &never).with_context(named)?;
+    for step in 1..=steps {
+        progress.show((step - 1) as usize, steps as usize);
+        string = grammar
+            .derive_next(&string, step, &limits, &never)
+            .with_context(named)?;
+    }
+    drop(progress);
     let derive_ms = began.elapsed().as_secs_f64() * 1e3;
 
     if args.print == Some(Print::String) {
@@ -135,13 +144,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
 fn read(args: &Args) -> Result<Grammar> {
     let path = &args.file;
     let name = path.display().to_string();
-    let size = std::fs::metadata(path)
-        .with_context(|| format!("cannot read {name}"))?
-        .len();
-    if size > MAX_GRAMMAR_BYTES {
-        bail!("{name} is {size} bytes long, and no grammar is read beyond {MAX_GRAMMAR_BYTES}");
+    let failed = || format!("cannot read {name}");
+    let file = File::open(path).with_context(failed)?;
+    let mut bytes = Vec::new();
+    file.take(MAX_GRAMMAR_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .with_context(failed)?;
+    if bytes.len() as u64 > MAX_GRAMMAR_BYTES {
+        bail!("{name} is longer than {MAX_GRAMMAR_BYTES} bytes, and no grammar is");
     }
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read {name}"))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         anyhow!("{name} is no UTF-8 text (byte {at}): save the grammar as UTF-8")

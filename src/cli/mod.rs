@@ -16,6 +16,7 @@ use clap::{Parser, Subcommand};
 #[command(
     name = "ramus",
     version,
+    args_conflicts_with_subcommands = true,
     about = "The VR workshop for branching structures: sketch a tree, watch it grow as an L-system, take it home.",
     after_help = "Without a subcommand the workshop starts: in the headset where an OpenXR runtime answers,\n\
         else on the built-in simulated headset, which plays a recorded session and leaves pictures,\n\
@@ -60,10 +61,22 @@ pub fn run() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // A closed pipe on standard error leaves nobody to tell.
-            let _ = writeln!(std::io::stderr(), "ramus: {error:#}");
+            let _ = writeln!(std::io::stderr(), "ramus: {}", sentence(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// An error with its causes in one line; a cause that the text says already is not said twice.
+fn sentence(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |said, cause| {
+        let cause = cause.to_string();
+        match said.is_empty() {
+            true => cause,
+            false if said.contains(&cause) => said,
+            false => format!("{said}: {cause}"),
+        }
+    })
 }
 
 /// Warnings go to standard error; `RAMUS_LOG` (as `RUST_LOG`) asks for more or less.

@@ -35,6 +35,9 @@ pub(super) struct Args {
     /// Write a stereo picture of every growth step into this folder
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
+    /// Write the grammar that the sketch became
+    #[arg(long, value_name = "FILE.lsys")]
+    lsys: Option<PathBuf>,
     /// Write the tree that the session ended with
     #[arg(long, value_name = "FILE.glb")]
     glb: Option<PathBuf>,
@@ -79,7 +82,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let played = album.frames();
     drop(album);
     // Whatever ended the session, what was made is kept.
-    let world = keep(workshop, args)?;
+    workshop.finish_tree();
+    let world = workshop.close()?;
     outcome?;
     drop(progress);
     println!(
@@ -94,6 +98,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
             "  pictures  {} (stereo, {steps} growth steps)",
             folder.display()
         );
+    }
+    if let Some(lsys) = &args.lsys {
+        take_home::grammar(&world, lsys)?;
+        println!("  grammar   {}", lsys.display());
     }
     if let Some(glb) = &args.glb {
         take_home::export(&world, glb)?;
@@ -114,9 +122,4 @@ fn open(project: Option<&Path>) -> Result<Workshop> {
             Workshop::new(opened, params)?
         }
     })
-}
-
-fn keep(mut workshop: Workshop, _args: &Args) -> Result<World> {
-    workshop.finish_tree();
-    Ok(workshop.close()?)
 }

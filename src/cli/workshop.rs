@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 use ramus_xr::Headset;
 use ramus_xr::record::Recorder;
@@ -16,7 +16,7 @@ use crate::app::album::Album;
 use crate::app::headset::{self, Opened};
 use crate::app::picture::Picture;
 use crate::app::session::{self, Nobody};
-use crate::app::store::Store;
+use crate::app::store::{Store, read_project};
 use crate::app::workshop::{Workshop, WorkshopParams};
 use crate::app::{demonstration, portrait, take_home};
 use crate::world::World;
@@ -57,6 +57,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     make_folder(&args.out)?;
     match &args.project {
+        Some(_) if args.record.is_some() => {
+            bail!(
+                "a project is only looked at without a headset, so there is no session to record: leave --record out"
+            )
+        }
         Some(project) => look_at(project, &args.out),
         None => demonstrate(&args.out, args.record.as_deref()),
     }
@@ -102,6 +107,9 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
         let glb = project.with_extension("glb");
         take_home::export(&world, &glb)?;
         println!("The tree is in {}.", glb.display());
+        let lsys = project.with_extension("lsys");
+        take_home::grammar(&world, &lsys)?;
+        println!("Its grammar is in {}.", lsys.display());
     }
     Ok(outcome?)
 }
@@ -163,11 +171,14 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
     outcome?;
     let glb = out.join("first-tree.glb");
     take_home::export(&world, &glb)?;
+    let lsys = out.join("first-tree.lsys");
+    take_home::grammar(&world, &lsys)?;
     println!(
         "A tree was drawn with two controllers and grown: {}.",
         take_home::summary(&world)
     );
     tell(out, steps.len(), Some(&project), &glb);
+    println!("  grammar   {}", lsys.display());
     println!(
         "With a headset the same command starts the workshop in it; `ramus doctor` says what is missing."
     );
@@ -177,12 +188,17 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
 /// Without a headset, a project: every growth step pictured, and the tree exported. The project stays as it
 /// is, but for what a killed session left in its journal.
 fn look_at(project: &Path, out: &Path) -> Result<()> {
-    let opened = Store::open(project)?;
-    if let Some(message) = &opened.message {
-        println!("{message}");
-    }
-    let document = opened.history.committed().clone();
-    opened.store.close(&document)?;
+    let document = if Store::has_journal(project) {
+        let opened = Store::open(project)?;
+        if let Some(message) = &opened.message {
+            println!("{message}");
+        }
+        let document = opened.history.committed().clone();
+        opened.store.close(&document)?;
+        document
+    } else {
+        read_project(project)?
+    };
     let gpu = portrait::open_gpu()?;
     let mut picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
     let mut progress = Progress::new("drawing");

@@ -41,6 +41,7 @@ pub(crate) enum Function {
     Chance,
 }
 
+/// Name, function and number of arguments: the one place that says it.
 pub(super) const FUNCTIONS: [(&str, Function, usize); 24] = [
     ("sin", Fun::Sin, 1),
     ("cos", Fun::Cos, 1),
@@ -67,6 +68,21 @@ pub(super) const FUNCTIONS: [(&str, Function, usize); 24] = [
     ("integer", Fun::Integer, 2),
     ("chance", Fun::Chance, 1),
 ];
+
+// A function is found in the table by its number: the rows stand in the order of the enum, and their arguments fit in
+// the three that `value` is given.
+const _: () = {
+    let mut row = 0;
+    while row < FUNCTIONS.len() {
+        assert!(FUNCTIONS[row].1 as usize == row, "in the order of the enum");
+        assert!(FUNCTIONS[row].2 <= 3, "at most three arguments");
+        row += 1;
+    }
+    assert!(
+        Function::Chance as usize + 1 == FUNCTIONS.len(),
+        "all of them"
+    );
+};
 
 /// One operation on the stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,18 +210,9 @@ impl Function {
         }
     }
 
-    fn arity(self) -> usize {
-        match self {
-            Fun::Clamp | Fun::Mix => 3,
-            Fun::Atan2
-            | Fun::Min
-            | Fun::Max
-            | Fun::Uniform
-            | Fun::Normal
-            | Fun::Lognormal
-            | Fun::Integer => 2,
-            _ => 1,
-        }
+    /// How many arguments it takes.
+    pub(super) fn arity(self) -> usize {
+        FUNCTIONS[self as usize].2
     }
 }
 

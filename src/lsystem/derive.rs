@@ -1,6 +1,7 @@
 //! Derivation: step after step, each a few rounds of [`super::rewrite`].
 //!
-//! A step is: cut what `%` cuts, one round of the productions, then rounds of decomposition until nothing changes.
+//! A step is: one round of the productions, rounds of decomposition until nothing changes, then cut what `%` cuts. So the
+//! string never holds a `%` where it is read or where the next step begins.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,7 +38,7 @@ pub(crate) fn derive(
 ) -> Result<ModuleString, DeriveError> {
     let mut string = cut(grammar, &grammar.axiom);
     check(&string, 0, limits)?;
-    string = decomposed(grammar, string, 0, limits, cancel)?;
+    string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
     for step in 1..=steps {
         match next(grammar, &string, step, limits, cancel) {
             Ok(following) => string = following,

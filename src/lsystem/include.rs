@@ -1,5 +1,7 @@
 //! `include`: a grammar's text from several files of one folder.
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::error::{GrammarError, GrammarErrors};
@@ -94,13 +96,7 @@ fn included(
     if chain.contains(&path) {
         return fail(format!("`{name}` includes itself"));
     }
-    let size = path.metadata().map_or(0, |m| m.len());
-    if size > MAX_SOURCE_BYTES as u64 {
-        return fail(format!(
-            "`{name}` has {size} bytes; at most {MAX_SOURCE_BYTES} are read"
-        ));
-    }
-    match std::fs::read_to_string(&path) {
+    match read(&path) {
         Ok(text) => Ok((
             path,
             Source {
@@ -108,8 +104,36 @@ fn included(
                 text,
             },
         )),
-        Err(error) => fail(format!("cannot read `{name}`: {error}")),
+        Err(why) => fail(format!("cannot read `{name}`: {why}")),
     }
+}
+
+/// The text of a regular file of bounded size. What a file says of its size is not relied on: some say 0 and
+/// never end.
+fn read(path: &Path) -> Result<String, String> {
+    let no_file = || "it is no regular file; include a text file".to_owned();
+    let told = |error: std::io::Error| error.to_string();
+    // Looked at before it is opened, since opening a pipe waits for its writer, and again after, since it may be another.
+    if !path.metadata().map_err(told)?.is_file() {
+        return Err(no_file());
+    }
+    let file = File::open(path).map_err(told)?;
+    let about = file.metadata().map_err(told)?;
+    if !about.is_file() {
+        return Err(no_file());
+    }
+    let too_long = || format!("it is longer than {MAX_SOURCE_BYTES} bytes; include a shorter file");
+    if about.len() > MAX_SOURCE_BYTES as u64 {
+        return Err(too_long());
+    }
+    let mut text = String::new();
+    file.take(MAX_SOURCE_BYTES as u64 + 1)
+        .read_to_string(&mut text)
+        .map_err(told)?;
+    if text.len() > MAX_SOURCE_BYTES {
+        return Err(too_long());
+    }
+    Ok(text)
 }
 
 /// The folder of a grammar file that exists on this machine.

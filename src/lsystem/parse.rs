@@ -83,9 +83,16 @@ pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> 
     for statement in all.iter().filter(|s| s.keyword == "context") {
         parser.try_statement(&sources, statement, Parser::context);
     }
+    // As do `ignore` and `consider`.
+    let lists = |s: &&Statement| matches!(s.keyword, "ignore" | "consider");
+    for statement in all.iter().filter(lists) {
+        parser.try_statement(&sources, statement, |p, cursor| {
+            p.statement(cursor, statement)
+        });
+    }
     for statement in all
         .iter()
-        .filter(|s| !matches!(s.keyword, "module" | "const" | "include" | "context"))
+        .filter(|s| !lists(s) && !matches!(s.keyword, "module" | "const" | "include" | "context"))
     {
         parser.try_statement(&sources, statement, |p, cursor| {
             p.statement(cursor, statement)
@@ -241,6 +248,24 @@ impl Parser {
                 format!("`{keyword}` stands here a second time; expected it once"),
             ))
         }
+    }
+
+    /// Why a context never meets the module `name`, if it does not.
+    pub(crate) fn unseen(&self, name: &str) -> Option<String> {
+        if self.literal {
+            return None; // `ignore` and `consider` are faults of their own then
+        }
+        if self.ignored.contains(name) {
+            return Some(format!(
+                "contexts skip `{name}`, so this one never matches; take `{name}` out of `ignore`, or out of the context"
+            ));
+        }
+        if self.considered.as_ref().is_some_and(|c| !c.contains(name)) {
+            return Some(format!(
+                "contexts skip `{name}`, so this one never matches; add `{name}` to `consider`, or take it out of the context"
+            ));
+        }
+        None
     }
 
     fn module(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {

@@ -92,7 +92,7 @@ pub(crate) fn production(
                     .into();
             return Err(cursor.error_at(head.at, message));
         }
-        let (symbol, slot) = bind(parser, cursor, head, &mut slots)?;
+        let (symbol, slot) = bind_seen(parser, cursor, head, &mut slots)?;
         left_pattern.push(Pattern::Module { symbol, slot });
     }
     left_pattern.reverse();
@@ -190,6 +190,19 @@ fn bind(
     Ok((symbol, slot))
 }
 
+/// The same for a module of a context, which must be one that contexts see.
+fn bind_seen(
+    parser: &mut Parser,
+    cursor: &Cursor<'_>,
+    head: &Head,
+    slots: &mut Vec<String>,
+) -> Result<(u16, u16), GrammarError> {
+    if let Some(message) = parser.unseen(&head.name) {
+        parser.errors.push(cursor.error_at(head.at, message));
+    }
+    bind(parser, cursor, head, slots)
+}
+
 fn right_context(
     parser: &mut Parser,
     cursor: &Cursor<'_>,
@@ -230,7 +243,7 @@ fn right_context(
                 pattern.push(Pattern::Close);
             }
             _ => {
-                let (symbol, slot) = bind(parser, cursor, head, slots)?;
+                let (symbol, slot) = bind_seen(parser, cursor, head, slots)?;
                 pattern.push(Pattern::Module { symbol, slot });
             }
         }

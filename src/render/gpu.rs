@@ -10,7 +10,10 @@ use std::{
     ffi::{CStr, c_char},
     mem::ManuallyDrop,
     ops::Deref,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
 };
 
 use ash::vk;
@@ -89,6 +92,8 @@ pub struct GpuInner {
     allocator: ManuallyDrop<Mutex<Allocator>>,
     messenger: Option<(ash::ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     messages: Box<Messages>,
+    /// Pipelines made so far.
+    pipelines: AtomicU64,
     pub(crate) instance: ash::Instance,
     /// Holds the loader's library open.
     _entry: ash::Entry,
@@ -231,6 +236,7 @@ impl Gpu {
                 allocator: ManuallyDrop::new(Mutex::new(allocator)),
                 messenger,
                 messages,
+                pipelines: AtomicU64::new(0),
                 instance,
                 _entry: entry,
             }),
@@ -247,6 +253,16 @@ impl GpuInner {
     /// What the validation layers said.
     pub fn messages(&self) -> &Messages {
         &self.messages
+    }
+
+    /// How many pipelines were made on this device so far; frames make none.
+    #[must_use]
+    pub fn pipelines_made(&self) -> u64 {
+        self.pipelines.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn pipeline_was_made(&self) {
+        self.pipelines.fetch_add(1, Ordering::Relaxed);
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {

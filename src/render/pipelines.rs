@@ -216,10 +216,13 @@ impl Pipeline {
             gpu.device
                 .create_graphics_pipelines(vk::PipelineCache::null(), &[info], None)
         } {
-            Ok(made) => Ok(Self {
-                handle: made.first().copied().unwrap_or_default(),
-                gpu: gpu.clone(),
-            }),
+            Ok(made) => {
+                gpu.pipeline_was_made();
+                Ok(Self {
+                    handle: made.first().copied().unwrap_or_default(),
+                    gpu: gpu.clone(),
+                })
+            }
             Err((_, result)) => Err(RenderError::from_vulkan(desc.name, result)),
         }
     }

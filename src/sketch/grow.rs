@@ -10,7 +10,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::{BOUNDS, Letter, NodeRef, Sketch, SketchError, predict_segments};
+use super::{BOUNDS, Letter, NodeRef, Predictor, Sketch, SketchError};
 use crate::{
     lsystem::{Grammar, Limits, ModuleString, TurtleParams, interpret},
     tree::{
@@ -28,9 +28,12 @@ pub struct GrowParams {
     pub string_bytes: usize,
 }
 
-/// What the workshop grows with: 20 million segments are some 2 GiB of tree and tubes.
+/// Segments beyond which neither the tools go on growing nor a tree is asked for or grown.
+pub const MAX_SEGMENTS: u64 = 2_000_000;
+
+/// What the workshop grows with: two million segments are some 200 MiB of tree and tubes.
 pub const GROW: GrowParams = GrowParams {
-    segments: 20_000_000,
+    segments: MAX_SEGMENTS,
     string_bytes: 4096,
 };
 
@@ -72,6 +75,7 @@ pub struct Grower {
     /// Rewrites of the string.
     rewrites: u32,
     string: ModuleString,
+    predictor: Predictor,
 }
 
 impl Default for Grower {
@@ -89,6 +93,17 @@ impl Grower {
             rules: String::new(),
             rewrites: 0,
             string: ModuleString::default(),
+            predictor: Predictor::default(),
+        }
+    }
+
+    /// How many times a string would be rewritten to grow this: none or one where the kept string serves.
+    #[must_use]
+    pub fn steps_to_derive(&self, sketch: &Sketch, step: u32) -> u32 {
+        let rewrites = step.saturating_sub(1);
+        match rewrites.checked_sub(self.rewrites) {
+            Some(more) if !self.rules.is_empty() && self.rules == sketch.rules_text() => more,
+            _ => rewrites,
         }
     }
 
@@ -108,14 +123,10 @@ impl Grower {
                 most: BOUNDS.step,
             });
         }
-        let segments = predict_segments(sketch, step);
-        if segments > self.params.segments {
-            return Err(SketchError::TooLarge {
-                step,
-                segments,
-                most: self.params.segments,
-            });
-        }
+        let most = self.params.segments;
+        let Some(segments) = self.predictor.within(sketch, step, most) else {
+            return Err(SketchError::TooLarge { step, most });
+        };
         if step == 0 || sketch.is_empty() {
             return Ok(root_alone(sketch, step));
         }

@@ -23,9 +23,9 @@ pub mod letter;
 pub mod predict;
 pub mod quantize;
 
-pub use grow::{GROW, GrowParams, Grower, Grown, grow, sketch_nodes};
+pub use grow::{GROW, GrowParams, Grower, Grown, MAX_SEGMENTS, grow, sketch_nodes};
 pub use letter::{Letter, UnknownLetter};
-pub use predict::predict_segments;
+pub use predict::{Predictor, predict_segments, predict_segments_within};
 pub use quantize::{angle_deg, coordinate, point};
 
 /// The golden angle 180°·(3 − √5), in whole thousandths of a degree: the default divergence.
@@ -341,13 +341,11 @@ pub enum SketchError {
     },
     /// Too large a tree.
     #[error(
-        "step {step} would have {segments} segments, and at most {most} are grown: step back, or thin the branches out"
+        "step {step} would have more than {most} segments, and no more are grown: step back, or thin the branches out"
     )]
     TooLarge {
         /// The step asked for.
         step: u32,
-        /// Its segments.
-        segments: u64,
         /// The bound.
         most: u64,
     },

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::Affine3A;
 
 use crate::{
-    sketch::{Grown, Sketch},
+    sketch::{Grown, MAX_SEGMENTS, Sketch},
     tree::Tree,
 };
 
@@ -29,7 +29,7 @@ impl Default for GrowthParams {
     fn default() -> Self {
         Self {
             seconds: 0.6,
-            max_segments: 2_000_000,
+            max_segments: MAX_SEGMENTS,
         }
     }
 }
@@ -43,6 +43,8 @@ pub struct TreeRequest {
     pub sketch: Arc<Sketch>,
     /// How far.
     pub step: u32,
+    /// How many segments it will have.
+    pub segments: u64,
 }
 
 /// A tree as it was given.
@@ -101,8 +103,8 @@ impl Growth {
         self.wanted = Some((Arc::clone(&document.sketch), document.step));
     }
 
-    /// Wishes for the document's tree.
-    pub(super) fn wish(&mut self, document: &Document) {
+    /// Wishes for the document's tree, which will have so many segments.
+    pub(super) fn wish(&mut self, document: &Document, segments: u64) {
         self.note(document);
         self.last_id += 1;
         self.open.push((self.last_id, document.step));
@@ -111,6 +113,7 @@ impl Growth {
             id: self.last_id,
             sketch,
             step,
+            segments,
         });
     }
 
@@ -259,7 +262,7 @@ mod tests {
     }
 
     fn wish(growth: &mut Growth, step: u32) -> u64 {
-        growth.wish(&at(step));
+        growth.wish(&at(step), 0);
         growth.take_request().unwrap().id
     }
 

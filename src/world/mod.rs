@@ -9,7 +9,7 @@
 
 use glam::Affine3A;
 
-use crate::sketch::{Grown, predict_segments};
+use crate::sketch::Grown;
 
 pub mod board;
 pub mod document;
@@ -170,10 +170,10 @@ impl World {
         if !self.growth.is_new(document) {
             return;
         }
-        let segments = predict_segments(&document.sketch, document.step);
         let most = self.params.growth.max_segments;
-        if segments <= most {
-            self.growth.wish(document);
+        let predictor = &mut self.tools.predictor;
+        if let Some(segments) = predictor.within(&document.sketch, document.step, most) {
+            self.growth.wish(document, segments);
             return;
         }
         self.growth.note(document);

@@ -13,7 +13,7 @@
 
 use glam::Vec3;
 
-use crate::sketch::{BOUNDS, NodeRef, SketchError, point, predict_segments};
+use crate::sketch::{BOUNDS, MAX_SEGMENTS, NodeRef, Predictor, SketchError, point};
 
 use super::{
     document::{Document, Edit},
@@ -96,7 +96,7 @@ impl Default for DrawParams {
     fn default() -> Self {
         Self {
             reach: 0.5,
-            max_segments: 2_000_000,
+            max_segments: MAX_SEGMENTS,
         }
     }
 }
@@ -151,6 +151,8 @@ pub(super) struct Tools {
     pub(super) held: Option<Held>,
     pub(super) miniature: Miniature,
     pub(super) haptics: Vec<Haptic>,
+    /// How large trees would be; asked before each wish for one.
+    pub(super) predictor: Predictor,
     message: Option<String>,
 }
 
@@ -173,6 +175,7 @@ impl Tools {
             held: None,
             miniature,
             haptics: Vec::new(),
+            predictor: Predictor::default(),
             message: None,
         }
     }
@@ -362,11 +365,13 @@ impl Tools {
                 "Nothing to grow yet: pull the trigger to draw the trunk.".into(),
             );
         }
-        let segments = predict_segments(&document.sketch, step);
-        if segments > most && step <= BOUNDS.step {
+        let within = self.predictor.within(&document.sketch, step, most);
+        if within.is_none() && step <= BOUNDS.step {
             return self.refuse(
                 hand,
-                format!("Step {step} would have {} segments, more than {most}: this tree is full-grown.", count(segments)),
+                format!(
+                    "Step {step} would have more than {most} segments: this tree is full-grown."
+                ),
             );
         }
         self.apply(
@@ -464,14 +469,5 @@ impl Tools {
         let (from, to) = self.next_segment(&sample)?;
         let to = self.miniature.stage_from_sketch.transform_point3(to);
         Some(Ghost { from, to })
-    }
-}
-
-/// A count as people say it: exact where it is known.
-fn count(segments: u64) -> String {
-    if segments == u64::MAX {
-        "countless".into()
-    } else {
-        segments.to_string()
     }
 }

@@ -183,6 +183,12 @@ fn strings_of_small_grammars() {
             "",
         ),
         (
+            "cut what decomposing the axiom brings",
+            "axiom A\ndecompose {\n  A -> F[%F]F\n}\n".into(),
+            0,
+            "F[]F",
+        ),
+        (
             "decomposition goes on until nothing changes",
             "axiom N(3)\ndecompose {\n  N(n) : n > 0 -> F N(n-1)\n  N(n) -> *\n}\nF -> N(1)G\n"
                 .into(),
@@ -296,6 +302,18 @@ fn faults_are_told_where_they_are() {
             &["found `,`", "expected a number"],
         ),
         ("axiom A\nA > -> B\n", 2, 5, &["right context"]),
+        (
+            "axiom A\nA > B[F] -> B\nignore + F\n",
+            2,
+            7,
+            &["contexts skip `F`", "never matches", "out of `ignore`"],
+        ),
+        (
+            "consider A B\naxiom A\nB C < A -> B\n",
+            3,
+            3,
+            &["contexts skip `C`", "add `C` to `consider`"],
+        ),
         ("axiom A\n< A -> B\n", 2, 1, &["left context is empty"]),
         (
             "axiom A\n-> B\n",
@@ -562,59 +580,4 @@ fn cyclic_decomposition_is_found() {
     assert_eq!(error.last.unwrap().1.len(), 1);
     let deep = parse("axiom N(150)\ndecompose depth 151 {\n  N(n) : n > 0 -> F N(n-1)\n}\n");
     assert_eq!(derive(&deep, 0).len(), 151);
-}
-
-/// Files of the grammar's own folder are read; others are not.
-#[test]
-fn includes() {
-    let folder = tempfile::tempdir().unwrap();
-    let inner = folder.path().join("inner");
-    std::fs::create_dir(&inner).unwrap();
-    let write = |name: &str, text: &str| {
-        let path = inner.join(name);
-        std::fs::write(&path, text).unwrap();
-        path.to_str().unwrap().to_owned()
-    };
-    std::fs::write(folder.path().join("outside.lsys"), "A -> B\n").unwrap();
-    write("rules.lsys", "const k = 2\nA(x) -> A(x+k)\n");
-    write("wrong.lsys", "\nA(x) -> A(y)\n");
-    let main = write("main.lsys", "");
-    let read = |text: &str| Grammar::parse(text, &main);
-    let grammar = read("include \"rules.lsys\"\naxiom A(k)\n").unwrap();
-    assert_eq!(text_of(&grammar, 1), "A(4)");
-    write("a.lsys", "include \"b.lsys\"\n");
-    write("b.lsys", "include \"a.lsys\"\n");
-    for (text, part) in [
-        (
-            "include \"wrong.lsys\"\naxiom A(1)\n",
-            "wrong.lsys:2:11: unknown name `y`",
-        ),
-        (
-            "include \"../outside.lsys\"\naxiom A\n",
-            "outside the grammar's folder",
-        ),
-        (
-            "include \"/etc/hostname\"\naxiom A\n",
-            "outside the grammar's folder",
-        ),
-        (
-            "include \"missing.lsys\"\naxiom A\n",
-            "cannot read `missing.lsys`",
-        ),
-        ("include \"main.lsys\"\naxiom A\n", "includes itself"),
-        ("include \"a.lsys\"\naxiom A\n", "includes itself"),
-        ("include \"rules.lsys\naxiom A\n", "not closed"),
-    ] {
-        let shown = read(text).expect_err(text).to_string();
-        assert!(shown.contains(part), "{text}\n{shown}");
-    }
-    #[cfg(unix)]
-    {
-        std::os::unix::fs::symlink(folder.path().join("outside.lsys"), inner.join("link.lsys"))
-            .unwrap();
-        let shown = read("include \"link.lsys\"\naxiom A\n")
-            .unwrap_err()
-            .to_string();
-        assert!(shown.contains("outside the grammar's folder"), "{shown}");
-    }
 }

@@ -9,6 +9,7 @@
 )]
 
 mod hostile;
+mod include;
 mod language;
 mod oracle;
 mod reference;

@@ -402,7 +402,7 @@ fn spec() -> impl Strategy<Value = Spec> {
             successor(),
             ignored,
         )
-            .prop_map(move |(rules, mut axiom, ignored)| {
+            .prop_map(move |(mut rules, mut axiom, ignored)| {
                 axiom.insert(
                     0,
                     Template {
@@ -417,6 +417,11 @@ fn spec() -> impl Strategy<Value = Spec> {
                     plus: 0,
                 });
                 let ignored = if literal { vec![] } else { ignored };
+                // A context that names one that is skipped is an error.
+                for rule in &mut rules {
+                    rule.left.retain(|name| !ignored.contains(name));
+                    rule.right.retain(|name| !ignored.contains(name));
+                }
                 Spec {
                     rules,
                     axiom,

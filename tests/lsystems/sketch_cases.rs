@@ -63,81 +63,77 @@ fn counts_of_the_text() {
     );
 }
 
-#[test]
-fn all_cases() {
-    let Some(data) = shared("sketch-cases.json") else {
-        return;
-    };
-    let data: Value = serde_json::from_str(&data).unwrap();
-    let cases = data["cases"].as_array().unwrap();
-    for case in cases {
-        let steps = case["iteration"].as_u64().unwrap() as u32;
-        let text = case["sketch"]["branch_node"]
-            .as_u64()
-            .map_or(GROWTH.to_owned(), sketch_grammar);
-        let found = without_rolls(&text_of(&parse(&text), steps));
-        assert_eq!(
-            found,
-            case["string"].as_str().unwrap(),
-            "{} after {steps}",
-            case["case"]
-        );
-    }
-    assert!(cases.len() > 30, "{} cases", cases.len());
+/// The project's own copy of the cases, and the shared one where there is one.
+fn case_files() -> Vec<Value> {
+    let own = include_str!("../data/sketch-cases.json").to_owned();
+    std::iter::once(own)
+        .chain(shared("sketch-cases.json"))
+        .map(|text| serde_json::from_str(&text).unwrap())
+        .collect()
 }
 
-/// The worked examples of the source text.
+#[test]
+fn all_cases() {
+    for data in case_files() {
+        let cases = data["cases"].as_array().unwrap();
+        for case in cases {
+            let steps = case["iteration"].as_u64().unwrap() as u32;
+            let text = case["sketch"]["branch_node"]
+                .as_u64()
+                .map_or(GROWTH.to_owned(), sketch_grammar);
+            let found = without_rolls(&text_of(&parse(&text), steps));
+            assert_eq!(
+                found,
+                case["string"].as_str().unwrap(),
+                "{} after {steps}",
+                case["case"]
+            );
+        }
+        assert!(cases.len() > 30, "{} cases", cases.len());
+    }
+}
+
+/// The worked examples of the source text: section, grammar, and the step of the first string that the file lists.
 #[test]
 fn listings() {
-    let listings: [(&str, &str, u32, &[&str]); 6] = [
-        ("2.4", "axiom AA\nA -> ABA\n", 1, &["ABAABA"]),
+    let grammars: [(&str, &str, u32); 6] = [
+        ("2.4", "axiom AA\nA -> ABA\n", 1),
+        ("3.2.1 signal", "axiom BAAAAAAA\nB < A -> B\nB -> A\n", 1),
         (
-            "3.2.1 signal",
-            "axiom BAAAAAAA\nB < A -> B\nB -> A\n",
-            1,
-            &["ABAAAAAA", "AABAAAAA", "AAABAAAA"],
-        ),
-        (
-            "3.2.1 growth",
+            "3.2.1 growth, repaired: B->BB only at the end and not after BB",
             GROWTH,
             0,
-            &[
-                "AB", "ABB", "ABBB", "ABAB", "ACABB", "ACABBB", "ACABAB", "ACACABB",
-            ],
         ),
         (
             "3.2.2",
             "axiom A B(1)\nB(x) : x < 3 -> B(x+1)\nB(x) : x == 3 -> A B(1)\n",
             0,
-            &[
-                "AB(1)", "AB(2)", "AB(3)", "AAB(1)", "AAB(2)", "AAB(3)", "AAAB(1)", "AAAB(2)",
-                "AAAB(3)", "AAAAB(1)",
-            ],
         ),
         (
             "3.2.3",
             "axiom A(1) B(2)\nA(x) < B(y) : y >= 3 -> A(x*0.5) B(1)\nB(y) -> B(y+1)\n",
             0,
-            &[
-                "A(1)B(2)",
-                "A(1)B(3)",
-                "A(1)A(0.5)B(1)",
-                "A(1)A(0.5)B(2)",
-                "A(1)A(0.5)B(3)",
-                "A(1)A(0.5)A(0.25)B(1)",
-            ],
         ),
-        (
-            "3.3.4 first rule",
-            "axiom AB\nA > B -> AA\n",
-            0,
-            &["AB", "AAB", "AAAB", "AAAAB", "AAAAAB"],
-        ),
+        ("3.3.4 first rule", "axiom AB\nA > B -> AA\n", 0),
     ];
-    for (section, text, first, strings) in listings {
-        let grammar = parse(text);
-        for (step, expected) in (first..).zip(strings) {
-            assert_eq!(text_of(&grammar, step), *expected, "{section}, step {step}");
+    for data in case_files() {
+        let listings = data["listings"].as_array().unwrap();
+        assert_eq!(listings.len(), grammars.len(), "one grammar each");
+        for (listing, (section, text, first)) in listings.iter().zip(grammars) {
+            assert_eq!(listing["section"], section);
+            let grammar = parse(text);
+            let computed = &listing["computed"];
+            let strings = computed
+                .as_array()
+                .map_or(std::slice::from_ref(computed), Vec::as_slice);
+            assert!(!strings.is_empty(), "{section} lists nothing");
+            for (step, expected) in (first..).zip(strings) {
+                assert_eq!(
+                    text_of(&grammar, step),
+                    expected.as_str().unwrap(),
+                    "{section}, step {step}"
+                );
+            }
         }
     }
 }

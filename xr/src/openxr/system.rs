@@ -148,12 +148,7 @@ impl System {
                 std::ptr::from_ref(info).cast(),
             )
         };
-        let handle =
-            made.map_err(|code| refused(CALL, code))?
-                .map_err(|code| ConnectError::Vulkan {
-                    call: CALL,
-                    result: vk::Result::from_raw(code),
-                })?;
+        let handle = made_by_vulkan(CALL, made)?;
         Ok(vk::Instance::from_raw(handle as u64))
     }
 
@@ -201,12 +196,7 @@ impl System {
                 std::ptr::from_ref(info).cast(),
             )
         };
-        let handle =
-            made.map_err(|code| refused(CALL, code))?
-                .map_err(|code| ConnectError::Vulkan {
-                    call: CALL,
-                    result: vk::Result::from_raw(code),
-                })?;
+        let handle = made_by_vulkan(CALL, made)?;
         Ok(vk::Device::from_raw(handle as u64))
     }
 
@@ -250,6 +240,18 @@ impl System {
 /// The recommended size, no larger than allowed; never 0, since no image is.
 fn sized(recommended: u32, largest: u32) -> u32 {
     recommended.min(largest).max(1)
+}
+
+/// What a call made for which the runtime asks Vulkan: either may refuse.
+fn made_by_vulkan<T>(
+    call: &'static str,
+    made: xr::Result<Result<T, i32>>,
+) -> Result<T, ConnectError> {
+    made.map_err(|code| refused(call, code))?
+        .map_err(|code| ConnectError::Vulkan {
+            call,
+            result: vk::Result::from_raw(code),
+        })
 }
 
 /// ash and the `openxr` crate name the same C function by types of their own.

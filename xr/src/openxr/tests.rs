@@ -5,6 +5,9 @@
     reason = "tests say what they expect by their names"
 )]
 
+#[path = "../../../tests/counting/mod.rs"]
+mod counting;
+
 use ::openxr as xr;
 use ash::vk;
 use xr::SessionState as S;
@@ -118,6 +121,30 @@ fn a_whole_session_breaks_no_rule() {
         assert!(touch.contains(&"/user/hand/left/input/x/click".to_owned()));
         assert!(touch.contains(&"/user/hand/right/input/a/click".to_owned()));
     });
+}
+
+#[test]
+fn a_warm_frame_allocates_nothing() {
+    const WARM: usize = 4;
+    const FRAMES: usize = 100;
+    let mut headset = focused();
+    for _ in 0..WARM {
+        frame(&mut headset);
+    }
+    // The fake's notes have their room beforehand: what is counted is the headset's own.
+    with(|fake| fake.make_room(FRAMES));
+    let before = counting::allocations();
+    assert!(before > 0, "the counter counts: the start allocates");
+    for _ in 0..FRAMES {
+        frame(&mut headset);
+    }
+    let counted = counting::allocations() - before;
+    no_objections();
+    with(|fake| {
+        assert_eq!(fake.haptics, WARM + FRAMES, "each frame was a whole one");
+        assert!(fake.ended.iter().all(|ended| ended.layers == 1));
+    });
+    assert_eq!(counted, 0, "allocations in {FRAMES} warm frames");
 }
 
 #[test]

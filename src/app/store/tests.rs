@@ -1,0 +1,251 @@
+//! Sessions that end in good order, that are killed, and that find what others left.
+#![allow(clippy::missing_assert_message, clippy::unwrap_used, reason = "tests")]
+
+use std::fs;
+
+use glam::Vec3;
+
+use super::*;
+use crate::world::document::Edit;
+
+fn draw(opened: &mut Opened, heights: &[f32]) {
+    for &height in heights {
+        opened
+            .history
+            .apply(Edit::AddSegment {
+                to: Vec3::new(0.0, height, 0.0),
+            })
+            .unwrap();
+        let log = opened.history.take_log();
+        opened.store.append(&log).unwrap();
+    }
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+/// Ends a session as `kill -9` does: nothing more is written, the lock goes.
+fn kill(opened: Opened) -> Document {
+    opened.history.committed().clone()
+}
+
+#[test]
+fn a_closed_project_opens_as_it_was_and_leaves_no_journal() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::open(&path).unwrap();
+    draw(&mut opened, &[0.1, 0.2, 0.3]);
+    let document = opened.history.committed().clone();
+    opened.store.close(&document).unwrap();
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    let again = Store::open(&path).unwrap();
+    assert_eq!(*again.history.committed(), document);
+    assert_eq!(again.message, None);
+}
+
+#[test]
+fn a_killed_session_is_recovered_with_its_undo_history() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::open(&path).unwrap();
+    draw(&mut opened, &[0.1, 0.2]);
+    opened
+        .store
+        .save(&opened.history.committed().clone())
+        .unwrap();
+    draw(&mut opened, &[0.3, 0.4]);
+    let document = kill(opened);
+    let mut again = Store::open(&path).unwrap();
+    assert_eq!(*again.history.committed(), document);
+    assert!(
+        again
+            .message
+            .as_ref()
+            .unwrap()
+            .contains("recovered 4 actions")
+    );
+    assert_eq!(again.history.undo_count(), 4);
+    // The recovered session goes on in the same journal.
+    draw(&mut again, &[0.5]);
+    let document = kill(again);
+    assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
+}
+
+#[test]
+fn an_undo_behind_the_last_save_survives_a_kill() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::open(&path).unwrap();
+    draw(&mut opened, &[0.1, 0.2]);
+    let saved = opened.history.committed().clone();
+    opened.store.save(&saved).unwrap();
+    assert!(opened.history.undo() && opened.history.undo());
+    let log = opened.history.take_log();
+    opened.store.append(&log).unwrap();
+    assert!(kill(opened).sketch.is_empty());
+    let again = Store::open(&path).unwrap();
+    assert!(again.history.committed().sketch.is_empty());
+    assert_eq!(again.history.redo_count(), 2);
+}
+
+#[test]
+fn a_journal_of_another_project_is_kept_aside() {
+    let folder = folder();
+    let [path, other] = ["tree.ramus", "other.ramus"].map(|name| folder.path().join(name));
+    for (path, height) in [(&path, 0.1), (&other, 0.7)] {
+        let mut opened = Store::open(path).unwrap();
+        draw(&mut opened, &[height]);
+        let document = opened.history.committed().clone();
+        opened.store.close(&document).unwrap();
+    }
+    let mut opened = Store::open(&path).unwrap();
+    draw(&mut opened, &[0.2]);
+    let work = kill(opened);
+    fs::copy(&other, &path).unwrap();
+    let opened = Store::open(&path).unwrap();
+    assert_eq!(*opened.history.committed(), read_project(&other).unwrap());
+    assert_eq!(
+        read_project(&beside(&path, ".recovered.ramus")).unwrap(),
+        work
+    );
+}
+
+#[test]
+fn a_journal_cut_anywhere_gives_a_prefix_of_the_work() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::open(&path).unwrap();
+    draw(&mut opened, &[0.1, 0.2, 0.3]);
+    kill(opened);
+    let journal = fs::read(beside(&path, ".journal")).unwrap();
+    let mut most = 0;
+    for cut in 0..=journal.len() {
+        let elsewhere = folder.path().join(format!("cut{cut}.ramus"));
+        fs::write(beside(&elsewhere, ".journal"), &journal[..cut]).unwrap();
+        let opened = Store::open(&elsewhere).unwrap();
+        let segments = opened.history.committed().sketch.segments().count();
+        assert!(segments >= most, "more of the journal never gives less");
+        most = segments;
+    }
+    assert_eq!(most, 3);
+}
+
+#[test]
+fn damage_and_strangers_are_put_aside_and_nothing_is_thrown_away() {
+    let strange = b"{\"format\":\"ramus-journal\",\"version\":1,\"base\":\"0123456789abcdef\"}\n";
+    for (name, bytes) in [
+        ("noise", &b"\x00\xff noise\nmore\n"[..]),
+        ("other base", &[&strange[..], b"{}\n"].concat()),
+    ] {
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        fs::write(beside(&path, ".journal"), bytes).unwrap();
+        let opened = Store::open(&path).unwrap();
+        if opened.message.is_some() {
+            assert_eq!(
+                fs::read(beside(&path, ".journal.damaged")).unwrap(),
+                bytes,
+                "{name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn beginning_anew_saves_what_a_killed_session_left() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::begin(&path).unwrap();
+    draw(&mut opened, &[0.1, 0.2]);
+    let document = kill(opened);
+    let opened = Store::begin(&path).unwrap();
+    assert!(opened.history.committed().sketch.is_empty());
+    let aside = beside(&path, ".recovered.ramus");
+    assert!(opened.message.as_ref().unwrap().contains("recovered.ramus"));
+    assert_eq!(read_project(&aside).unwrap(), document);
+}
+
+#[test]
+fn a_new_session_on_an_old_project_is_recovered_when_killed() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::begin(&path).unwrap();
+    draw(&mut opened, &[0.9]);
+    let old = opened.history.committed().clone();
+    opened.store.close(&old).unwrap();
+    let mut opened = Store::begin(&path).unwrap();
+    draw(&mut opened, &[0.1, 0.2]);
+    let document = kill(opened);
+    assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
+}
+
+#[test]
+fn a_project_put_in_the_place_of_a_killed_new_one_is_not_overwritten() {
+    let folder = folder();
+    let [path, other] = ["tree.ramus", "other.ramus"].map(|name| folder.path().join(name));
+    let mut opened = Store::open(&other).unwrap();
+    draw(&mut opened, &[0.7]);
+    let theirs = opened.history.committed().clone();
+    opened.store.close(&theirs).unwrap();
+    for begin in [Store::begin as fn(&Path) -> _, Store::open] {
+        let mut opened: Opened = begin(&path).unwrap();
+        draw(&mut opened, &[0.1]);
+        let work = kill(opened);
+        fs::copy(&other, &path).unwrap();
+        let opened = Store::open(&path).unwrap();
+        assert_eq!(*opened.history.committed(), theirs);
+        let aside = beside(&path, ".recovered.ramus");
+        assert_eq!(read_project(&aside).unwrap(), work);
+        drop(opened);
+        for left in [aside, path.clone(), beside(&path, ".journal")] {
+            let _ = fs::remove_file(left);
+        }
+    }
+}
+
+#[test]
+fn a_replaced_project_is_kept_until_the_new_one_is_whole() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::open(&path).unwrap();
+    draw(&mut opened, &[0.7]);
+    let old = opened.history.committed().clone();
+    opened.store.close(&old).unwrap();
+    let opened = Store::begin(&path).unwrap();
+    let before = beside(&path, ".before.ramus");
+    assert_eq!(read_project(&before).unwrap(), old);
+    opened.store.close(&Document::default()).unwrap();
+    assert!(!before.exists());
+}
+
+#[test]
+fn two_sessions_never_share_a_project() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let first = Store::open(&path).unwrap();
+    assert!(matches!(Store::open(&path), Err(StoreError::Busy { .. })));
+    drop(first);
+    assert!(Store::open(&path).is_ok());
+}
+
+#[test]
+fn what_cannot_be_opened_says_so_and_stays() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    for broken in [&b"not a project"[..], b"{", b"", b"\xff\xfe\x00"] {
+        fs::write(&path, broken).unwrap();
+        let Err(error) = Store::open(&path) else {
+            panic!("opened {broken:?}")
+        };
+        assert!(error.to_string().contains("tree.ramus"), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), broken);
+    }
+    let Err(error) = Store::open(&folder.path().join("none/tree.ramus")) else {
+        panic!("opened")
+    };
+    assert!(
+        error.to_string().contains("folder that you may write to"),
+        "{error}"
+    );
+}
