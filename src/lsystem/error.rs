@@ -31,14 +31,29 @@ pub struct GrammarError {
 impl GrammarError {
     /// An error at the byte `at` of `text`.
     pub(crate) fn new(file: &str, text: &str, at: usize, message: String) -> Self {
+        let before = text.as_bytes().get(..at).unwrap_or(text.as_bytes());
+        let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
+        let start = before
+            .iter()
+            .rposition(|&b| b == b'\n')
+            .map_or(0, |i| i + 1);
+        Self::on_line(file, text, at, [line, start], message)
+    }
+
+    /// The same where the line's number and its first byte are known.
+    pub(crate) fn on_line(
+        file: &str,
+        text: &str,
+        at: usize,
+        [line, start]: [usize; 2],
+        message: String,
+    ) -> Self {
         let mut at = at.min(text.len());
         while !text.is_char_boundary(at) {
             at -= 1;
         }
         let (before, after) = text.split_at(at);
-        let start = before.rfind('\n').map_or(0, |i| i + 1);
         let end = after.find(['\n', '\r']).map_or(text.len(), |i| at + i);
-        let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
         let column = before.get(start..).unwrap_or("").chars().count() + 1;
         let skip = if column > SHOWN_CHARS * 2 / 3 {
             column - SHOWN_CHARS / 2

@@ -181,10 +181,6 @@ impl Parser {
         let Some(source) = sources.get(statement.file) else {
             return;
         };
-        if self.errors.is_full() {
-            // A person mends the first faults first; what stands behind them is not even read.
-            return;
-        }
         let mut cursor = Cursor::new(source, statement.body, statement.end);
         let in_block = statement.block != Block::Main && !statement.keyword.is_empty();
         let result = if in_block {

@@ -50,13 +50,14 @@ impl Source {
         }
     }
 
-    /// The line of the byte `at`, from 1.
-    fn line(&self, at: usize) -> usize {
+    /// The line of the byte `at`, from 1, and the line's first byte.
+    fn line(&self, at: usize) -> [usize; 2] {
         let starts = self.lines.get_or_init(|| {
             let ends = self.text.match_indices('\n').map(|(end, _)| end + 1);
             std::iter::once(0).chain(ends).collect()
         });
-        starts.partition_point(|&start| start <= at)
+        let line = starts.partition_point(|&start| start <= at);
+        [line, starts.get(line.wrapping_sub(1)).copied().unwrap_or(0)]
     }
 }
 
@@ -292,12 +293,13 @@ impl<'a> Cursor<'a> {
 
     /// File and line of the byte `at`.
     pub(crate) fn location(&self, at: usize) -> String {
-        format!("{}:{}", self.source.name, self.source.line(at))
+        format!("{}:{}", self.source.name, self.source.line(at)[0])
     }
 
     /// An error at the byte `at`.
     pub(crate) fn error_at(&self, at: usize, message: String) -> GrammarError {
-        GrammarError::new(&self.source.name, &self.source.text, at, message)
+        let Source { name, text, .. } = self.source;
+        GrammarError::on_line(name, text, at, self.source.line(at), message)
     }
 
     /// An error here: what was found and what was expected.
