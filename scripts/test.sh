@@ -96,7 +96,8 @@ stage_tests() {
 # What `make run` starts, on the simulated headset, in a folder of its own.
 stage_run() {
     local folder=$target/run-check
-    cargo build --quiet --bin ramus
+    # The tests' own build: another would build the libraries again for other features.
+    stage_build-tests
     rm -rf "$folder"
     mkdir -p "$folder"
     # No runtime may answer here: this is about the machine without a headset.
