@@ -15,6 +15,7 @@ mod picture {
     mod board;
     mod eyes;
     mod faults;
+    mod older;
     mod snapshots;
     mod support;
     mod trees;
