@@ -97,16 +97,6 @@ impl Grower {
         }
     }
 
-    /// How many times a string would be rewritten to grow this: none or one where the kept string serves.
-    #[must_use]
-    pub fn steps_to_derive(&self, sketch: &Sketch, step: u32) -> u32 {
-        let rewrites = step.saturating_sub(1);
-        match rewrites.checked_sub(self.rewrites) {
-            Some(more) if !self.rules.is_empty() && self.rules == sketch.rules_text() => more,
-            _ => rewrites,
-        }
-    }
-
     /// Grows a sketch to a step.
     ///
     /// # Errors
@@ -167,18 +157,19 @@ impl Grower {
         cancel: &AtomicBool,
     ) -> Result<(), SketchError> {
         // The same rules give the same symbols, whatever the shapes are.
-        if self.rules != rules || self.rewrites > rewrites {
-            self.string = grammar.derive(rewrites, limits, cancel).map_err(refused)?;
-            self.rules = rules;
-            self.rewrites = rewrites;
+        let same_rules = self.rules == rules;
+        if same_rules && self.rewrites == rewrites {
+            return Ok(());
         }
-        while self.rewrites < rewrites {
-            let next = self.rewrites + 1;
-            self.string = grammar
-                .derive_next(&self.string, next, limits, cancel)
-                .map_err(refused)?;
-            self.rewrites = next;
+        self.string = if same_rules && self.rewrites + 1 == rewrites {
+            grammar.derive_next(&self.string, rewrites, limits, cancel)
+        } else {
+            // From the axiom: in proportion to what grows, however many steps it takes.
+            grammar.derive(rewrites, limits, cancel)
         }
+        .map_err(refused)?;
+        self.rules = rules;
+        self.rewrites = rewrites;
         Ok(())
     }
 }
