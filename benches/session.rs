@@ -1,47 +1,108 @@
-//! What our own part of a whole frame costs the loop's thread: `cargo bench --bench session`.
+//! What our own part of a whole frame costs the process: `cargo bench --bench session`.
 //!
-//! The frame loop as a headset runs it: input to the world, edits, tree, scene, recording and handing over, at 75,024
-//! segments (the last step of a self-similar sketch that still grows within a frame). Measured is the CPU time of the
-//! loop's thread, so neither the driver's own threads (on the software device they do the drawing) nor other
-//! programs count. The picture is 16 pixels wide.
+//! The frame loop as a headset runs it: input to the world, edits, tree, scene, recording and handing over, with a tree of
+//! 100,001 segments. Measured is the CPU time of all threads of the process but the driver's (on the software device
+//! those do the drawing). The picture is 16 pixels wide.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark")]
 
+#[path = "../tests/workshops/mod.rs"]
+mod workshops;
+
+use std::fs;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use criterion::{Criterion, criterion_group, criterion_main};
-use glam::Vec3;
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use ramus::app::picture::Picture;
 use ramus::app::portrait;
 use ramus::app::workshop::Workshop;
-use ramus::sketch::{Letter, NodeRef};
-use ramus::world::World;
-use ramus::world::document::Edit;
-use ramus::world::history::History;
-use ramus_xr::Frame;
+use ramus::render::Gpu;
+use ramus_xr::{Frame, Hand};
+use workshops::tall;
 
-const STEP: u32 = 23;
+/// How the threads of Mesa's software device begin their names.
+const DRIVER_THREADS: [&str; 3] = ["llvmpipe", "lvp", "vk"];
 
-fn workshop() -> Workshop {
-    let mut history = History::default();
-    for edit in [
-        Edit::AddSegment {
-            to: Vec3::new(0.0, 0.1, 0.0),
-        },
-        Edit::AddSegment {
-            to: Vec3::new(0.0, 0.2, 0.0),
-        },
-        Edit::Select {
-            at: NodeRef::new(Letter::TRUNK, 1),
-        },
-        Edit::AddSegment {
-            to: Vec3::new(0.05, 0.15, 0.0),
-        },
-        Edit::SetStep { step: STEP },
-    ] {
-        history.apply(edit).unwrap();
+/// CPU time of the other threads that are ours: the worker's and those of parallel loops. None where the system does
+/// not say (it is Linux that does): then only the loop's thread counts.
+fn other_threads() -> Duration {
+    let own = fs::read_link("/proc/thread-self").unwrap_or_default();
+    let Ok(threads) = fs::read_dir("/proc/self/task") else {
+        return Duration::ZERO;
+    };
+    let of_thread = |folder: std::path::PathBuf| {
+        let name = fs::read_to_string(folder.join("comm")).ok()?;
+        let is_driver = DRIVER_THREADS.iter().any(|start| name.starts_with(start));
+        let spent = fs::read_to_string(folder.join("schedstat")).ok()?;
+        let nanoseconds = spent.split_whitespace().next()?.parse().ok()?;
+        (!is_driver).then(|| Duration::from_nanos(nanoseconds))
+    };
+    threads
+        .filter_map(|thread| Some(thread.ok()?.path()))
+        .filter(|folder| folder.file_name() != own.file_name())
+        .filter_map(of_thread)
+        .sum()
+}
+
+/// A workshop with its picture, and the frame it is at.
+struct Loop<'a> {
+    gpu: &'a Gpu,
+    workshop: Workshop,
+    picture: Picture,
+    frame: Frame,
+    /// Turns over with each measurement: there, then back again.
+    turn: bool,
+}
+
+impl<'a> Loop<'a> {
+    fn new(gpu: &'a Gpu, mut workshop: Workshop) -> Self {
+        let mut frame = Frame::start();
+        frame.focused = true;
+        for hand in &mut frame.hands {
+            hand.tracked = true;
+        }
+        workshop.update(&frame);
+        workshop.finish_tree();
+        let mut warm = Self {
+            gpu,
+            workshop,
+            picture: Picture::offscreen(gpu, 16, 16).unwrap(),
+            frame,
+            turn: false,
+        };
+        for _ in 0..20 {
+            warm.next(0.1);
+        }
+        warm
     }
-    Workshop::unsaved(World::new(history)).unwrap()
+
+    /// Goes through one frame; gives the process' own time.
+    fn next(&mut self, seconds: f64) -> Duration {
+        self.frame.time += seconds;
+        self.gpu.wait_idle().unwrap();
+        let (others, start) = (other_threads(), ThreadTime::now());
+        self.workshop.update(&self.frame);
+        let scene = self.workshop.scene();
+        self.picture.draw(scene, &self.frame.views, None).unwrap();
+        let own = start.elapsed();
+        own + other_threads().saturating_sub(others)
+    }
+
+    /// The frame in which the right hand does something, after one in which it does nothing.
+    fn act(&mut self, act: impl FnOnce(&mut Hand)) -> Duration {
+        self.next(0.011);
+        let resting = self.frame.hands[1];
+        act(&mut self.frame.hands[1]);
+        let spent = self.next(0.011);
+        self.frame.hands[1] = resting;
+        spent
+    }
+
+    fn segments(&mut self) -> usize {
+        let tree = &self.workshop.scene().tree;
+        tree.as_ref()
+            .map_or(0, |placed| placed.tree.segment_count())
+    }
 }
 
 fn session(criterion: &mut Criterion) {
@@ -52,58 +113,44 @@ fn session(criterion: &mut Criterion) {
             return;
         }
     };
-    let mut workshop = workshop();
-    let mut picture = Picture::offscreen(&gpu, 16, 16).unwrap();
-    let mut frame = Frame::start();
-    frame.focused = true;
-    for hand in &mut frame.hands {
-        hand.tracked = true;
-    }
-    let mut timed = |frame: &Frame| {
-        gpu.wait_idle().unwrap();
-        let start = ThreadTime::now();
-        workshop.update(frame);
-        picture.draw(workshop.scene(), &frame.views, None).unwrap();
-        start.elapsed()
-    };
-    for _ in 0..20 {
-        frame.time += 0.1;
-        timed(&frame);
-    }
     let mut group = criterion.benchmark_group("session");
     group
         .sample_size(20)
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(5));
-    group.bench_function("frame of 75,024 segments, hands moving", |bencher| {
-        bencher.iter_custom(|rounds| {
-            (0..rounds)
-                .map(|round| {
-                    frame.time += 0.011;
-                    frame.hands[0].aim.position.x = if round % 2 == 0 { 0.3 } else { 0.31 };
-                    timed(&frame)
-                })
-                .sum()
-        });
-    });
-    group.bench_function("frame that steps back or forward", |bencher| {
-        bencher.iter_custom(|rounds| {
-            (0..rounds)
-                .map(|round| {
-                    for down in [false, true] {
-                        frame.time += 0.011;
-                        frame.hands[1].upper = down && round % 2 == 0;
-                        frame.hands[1].lower = down && round % 2 == 1;
-                        let spent = timed(&frame);
-                        if down {
-                            return spent;
-                        }
-                    }
-                    Duration::ZERO
-                })
-                .sum()
-        });
-    });
+
+    let mut measure =
+        |what: &str, mut frames: Loop<'_>, spent: fn(&mut Loop<'_>, bool) -> Duration| {
+            let id = BenchmarkId::new(what, frames.segments());
+            group.bench_function(id, |bencher| {
+                bencher.iter_custom(|rounds| {
+                    let mut round = |_| {
+                        frames.turn = !frames.turn;
+                        let turn = frames.turn;
+                        spent(&mut frames, turn)
+                    };
+                    (0..rounds).map(&mut round).sum()
+                });
+            });
+        };
+    measure(
+        "hands moving",
+        Loop::new(&gpu, tall(4, 401)),
+        |frames, left| {
+            frames.frame.hands[0].aim.position.x = if left { 0.3 } else { 0.31 };
+            frames.next(0.011)
+        },
+    );
+    measure(
+        "a step back or forward",
+        Loop::new(&gpu, tall(2, 366)),
+        |frames, back| frames.act(|hand| (hand.upper, hand.lower) = (back, !back)),
+    );
+    measure(
+        "a branch undone or redone",
+        Loop::new(&gpu, tall(2, 366)),
+        |frames, back| frames.act(|hand| hand.stick.x = if back { -1.0 } else { 1.0 }),
+    );
     group.finish();
 }
 

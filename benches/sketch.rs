@@ -9,7 +9,7 @@ use std::{hint::black_box, sync::atomic::AtomicBool};
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 use ramus::{
-    sketch::{Grower, Letter, NodeRef, Sketch, grow, predict_segments},
+    sketch::{Grower, Letter, NodeRef, Sketch, grow, predict_segments_within},
     world::{
         document::{Document, Edit},
         history::History,
@@ -40,7 +40,7 @@ fn sketch() -> Sketch {
 /// The last step with at most so many segments.
 fn step_with(sketch: &Sketch, segments: u64) -> u32 {
     (1..)
-        .take_while(|&step| predict_segments(sketch, step) <= segments)
+        .take_while(|&step| predict_segments_within(sketch, step, segments).is_some())
         .last()
         .unwrap()
 }
@@ -50,7 +50,7 @@ fn benches(c: &mut Criterion) {
     let sketch = sketch();
     for segments in [1_000, 100_000] {
         let step = step_with(&sketch, segments);
-        let exact = predict_segments(&sketch, step);
+        let exact = predict_segments_within(&sketch, step, segments).unwrap();
         c.bench_function(&format!("grow {exact} segments"), |b| {
             b.iter(|| grow(black_box(&sketch), step, &never).unwrap());
         });
@@ -70,14 +70,14 @@ fn benches(c: &mut Criterion) {
         b.iter(|| black_box(&sketch).grammar_text())
     });
     c.bench_function("predict step 10,000", |b| {
-        b.iter(|| predict_segments(black_box(&sketch), 10_000));
+        b.iter(|| predict_segments_within(black_box(&sketch), 10_000, u64::MAX - 1));
     });
     let mut history = History::default();
     let long: Vec<Vec3> = (1..=10_000_u16)
         .map(|n| Vec3::new(f32::from(n % 7) * 0.1, f32::from(n) * 0.01, 0.0))
         .collect();
     history.apply(Edit::AddStroke { to: long }).unwrap();
-    let document: Document = history.document().clone();
+    let document: Document = history.committed().clone();
     c.bench_function("move a node among 10,000", |b| {
         let at = NodeRef::new(Letter::TRUNK, 5_000);
         let edit = Edit::MoveNode {

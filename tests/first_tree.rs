@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use glam::{Quat, Vec2, Vec3};
 use person::serve;
 use ramus::{
-    sketch::{Letter, NodeRef, predict_segments},
+    sketch::{Letter, NodeRef, predict_segments_within},
     world::{
         World,
         document::{Document, Placement},
@@ -425,8 +425,8 @@ fn it_draws_a_trunk_and_a_branch_and_lets_them_grow() {
     assert_eq!((sketch.strokes.len(), *step, largest), (2, STEPS, STEPS));
     assert_eq!(*platform, Placement::default());
     assert_eq!(
-        predict_segments(sketch, *step),
-        33,
+        predict_segments_within(sketch, *step, 100),
+        Some(33),
         "spec/sketch.md: n = 1 gives 33 segments at w6"
     );
     let actions = world.take_edits();

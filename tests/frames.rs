@@ -7,6 +7,7 @@
 )]
 
 mod counting;
+mod workshops;
 
 use counting::allocations;
 use glam::Vec3;
@@ -15,35 +16,9 @@ use ramus::app::portrait;
 use ramus::app::session::{self, Watcher};
 use ramus::app::workshop::Workshop;
 use ramus::render::Gpu;
-use ramus::sketch::{Letter, NodeRef};
-use ramus::world::World;
-use ramus::world::document::Edit;
-use ramus::world::history::History;
 use ramus_xr::simulated::Simulated;
 use ramus_xr::{Frame, Headset};
-
-/// A trunk and a branch at its first node, which carries copies of itself: Fib(step + 2) − 1 segments.
-fn grown(step: u32) -> Workshop {
-    let mut history = History::default();
-    for edit in [
-        Edit::AddSegment {
-            to: Vec3::new(0.0, 0.1, 0.0),
-        },
-        Edit::AddSegment {
-            to: Vec3::new(0.0, 0.2, 0.0),
-        },
-        Edit::Select {
-            at: NodeRef::new(Letter::TRUNK, 1),
-        },
-        Edit::AddSegment {
-            to: Vec3::new(0.05, 0.15, 0.0),
-        },
-        Edit::SetStep { step },
-    ] {
-        history.apply(edit).unwrap();
-    }
-    Workshop::unsaved(World::new(history)).unwrap()
-}
+use workshops::{bushy, tall};
 
 fn segments(workshop: &mut Workshop) -> usize {
     workshop
@@ -64,7 +39,7 @@ fn press(workshop: &mut Workshop, mut frame: Frame) {
 
 #[test]
 fn an_edit_of_75000_segments_shows_in_the_same_frame() {
-    let mut workshop = grown(22);
+    let mut workshop = bushy(22);
     let mut frame = Frame::start();
     workshop.update(&frame);
     assert_eq!(segments(&mut workshop), 46_367);
@@ -76,9 +51,30 @@ fn an_edit_of_75000_segments_shows_in_the_same_frame() {
     assert!(!workshop.is_busy());
 }
 
+/// The string of such a tree took hundreds of rewrites; an edit of its rules derives it from the axiom.
+#[test]
+fn an_edit_of_a_tall_tree_shows_in_the_same_frame() {
+    let mut workshop = tall(2, 366);
+    let mut frame = Frame::start();
+    workshop.update(&frame);
+    let with_both = segments(&mut workshop);
+    assert_eq!(with_both, 99_920);
+    for (stick, expected) in [(-1.0, 66_796), (1.0, with_both)] {
+        frame.time += 0.1;
+        frame.focused = true;
+        frame.hands[1].tracked = true;
+        frame.hands[1].stick.x = 0.0;
+        workshop.update(&frame);
+        frame.hands[1].stick.x = stick;
+        workshop.update(&frame);
+        assert_eq!(segments(&mut workshop), expected, "undone, then redone");
+        assert!(!workshop.is_busy());
+    }
+}
+
 #[test]
 fn a_larger_tree_grows_on_the_worker_while_frames_go_on() {
-    let mut workshop = grown(23);
+    let mut workshop = bushy(23);
     let mut frame = Frame::start();
     workshop.update(&frame);
     assert_eq!(segments(&mut workshop), 75_024);
@@ -131,7 +127,7 @@ fn the_whole_warm_loop_allocates_nothing_and_makes_no_pipeline() {
     };
     const WARM: usize = 120;
     const FRAMES: usize = 200;
-    let mut workshop = grown(12);
+    let mut workshop = bushy(12);
     let mut picture = Picture::offscreen(&gpu, 64, 64).unwrap();
     let mut frame = Frame::start();
     let frames: Vec<Frame> = (0..FRAMES)

@@ -17,7 +17,7 @@ use std::{
     cell::RefCell,
     io::{BufRead as _, BufReader, Read as _},
     path::Path,
-    process::Stdio,
+    process::{Child, Stdio},
     rc::Rc,
 };
 
@@ -34,6 +34,7 @@ use ramus::{
 use ramus_monado::{
     feed::Fed,
     remote::Remote,
+    rival::Rival,
     service::{Service, ServiceParams},
     stage, verdict,
 };
@@ -160,36 +161,16 @@ fn a_focus_lost_in_the_middle_of_a_stroke_ends_it_cleanly() {
             let service = runtime();
             let remote = Remote::connect(service.port()).unwrap();
             let opened = Opened::start(connect().unwrap()).unwrap();
-            let control = |arguments: &[&str]| {
-                let output = service
-                    .command("monado-ctl")
-                    .env_remove("XR_ENABLE_API_LAYERS")
-                    .args(arguments)
-                    .output()
-                    .unwrap();
-                String::from_utf8_lossy(&output.stdout).into_owned()
-            };
-            let thief = RefCell::new(None);
+            let rival = RefCell::new(None);
             let mut beats: Vec<Beat<'_>> = frames[..=pulled].iter().map(Beat::show).collect();
             beats.push(Beat::Do(Box::new(|| {
-                let other = service
-                    .command("hello_xr")
-                    .args(["-g", "Vulkan2"])
-                    .env_remove("XR_ENABLE_API_LAYERS")
-                    .stdin(Stdio::piped())
-                    .stdout(Stdio::null())
-                    .stderr(Stdio::null())
-                    .spawn()
-                    .unwrap();
-                thief.replace(Some(other));
+                rival.replace(Some(Rival::start(&service).unwrap()));
             })));
             beats.push(Beat::Until(
                 "another program is there",
-                Box::new(|_| control(&[]).contains("HelloXR")),
+                Box::new(|_| Rival::is_there(&service).unwrap()),
             ));
-            beats.push(Beat::Do(Box::new(|| {
-                control(&["-f", "2"]);
-            })));
+            beats.push(Beat::Do(Box::new(|| Rival::take_focus(&service).unwrap())));
             beats.push(Beat::Until(
                 "the focus is gone",
                 Box::new(|frame| !frame.focused),
@@ -198,11 +179,7 @@ fn a_focus_lost_in_the_middle_of_a_stroke_ends_it_cleanly() {
                 "nothing is to be drawn",
                 Box::new(|frame| !frame.should_render),
             ));
-            beats.push(Beat::Do(Box::new(|| {
-                let mut other = thief.take().unwrap();
-                other.kill().unwrap();
-                other.wait().unwrap();
-            })));
+            beats.push(Beat::Do(Box::new(|| drop(rival.take()))));
             beats.push(Beat::Until(
                 "the focus is back",
                 Box::new(|frame| frame.focused),
@@ -277,6 +254,23 @@ fn a_killed_runtime_loses_nothing_that_was_made() {
     );
 }
 
+/// A program whose runtime died ends, and says so in one sentence.
+fn says_that_its_work_is_saved(child: &mut Child) {
+    let mut errors = String::new();
+    let mut stderr = child.stderr.take().unwrap();
+    stderr.read_to_string(&mut errors).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{errors}");
+    let said: Vec<&str> = errors
+        .lines()
+        .filter(|line| line.starts_with("ramus: "))
+        .collect();
+    assert!(
+        said.len() == 1 && said[0].contains("your work is saved"),
+        "{errors}"
+    );
+    assert!(!errors.contains("panicked"), "{errors}");
+}
+
 #[test]
 fn the_program_says_in_one_sentence_that_the_runtime_died() {
     staged(
@@ -304,25 +298,7 @@ fn the_program_says_in_one_sentence_that_the_runtime_died() {
                 );
             }
             service.kill().unwrap();
-            let mut errors = String::new();
-            child
-                .stderr
-                .take()
-                .unwrap()
-                .read_to_string(&mut errors)
-                .unwrap();
-            output.read_to_string(&mut first).unwrap();
-            let status = child.wait().unwrap();
-            assert_eq!(status.code(), Some(1), "{first}{errors}");
-            let said: Vec<&str> = errors
-                .lines()
-                .filter(|line| line.starts_with("ramus: "))
-                .collect();
-            assert!(
-                said.len() == 1 && said[0].contains("your work is saved"),
-                "{errors}"
-            );
-            assert!(!errors.contains("panicked"), "{errors}");
+            says_that_its_work_is_saved(&mut child);
             project::from_bytes(&std::fs::read(&file).unwrap()).unwrap();
         },
     );
@@ -382,23 +358,7 @@ fn the_program_saves_what_was_drawn_when_the_runtime_dies() {
                 std::thread::sleep(std::time::Duration::from_millis(5));
             }
             service.kill().unwrap();
-            let mut errors = String::new();
-            child
-                .stderr
-                .take()
-                .unwrap()
-                .read_to_string(&mut errors)
-                .unwrap();
-            assert_eq!(child.wait().unwrap().code(), Some(1), "{errors}");
-            let said: Vec<&str> = errors
-                .lines()
-                .filter(|line| line.starts_with("ramus: "))
-                .collect();
-            assert!(
-                said.len() == 1 && said[0].contains("your work is saved"),
-                "{errors}"
-            );
-            assert!(!errors.contains("panicked"), "{errors}");
+            says_that_its_work_is_saved(&mut child);
 
             let saved = std::fs::read_to_string(&file).unwrap();
             let prefixes = prefixes(&frames);

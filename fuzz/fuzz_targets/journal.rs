@@ -11,7 +11,7 @@ fuzz_target!(|bytes: &[u8]| {
     let base = Document::default();
     if let Ok(decoded) = journal::decode(bytes) {
         assert!(decoded.whole_bytes <= bytes.len(), "no more is whole than is there");
-        let _ = journal::replay(&base, &decoded);
+        let _ = journal::recover(&decoded);
     }
 
     let (mut writer, mut text) = journal::Journal::begin(&base);
@@ -24,12 +24,12 @@ fuzz_target!(|bytes: &[u8]| {
     }
     let decoded = journal::decode(text.as_bytes()).expect("what was written can be read");
     assert!(decoded.actions.len() <= count, "no action comes from nowhere");
-    let mut recovered = journal::replay(&base, &decoded).expect("it starts from this base");
-    let done = ramus::world::project::to_bytes(recovered.history.document());
+    let mut recovered = journal::recover(&decoded);
+    let done = ramus::world::project::to_bytes(recovered.history.committed());
     ramus::world::project::from_bytes(&done).expect("actions leave a document that can be read");
     while recovered.history.undo() {}
     assert_eq!(
-        ramus::world::project::to_bytes(recovered.history.document()),
+        ramus::world::project::to_bytes(recovered.history.committed()),
         ramus::world::project::to_bytes(&base),
         "undo to the start gives the start"
     );

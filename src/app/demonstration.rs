@@ -9,7 +9,7 @@ use crate::app::album::Album;
 use crate::app::export;
 use crate::app::picture::{Picture, side_by_side};
 use crate::app::workshop::Workshop;
-use crate::sketch::predict_segments;
+use crate::sketch::predict_segments_within;
 use crate::world::document::Document;
 use crate::world::history::History;
 use crate::world::{GrowthParams, World};
@@ -34,9 +34,8 @@ pub fn first_tree() -> Result<Vec<Frame>> {
 /// In a sentence that says how to mend it.
 pub fn check_size(document: &Document) -> Result<()> {
     let most = GrowthParams::default().max_segments;
-    let segments = predict_segments(&document.sketch, document.step);
     ensure!(
-        segments <= most,
+        predict_segments_within(&document.sketch, document.step, most).is_some(),
         "at step {} this project has more than {most} segments, which cannot be shown: set a lower step in its file",
         document.step
     );

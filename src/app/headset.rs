@@ -28,7 +28,6 @@ pub struct Opened {
     // The picture goes first: its views show the headset's images.
     picture: Picture,
     headset: OpenXrHeadset,
-    gpu: Gpu,
 }
 
 /// Reaches the active runtime and its headset, without starting anything.
@@ -51,23 +50,13 @@ impl Opened {
             return Err(ConnectError::NoFormat.into());
         };
         let picture = Picture::in_headset(&gpu, swapchain)?;
-        Ok(Self {
-            picture,
-            headset,
-            gpu,
-        })
+        Ok(Self { picture, headset })
     }
 
     /// One line for people: runtime and device.
     #[must_use]
     pub fn describe(&self) -> String {
         self.headset.describe()
-    }
-
-    /// What the validation layers said so far.
-    #[must_use]
-    pub fn validation_messages(&self) -> Vec<String> {
-        self.gpu.messages().list()
     }
 
     /// Runs a session to its end; `wrap` may put a headset around the headset (a recorder, a player), which is given

@@ -21,11 +21,13 @@ pub fn summary(world: &World) -> String {
         .filter(|stroke| stroke.segments() > 0)
         .count();
     let drawn = document.sketch.segments().count();
-    let grown = sketch::predict_segments(&document.sketch, document.step);
-    format!(
-        "{lines} lines of {drawn} segments drawn, {grown} segments grown at step {}",
-        document.step
-    )
+    let (step, most) = (document.step, sketch::MAX_SEGMENTS);
+    // A sketch of copies in copies may have more than can be counted in a lifetime: the count ends at the bound.
+    let grown = match sketch::predict_segments_within(&document.sketch, step, most) {
+        Some(grown) => format!("{grown} segments grown"),
+        None => format!("more than {most} segments to grow"),
+    };
+    format!("{lines} lines of {drawn} segments drawn, {grown} at step {step}")
 }
 
 /// Writes the full-size tree of the document's step.
@@ -45,4 +47,45 @@ pub fn export(world: &World, path: &Path) -> Result<()> {
 pub fn grammar(world: &World, path: &Path) -> Result<()> {
     let text = world.document().sketch.grammar_text();
     write_atomically(path, text.as_bytes()).context("the grammar was not written")
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests")]
+    use super::*;
+    use crate::{
+        sketch::{BOUNDS, Letter, NodeRef, Sketch},
+        world::{document::Document, history::History},
+    };
+    use glam::Vec3;
+
+    /// A trunk of two segments whose branch carries itself at each node: it doubles with every other step.
+    fn world_at(step: u32) -> World {
+        let (sketch, _) = Sketch::default()
+            .add_segments(NodeRef::ROOT, &[Vec3::Y * 0.1, Vec3::Y * 0.2])
+            .unwrap();
+        let fork = NodeRef::new(Letter::TRUNK, 1);
+        let (sketch, _) = sketch.add_segment(fork, Vec3::X * 0.1).unwrap();
+        World::new(History::new(Document {
+            sketch: sketch.into(),
+            step,
+            ..Document::default()
+        }))
+    }
+
+    #[test]
+    fn the_summary_counts_no_further_than_a_tree_may_grow() {
+        for (step, expected) in [
+            (
+                7,
+                "2 lines of 3 segments drawn, 33 segments grown at step 7",
+            ),
+            (
+                BOUNDS.step,
+                "2 lines of 3 segments drawn, more than 2000000 segments to grow at step 10000",
+            ),
+        ] {
+            assert_eq!(summary(&world_at(step)), expected, "step {step}");
+        }
+    }
 }

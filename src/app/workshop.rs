@@ -20,20 +20,14 @@ use crate::world::scene::Scene;
 /// How the workshop works.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkshopParams {
-    /// Trees with no more segments than this grow within the frame,
+    /// Trees with no more segments than this grow within the frame.
     pub at_once: u64,
-    /// where segments × steps to derive is no more than this times as many: a tall trunk is small, but every step on the
-    /// way to it rewrites all of it.
-    pub rewrites: u64,
 }
 
 impl Default for WorkshopParams {
     /// 100,000 segments, as the specification of the sketch asks.
     fn default() -> Self {
-        Self {
-            at_once: 100_000,
-            rewrites: 24,
-        }
+        Self { at_once: 100_000 }
     }
 }
 
@@ -196,13 +190,6 @@ impl Workshop {
         self.world.set_tree(id, grown);
     }
 
-    /// Whether a tree grows within a frame: few segments, and few rewrites on the way to them.
-    fn is_small(&self, (_, sketch, step): &Wanted, segments: u64) -> bool {
-        let steps = u64::from(self.grower.steps_to_derive(sketch, *step));
-        segments <= self.params.at_once
-            && segments.saturating_mul(steps) <= self.params.at_once * self.params.rewrites
-    }
-
     fn grow_tree(&mut self) {
         if let Some((id, grown)) = self.worker.poll() {
             self.take_tree(id, grown);
@@ -211,7 +198,7 @@ impl Workshop {
             return;
         };
         let wanted = (request.id, Arc::clone(&request.sketch), request.step);
-        if self.is_small(&wanted, request.segments) {
+        if request.segments <= self.params.at_once {
             let (id, grown) = grow(&mut self.grower, &wanted, &AtomicBool::new(false));
             self.growing = None;
             self.world.set_tree(id, grown);

@@ -217,6 +217,12 @@ impl Function {
 }
 
 impl Expression {
+    /// Whether its value is left to chance.
+    pub(crate) fn draws(&self) -> bool {
+        let drawn = |op: &Op| matches!(op, Op::Call(function) if function.draws());
+        matches!(self, Self::Code { code, .. } if code.iter().any(drawn))
+    }
+
     /// The value, which may be infinite but is a number.
     #[inline]
     pub(crate) fn value(&self, bound: &[f64], draws: &mut Draws) -> Result<f64, ValueProblem> {

@@ -1,4 +1,4 @@
-//! Context matching: an index of brackets and parameters over one string, and the search of both contexts.
+//! Context matching: the search of both contexts, and the index of brackets and parameters that it needs in a packed string.
 //!
 //! The index holds, for each bracket, its partner, so that a whole branch is passed in one step however long it is, and
 //! the start of every 64th module's parameters, so that any module's are found by adding up at most 63 counts.
@@ -83,29 +83,86 @@ impl ContextIndex {
     }
 }
 
-/// Matches contexts in one string.
-pub(crate) struct Matcher<'a> {
-    pub(crate) grammar: &'a Grammar,
+/// A string as contexts see it: modules at places, with neighbours.
+pub(crate) trait Modules {
+    /// The module at a place; `None` past the end.
+    fn symbol(&self, at: usize) -> Option<Symbol>;
+    /// The place to the left; `None` at the start.
+    fn before(&self, at: usize) -> Option<usize>;
+    /// The place to the right, perhaps past the end.
+    fn after(&self, at: usize) -> usize;
+    /// For a bracket the place of its partner.
+    fn partner(&self, at: usize) -> usize;
+    /// The parameters of the module at a place, whose symbol this is.
+    fn parameters(&self, at: usize, symbol: Symbol) -> &[f64];
+}
+
+/// A packed string with its index: places are positions.
+pub(crate) struct Indexed<'a> {
     pub(crate) string: &'a ModuleString,
-    pub(crate) index: &'a ContextIndex,
-    pub(crate) cancel: &'a AtomicBool,
+    pub(crate) index: ContextIndex,
+}
+
+impl Indexed<'_> {
+    /// Where the parameters of the module at `at` begin.
+    fn offset(&self, at: usize) -> usize {
+        let block = at / BLOCK;
+        let start = self
+            .index
+            .blocks
+            .get(block)
+            .map_or(0, |o| usize::try_from(*o).unwrap_or(usize::MAX));
+        let before = self.string.symbols.get(block * BLOCK..at).unwrap_or(&[]);
+        start + before.iter().map(|s| self.string.arity(*s)).sum::<usize>()
+    }
+}
+
+impl Modules for Indexed<'_> {
+    fn symbol(&self, at: usize) -> Option<Symbol> {
+        self.string.symbols.get(at).copied()
+    }
+
+    fn before(&self, at: usize) -> Option<usize> {
+        at.checked_sub(1)
+    }
+
+    fn after(&self, at: usize) -> usize {
+        at + 1
+    }
+
+    fn partner(&self, at: usize) -> usize {
+        self.index.partner.get(at).map_or(at, |p| *p as usize)
+    }
+
+    fn parameters(&self, at: usize, symbol: Symbol) -> &[f64] {
+        let arity = self.string.arity(symbol);
+        if arity == 0 {
+            return &[];
+        }
+        let from = self.offset(at);
+        self.string
+            .parameters
+            .get(from..from + arity)
+            .unwrap_or(&[])
+    }
+}
+
+/// Matches contexts in one string.
+pub(crate) struct Matcher<'a, M> {
+    grammar: &'a Grammar,
+    modules: &'a M,
+    cancel: &'a AtomicBool,
     /// Modules visited since the last look at the cancel flag.
     visits: u32,
     /// Set once the flag was seen: every search then fails, and the caller asks why.
     pub(crate) cancelled: bool,
 }
 
-impl<'a> Matcher<'a> {
-    pub(crate) fn new(
-        grammar: &'a Grammar,
-        string: &'a ModuleString,
-        index: &'a ContextIndex,
-        cancel: &'a AtomicBool,
-    ) -> Self {
+impl<'a, M: Modules> Matcher<'a, M> {
+    pub(crate) fn new(grammar: &'a Grammar, modules: &'a M, cancel: &'a AtomicBool) -> Self {
         Self {
             grammar,
-            string,
-            index,
+            modules,
             cancel,
             visits: 0,
             cancelled: false,
@@ -123,55 +180,18 @@ impl<'a> Matcher<'a> {
         !self.cancelled
     }
 
-    fn symbol(&self, at: usize) -> Option<Symbol> {
-        self.string.symbols.get(at).copied()
-    }
-
-    fn partner(&self, at: usize) -> usize {
-        self.index.partner.get(at).map_or(at, |p| *p as usize)
-    }
-
-    /// Where the parameters of the module at `at` begin.
-    fn offset(&self, at: usize) -> usize {
-        let block = at / BLOCK;
-        let start = self
-            .index
-            .blocks
-            .get(block)
-            .map_or(0, |o| usize::try_from(*o).unwrap_or(usize::MAX));
-        let before = self.string.symbols.get(block * BLOCK..at).unwrap_or(&[]);
-        let arity = |s: &Symbol| {
-            self.string
-                .arity
-                .get(usize::from(*s))
-                .map_or(0, |a| usize::from(*a))
-        };
-        start + before.iter().map(arity).sum::<usize>()
-    }
-
     /// Copies the parameters of the module at `at` into the slots from `slot` on.
     fn bind(&self, at: usize, symbol: Symbol, slot: u16, bound: &mut [f64]) {
-        let arity = self
-            .string
-            .arity
-            .get(usize::from(symbol))
-            .map_or(0, |a| usize::from(*a));
-        if arity == 0 {
-            return;
-        }
-        let from = self.offset(at);
+        let source = self.modules.parameters(at, symbol);
         let slot = usize::from(slot);
-        if let (Some(source), Some(target)) = (
-            self.string.parameters.get(from..from + arity),
-            bound.get_mut(slot..slot + arity),
-        ) {
+        if let Some(target) = bound.get_mut(slot..slot + source.len()) {
             target.copy_from_slice(source);
         }
     }
 
     /// Whether both contexts of `rule` match the module at `at`; binds their parameters.
     pub(crate) fn matches(&mut self, rule: &Rule, at: usize, bound: &mut [f64]) -> bool {
-        self.left(&rule.left, at, bound) && self.right(&rule.right, at + 1, bound)
+        self.left(&rule.left, at, bound) && self.right(&rule.right, self.modules.after(at), bound)
     }
 
     fn left(&mut self, pattern: &[Pattern], mut at: usize, bound: &mut [f64]) -> bool {
@@ -180,11 +200,11 @@ impl<'a> Matcher<'a> {
                 return false;
             };
             loop {
-                let Some(before) = at.checked_sub(1) else {
+                let Some(before) = self.modules.before(at) else {
                     return false;
                 };
                 at = before;
-                let Some(found) = self.symbol(at) else {
+                let Some(found) = self.modules.symbol(at) else {
                     return false;
                 };
                 if !self.go_on(1) {
@@ -192,7 +212,7 @@ impl<'a> Matcher<'a> {
                 }
                 match self.grammar.role(found) {
                     Role::Open | Role::Close if self.grammar.literal => return false,
-                    Role::Close => at = self.partner(at),
+                    Role::Close => at = self.modules.partner(at),
                     Role::Open => {}
                     Role::Ignored if !self.grammar.literal => {}
                     _ if found == *symbol => {
@@ -211,7 +231,7 @@ impl<'a> Matcher<'a> {
     fn right(&mut self, pattern: &[Pattern], mut at: usize, bound: &mut [f64]) -> bool {
         let mut next = 0;
         while let Some(item) = pattern.get(next) {
-            let Some(found) = self.symbol(at) else {
+            let Some(found) = self.modules.symbol(at) else {
                 return false;
             };
             if !self.go_on(1) {
@@ -225,7 +245,7 @@ impl<'a> Matcher<'a> {
                     {
                         self.bind(at, found, *slot, bound);
                         next += 1;
-                        at += 1;
+                        at = self.modules.after(at);
                         continue;
                     }
                     _ => return false,
@@ -233,19 +253,21 @@ impl<'a> Matcher<'a> {
             }
             match (item, role) {
                 (_, Role::Close) => return false,
-                (_, Role::Ignored) => at += 1,
+                (_, Role::Ignored) => at = self.modules.after(at),
                 (Pattern::Open { inside }, Role::Open) => {
                     let inner = pattern.get(next + 1..=next + inside).unwrap_or(&[]);
-                    if self.right(inner, at + 1, bound) {
+                    if self.right(inner, self.modules.after(at), bound) {
                         next += inside + 2;
                     }
-                    at = self.partner(at) + 1;
+                    at = self.modules.after(self.modules.partner(at));
                 }
-                (Pattern::Module { .. }, Role::Open) => at = self.partner(at) + 1,
+                (Pattern::Module { .. }, Role::Open) => {
+                    at = self.modules.after(self.modules.partner(at))
+                }
                 (Pattern::Module { symbol, slot }, _) if found == *symbol => {
                     self.bind(at, found, *slot, bound);
                     next += 1;
-                    at += 1;
+                    at = self.modules.after(at);
                 }
                 _ => return false,
             }

@@ -2,10 +2,13 @@
 //!
 //! A step is: one round of the productions, rounds of decomposition until nothing changes, then cut what `%` cuts. So the
 //! string never holds a `%` where it is read or where the next step begins.
+//!
+//! Where most of the string rests and the grammar allows it, [`super::active`] makes the steps instead, with the same result.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::active::Chain;
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, Role};
 use super::rewrite::{Births, Round};
@@ -39,7 +42,23 @@ pub(crate) fn derive(
     let mut string = cut(grammar, &grammar.axiom);
     check(&string, 0, limits)?;
     string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
+    let mut chain = Chain::new(grammar, &string);
     for step in 1..=steps {
+        if let Some(list) = &mut chain {
+            if list.rests() {
+                break;
+            }
+            let made = list.step(step, limits, cancel).is_ok();
+            if made && !list.is_busy() {
+                continue;
+            }
+            // Where it could not be made, the rounds find the same fault and say where it is.
+            string = list.string();
+            chain = None;
+            if made {
+                continue;
+            }
+        }
         match next(grammar, &string, step, limits, cancel) {
             Ok(following) => string = following,
             Err(mut error) => {
@@ -48,7 +67,7 @@ pub(crate) fn derive(
             }
         }
     }
-    Ok(string)
+    Ok(chain.map_or(string, |list| list.string()))
 }
 
 /// One step, whose number is `step`.
@@ -62,16 +81,7 @@ pub(crate) fn next(
     if cancel.load(Ordering::Relaxed) {
         return Err(DeriveProblem::Cancelled { step }.into());
     }
-    let round = Round {
-        grammar,
-        rules: &grammar.rules,
-        step,
-        stream: step,
-        number: 0,
-        births: Births::Step,
-        limits,
-        cancel,
-    };
+    let round = productions(grammar, step, limits, cancel);
     let following = match round.apply(string)? {
         Some(following) => following,
         None => string.clone(),
@@ -80,8 +90,27 @@ pub(crate) fn next(
     Ok(cut_owned(grammar, following))
 }
 
+/// The round of the productions.
+pub(crate) fn productions<'a>(
+    grammar: &'a Grammar,
+    step: u32,
+    limits: &'a Limits,
+    cancel: &'a AtomicBool,
+) -> Round<'a> {
+    Round {
+        grammar,
+        rules: &grammar.rules,
+        step,
+        stream: step,
+        number: 0,
+        births: Births::Step,
+        limits,
+        cancel,
+    }
+}
+
 /// The string with the decomposition productions applied until nothing changes.
-fn decomposed(
+pub(crate) fn decomposed(
     grammar: &Grammar,
     mut string: ModuleString,
     step: u32,

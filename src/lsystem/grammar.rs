@@ -235,13 +235,6 @@ impl Grammar {
         self.names.name(symbol)
     }
 
-    /// Number of productions, those of the blocks included.
-    #[must_use]
-    pub fn production_count(&self) -> usize {
-        let count = |set: &Option<RuleSet>| set.as_ref().map_or(0, |s| s.rules.len());
-        self.rules.rules.len() + count(&self.decompose) + count(&self.interpret)
-    }
-
     pub(crate) fn role(&self, symbol: Symbol) -> Role {
         self.roles
             .get(usize::from(symbol))

@@ -13,9 +13,10 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context`,
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` the whole of it, `active` what may change),
 //! `turtle` draws it, `report` says what `ramus derive` prints.
 
+mod active;
 mod code;
 mod context;
 mod derive;

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::context::{ContextIndex, Matcher};
+use super::context::{ContextIndex, Indexed, Matcher, Modules};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, ValueProblem};
 use super::grammar::{Grammar, Order, Rule, RuleSet};
@@ -107,13 +107,14 @@ impl<'a> Round<'a> {
         } else {
             ContextIndex::default()
         };
+        let indexed = Indexed { string, index };
         let parameter_starts = parameter_starts(string);
         let start_of = |chunk: usize| parameter_starts.get(chunk).copied().unwrap_or(0);
 
         let mut choices = vec![STAYS; string.len()];
         let chunks: Vec<(usize, &mut [u16])> = choices.chunks_mut(CHUNK).enumerate().collect();
         let sizes = Self::each(parallel, chunks, |(chunk, choices)| {
-            self.count(string, &index, chunk * CHUNK, start_of(chunk), choices)
+            self.count(&indexed, chunk * CHUNK, start_of(chunk), choices)
         })?;
         if !sizes.iter().any(|s| s.changed) {
             return Ok(None);
@@ -173,7 +174,7 @@ impl<'a> Round<'a> {
             }
         }
         Self::each(parallel || modules >= PARALLEL_FROM, tasks, |task| {
-            self.fill(string, &index, task)
+            self.fill(&indexed, task)
         })?;
         Ok(Some(following))
     }
@@ -183,9 +184,12 @@ impl<'a> Round<'a> {
         &self,
         string: &ModuleString,
     ) -> Result<Option<&'a Rule>, DeriveError> {
-        let index = ContextIndex::default(); // decomposition has no contexts
+        let indexed = Indexed {
+            string,
+            index: ContextIndex::default(), // decomposition has no contexts
+        };
         let mut choices = vec![STAYS; string.len()];
-        self.count(string, &index, 0, 0, &mut choices)?;
+        self.count(&indexed, 0, 0, &mut choices)?;
         Ok(choices
             .iter()
             .find(|c| **c != STAYS)
@@ -223,15 +227,14 @@ impl<'a> Round<'a> {
         .into())
     }
 
-    fn rule(&self, choice: u16) -> Option<&'a Rule> {
+    pub(super) fn rule(&self, choice: u16) -> Option<&'a Rule> {
         self.rules.rules.get(usize::from(choice).checked_sub(1)?)
     }
 
     /// Chooses a production for each module of a chunk.
     fn count(
         &self,
-        string: &ModuleString,
-        index: &ContextIndex,
+        indexed: &Indexed<'_>,
         from: usize,
         parameters_from: usize,
         choices: &mut [u16],
@@ -239,16 +242,15 @@ impl<'a> Round<'a> {
         if self.cancel.load(Ordering::Relaxed) {
             return Err(self.cancelled());
         }
-        let mut work = Worker::new(self, string, index);
+        let string = indexed.string;
+        let mut work = Worker::new(self, indexed);
         let mut size = Size::default();
         let mut offset = parameters_from;
         let symbols = string.symbols.get(from..).unwrap_or(&[]);
         for (i, (symbol, choice)) in symbols.iter().zip(choices).enumerate() {
-            let arity = string
-                .arity
-                .get(usize::from(*symbol))
-                .map_or(0, |a| usize::from(*a));
-            *choice = work.choose(*symbol, from + i, offset, arity)?;
+            let arity = string.arity(*symbol);
+            let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
+            *choice = work.choose(*symbol, from + i, own)?;
             offset += arity;
             if let Some(rule) = self.rule(*choice) {
                 size.modules += rule.successor.len() as u64;
@@ -265,25 +267,41 @@ impl<'a> Round<'a> {
         Ok(size)
     }
 
-    /// Writes what the chosen productions make of a chunk.
-    fn fill(
+    /// Says when the modules of a successor were born, whose parameters are `written`, in place of a module with the
+    /// parameters `own`, born in the step `birth`.
+    pub(super) fn date(
         &self,
-        string: &ModuleString,
-        index: &ContextIndex,
-        task: Task<'_>,
-    ) -> Result<(), DeriveError> {
+        rule: &Rule,
+        own: &[f64],
+        birth: u32,
+        written: &[f64],
+        births: &mut [u32],
+    ) {
+        if self.births == Births::Inherit {
+            births.fill(birth);
+            return;
+        }
+        births.fill(self.step);
+        let is_same =
+            |(_, first): &&(usize, usize)| written.get(*first..*first + own.len()) == Some(own);
+        let heir = rule.heirs.iter().find(is_same);
+        if let Some(same) = heir.and_then(|(module, _)| births.get_mut(*module)) {
+            *same = birth;
+        }
+    }
+
+    /// Writes what the chosen productions make of a chunk.
+    fn fill(&self, indexed: &Indexed<'_>, task: Task<'_>) -> Result<(), DeriveError> {
         if self.cancel.load(Ordering::Relaxed) {
             return Err(self.cancelled());
         }
-        let mut work = Worker::new(self, string, index);
+        let string = indexed.string;
+        let mut work = Worker::new(self, indexed);
         let mut offset = task.parameters_from;
         let (mut out, mut out_parameter) = (0, 0);
         let old = string.symbols.iter().zip(&string.births).skip(task.from);
         for (i, ((symbol, birth), choice)) in old.zip(task.choices).enumerate() {
-            let arity = string
-                .arity
-                .get(usize::from(*symbol))
-                .map_or(0, |a| usize::from(*a));
+            let arity = string.arity(*symbol);
             let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
             offset += arity;
             let Some(rule) = self.rule(*choice) else {
@@ -310,18 +328,7 @@ impl<'a> Round<'a> {
                 target.copy_from_slice(&rule.successor);
             }
             if let Some(target) = task.births.get_mut(out..out + modules) {
-                let heir = rule
-                    .heirs
-                    .iter()
-                    .find(|(_, first)| written.get(*first..*first + arity) == Some(own));
-                if self.births == Births::Inherit {
-                    target.fill(*birth);
-                } else {
-                    target.fill(self.step);
-                    if let Some(same) = heir.and_then(|(module, _)| target.get_mut(*module)) {
-                        *same = *birth;
-                    }
-                }
+                self.date(rule, own, *birth, written, target);
             }
             out += modules;
             out_parameter += parameters;
@@ -336,10 +343,10 @@ impl<'a> Round<'a> {
     }
 }
 
-/// What one thread needs for a chunk.
-struct Worker<'r, 'a> {
+/// What one thread needs for a stretch of the string.
+pub(super) struct Worker<'r, 'a, M> {
     round: &'r Round<'a>,
-    matcher: Matcher<'r>,
+    pub(super) matcher: Matcher<'r, M>,
     key: PassKey,
     choice_key: PassKey,
     /// Parameters bound by the production that is tried.
@@ -348,12 +355,12 @@ struct Worker<'r, 'a> {
     drawn: Vec<(u16, f64)>,
 }
 
-impl<'r, 'a> Worker<'r, 'a> {
-    fn new(round: &'r Round<'a>, string: &'r ModuleString, index: &'r ContextIndex) -> Self {
+impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
+    pub(super) fn new(round: &'r Round<'a>, modules: &'r M) -> Self {
         let slots = round.rules.rules.iter().map(|r| r.slots).max().unwrap_or(0);
         Self {
             round,
-            matcher: Matcher::new(round.grammar, string, index, round.cancel),
+            matcher: Matcher::new(round.grammar, modules, round.cancel),
             key: PassKey::new(round.grammar.seed, round.stream, round.number),
             choice_key: PassKey::new(
                 round.grammar.seed,
@@ -373,12 +380,11 @@ impl<'r, 'a> Worker<'r, 'a> {
 
     /// The production for a module: its number, or `STAYS`.
     #[inline]
-    fn choose(
+    pub(super) fn choose(
         &mut self,
         symbol: Symbol,
         at: usize,
-        offset: usize,
-        arity: usize,
+        own: &[f64],
     ) -> Result<u16, DeriveError> {
         let round = self.round;
         let Some(candidates) = round.rules.by_symbol.get(usize::from(symbol)) else {
@@ -403,12 +409,6 @@ impl<'r, 'a> Worker<'r, 'a> {
                     break;
                 }
             }
-            let own = self
-                .matcher
-                .string
-                .parameters
-                .get(offset..offset + arity)
-                .unwrap_or(&[]);
             self.bind_own(own);
             if rule.has_context() && !self.matcher.matches(rule, at, &mut self.bound) {
                 if self.matcher.cancelled {
@@ -467,7 +467,7 @@ impl<'r, 'a> Worker<'r, 'a> {
     }
 
     /// Computes the parameters of a successor.
-    fn evaluate(
+    pub(super) fn evaluate(
         &mut self,
         rule: &Rule,
         at: usize,
@@ -503,15 +503,7 @@ fn parameter_starts(string: &ModuleString) -> Vec<usize> {
     let mut starts = Vec::with_capacity(string.len() / CHUNK + 1);
     for chunk in string.symbols.chunks(CHUNK) {
         starts.push(offset);
-        offset += chunk
-            .iter()
-            .map(|s| {
-                string
-                    .arity
-                    .get(usize::from(*s))
-                    .map_or(0, |a| usize::from(*a))
-            })
-            .sum::<usize>();
+        offset += chunk.iter().map(|s| string.arity(*s)).sum::<usize>();
     }
     starts
 }

@@ -68,6 +68,13 @@ impl ModuleString {
         string_bytes(self.symbols.len() as u64, self.parameters.len() as u64)
     }
 
+    /// How many parameters a module of this symbol has.
+    pub(super) fn arity(&self, symbol: Symbol) -> usize {
+        self.arity
+            .get(usize::from(symbol))
+            .map_or(0, |a| usize::from(*a))
+    }
+
     /// The modules in order.
     pub fn iter(&self) -> impl Iterator<Item = Module<'_>> {
         let mut rest = self.parameters.as_slice();
@@ -75,10 +82,7 @@ impl ModuleString {
             .iter()
             .zip(&self.births)
             .map(move |(&symbol, &birth)| {
-                let arity = self
-                    .arity
-                    .get(usize::from(symbol))
-                    .map_or(0, |a| usize::from(*a));
+                let arity = self.arity(symbol);
                 let (parameters, after) = rest.split_at(arity.min(rest.len()));
                 rest = after;
                 Module {

@@ -205,11 +205,6 @@ impl Renderer {
         &self.params
     }
 
-    /// Changes what surrounds the scene.
-    pub fn set_backdrop(&mut self, backdrop: Backdrop) {
-        self.params.backdrop = backdrop;
-    }
-
     /// Takes a tree that was prepared elsewhere; it is shown when it has been copied, some frames later.
     pub fn set_tree(&mut self, upload: TreeUpload) {
         if let Some(old) = self.coming.replace(upload) {

@@ -90,19 +90,7 @@ impl TreeUpload {
         )
     }
 
-    /// The same from segments made elsewhere.
-    ///
-    /// # Errors
-    /// [`RenderError::OutOfMemory`].
-    pub fn from_segments(
-        gpu: &Gpu,
-        segments: &[TubeSegment],
-        revision: u64,
-    ) -> Result<Self, RenderError> {
-        Self::in_chunks(gpu, segments, revision, CHUNK_BYTES)
-    }
-
-    /// The same in chunks of at most so many bytes (and no more than the device allows).
+    /// The same from segments made elsewhere, in chunks of at most so many bytes (and no more than the device allows).
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`].

@@ -10,7 +10,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::{BOUNDS, Letter, NodeRef, Predictor, Sketch, SketchError};
+use super::{BOUNDS, Letter, Predictor, Sketch, SketchError};
 use crate::{
     lsystem::{Grammar, Limits, ModuleString, TurtleParams, interpret},
     tree::{
@@ -97,16 +97,6 @@ impl Grower {
         }
     }
 
-    /// How many times a string would be rewritten to grow this: none or one where the kept string serves.
-    #[must_use]
-    pub fn steps_to_derive(&self, sketch: &Sketch, step: u32) -> u32 {
-        let rewrites = step.saturating_sub(1);
-        match rewrites.checked_sub(self.rewrites) {
-            Some(more) if !self.rules.is_empty() && self.rules == sketch.rules_text() => more,
-            _ => rewrites,
-        }
-    }
-
     /// Grows a sketch to a step.
     ///
     /// # Errors
@@ -167,18 +157,19 @@ impl Grower {
         cancel: &AtomicBool,
     ) -> Result<(), SketchError> {
         // The same rules give the same symbols, whatever the shapes are.
-        if self.rules != rules || self.rewrites > rewrites {
-            self.string = grammar.derive(rewrites, limits, cancel).map_err(refused)?;
-            self.rules = rules;
-            self.rewrites = rewrites;
+        let same_rules = self.rules == rules;
+        if same_rules && self.rewrites == rewrites {
+            return Ok(());
         }
-        while self.rewrites < rewrites {
-            let next = self.rewrites + 1;
-            self.string = grammar
-                .derive_next(&self.string, next, limits, cancel)
-                .map_err(refused)?;
-            self.rewrites = next;
+        self.string = if same_rules && self.rewrites + 1 == rewrites {
+            grammar.derive_next(&self.string, rewrites, limits, cancel)
+        } else {
+            // From the axiom: in proportion to what grows, however many steps it takes.
+            grammar.derive(rewrites, limits, cancel)
         }
+        .map_err(refused)?;
+        self.rules = rules;
+        self.rewrites = rewrites;
         Ok(())
     }
 }
@@ -225,42 +216,4 @@ fn root_alone(sketch: &Sketch, step: u32) -> Grown {
         newest: step,
         modules: 0,
     }
-}
-
-/// The sketch's node that each node of a grown tree repeats, for marks: on the line of a letter the
-/// segments count up from 0 and wrap at the stroke's end. The root repeats the sketch's root.
-#[must_use]
-pub fn sketch_nodes(sketch: &Sketch, tree: &Tree) -> Vec<NodeRef> {
-    let strokes: Vec<Option<(Letter, u32)>> = tree
-        .letters
-        .iter()
-        .map(|name| {
-            let letter = name.parse().ok()?;
-            Some((letter, sketch.stroke(letter)?.segments().max(1)))
-        })
-        .collect();
-    // The segment's number on its line, not yet wrapped.
-    let mut number = vec![0_u32; tree.parent.len()];
-    let mut nodes = Vec::with_capacity(tree.parent.len());
-    for (index, &parent) in tree.parent.iter().enumerate() {
-        let stroke = tree
-            .letter
-            .get(index)
-            .and_then(|&letter| *strokes.get(usize::from(letter))?);
-        let (Some((letter, length)), true) = (stroke, parent != NO_PARENT) else {
-            nodes.push(NodeRef::ROOT);
-            continue;
-        };
-        let parent = parent as usize;
-        let same_line = tree.parent.get(parent).is_some_and(|&up| up != NO_PARENT)
-            && tree.order.get(parent) == tree.order.get(index);
-        let here = if same_line {
-            number.get(parent).map_or(0, |n| n.saturating_add(1))
-        } else {
-            0
-        };
-        number[index] = here;
-        nodes.push(NodeRef::new(letter, here % length + 1));
-    }
-    nodes
 }

@@ -25,22 +25,13 @@ pub mod letter;
 pub mod predict;
 pub mod quantize;
 
-pub use grow::{GROW, GrowParams, Grower, Grown, MAX_SEGMENTS, grow, sketch_nodes};
+pub use grow::{GROW, GrowParams, Grower, Grown, MAX_SEGMENTS, grow};
 pub use letter::{Letter, UnknownLetter};
-pub use predict::{Predictor, predict_segments, predict_segments_within};
+pub use predict::{Predictor, predict_segments_within};
 pub use quantize::{angle_deg, coordinate, point};
 
 /// The golden angle 180°·(3 − √5), in whole thousandths of a degree: the default divergence.
 pub const GOLDEN_DEG: f64 = 137.508;
-
-/// Divergence angles with a name, in degrees: one leaf a node, and the angle to the next.
-pub const PHYLLOTAXIS: [(&str, f64); 5] = [
-    ("golden", GOLDEN_DEG),
-    ("alternate", 180.0),
-    ("three-ranked", 120.0),
-    ("five-ranked", 144.0),
-    ("crossed", 90.0),
-];
 
 /// What a sketch may hold; beyond it a change is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -21,15 +21,8 @@ use super::{BOUNDS, Letter, NodeRef, SelfSimilar, Sketch};
 /// The horizons tried in turn: each multiplies the age by this, from this on.
 const HORIZON_FACTOR: u32 = 16;
 
-/// The exact number of segments of `sketch` at growth step `step`, [`u64::MAX`] where it is that
-/// large or larger. Steps beyond [`BOUNDS`] count as the last one. It may take seconds: a frame
-/// asks [`predict_segments_within`].
-#[must_use]
-pub fn predict_segments(sketch: &Sketch, step: u32) -> u64 {
-    predict_segments_within(sketch, step, u64::MAX - 1).unwrap_or(u64::MAX)
-}
-
-/// The exact number of segments where it is no more than `most`; the effort is bounded by `most`, too.
+/// The exact number of segments of `sketch` at growth step `step` where it is no more than `most`; the effort is
+/// bounded by `most`, too. Steps beyond [`BOUNDS`] count as the last one.
 #[must_use]
 pub fn predict_segments_within(sketch: &Sketch, step: u32, most: u64) -> Option<u64> {
     let Some(age) = step.min(BOUNDS.step).checked_sub(1) else {
@@ -241,6 +234,11 @@ mod tests {
     use crate::sketch::Stroke;
     use glam::Vec3;
 
+    /// However many there are.
+    fn predicted(sketch: &Sketch, step: u32) -> u64 {
+        predict_segments_within(sketch, step, u64::MAX - 1).unwrap()
+    }
+
     fn one_branch(n: u32) -> Sketch {
         let mut sketch = Sketch::default();
         for y in 1..=n + 1 {
@@ -261,14 +259,14 @@ mod tests {
     fn counts_of_the_thesis() {
         let counts = |n: u32, from: u32| -> Vec<u64> {
             (from..from + 7)
-                .map(|w| predict_segments(&one_branch(n), w + 1))
+                .map(|w| predicted(&one_branch(n), w + 1))
                 .collect()
         };
         assert_eq!(counts(1, 0), [1, 2, 4, 7, 12, 20, 33], "n = 1, from w0");
         assert_eq!(counts(2, 3), [5, 7, 10, 14, 19, 26, 35], "n = 2, from w3");
-        assert_eq!(predict_segments(&one_branch(3), 11), 26, "n = 3 at w10");
-        assert_eq!(predict_segments(&one_branch(3), 0), 0, "the root alone");
-        assert_eq!(predict_segments(&Sketch::default(), 9), 0, "nothing drawn");
+        assert_eq!(predicted(&one_branch(3), 11), 26, "n = 3 at w10");
+        assert_eq!(predicted(&one_branch(3), 0), 0, "the root alone");
+        assert_eq!(predicted(&Sketch::default(), 9), 0, "nothing drawn");
     }
 
     #[test]
@@ -278,16 +276,12 @@ mod tests {
             .unwrap();
         for step in [16, 17, 18, 255, 256, 257, 300, 10_000] {
             let exact = count_at(&branches(&sketch), step - 1, u64::MAX - 1);
-            assert_eq!(Some(predict_segments(&sketch, step)), exact, "step {step}");
+            assert_eq!(Some(predicted(&sketch, step)), exact, "step {step}");
         }
         // Without copies in copies: a line and a triangle of branches.
         let (a, n) = (9_999_u64, 2);
         let branches: u64 = (1..=(a - 1) / n).map(|k| a - k * n).sum();
-        assert_eq!(
-            predict_segments(&sketch, 10_000),
-            a + 1 + branches,
-            "closed form"
-        );
+        assert_eq!(predicted(&sketch, 10_000), a + 1 + branches, "closed form");
     }
 
     /// The recurrence as it is written, each count on its own.
@@ -354,7 +348,7 @@ mod tests {
             for step in 1..22 {
                 let expected = slow(&sketch, 0, 0, i64::from(step) - 1);
                 assert_eq!(
-                    predict_segments(&sketch, step),
+                    predicted(&sketch, step),
                     expected,
                     "{rates:?} {limits:?} at {step}"
                 );

@@ -160,19 +160,19 @@ fn drawing_deleting_and_clearing() {
         for edit in more {
             history.apply(edit).unwrap();
         }
-        assert_eq!(drawn(history.document()), expected, "{what}");
-        assert_eq!(history.document().selected, selected, "{what}");
-        history.document().validate().unwrap();
+        assert_eq!(drawn(history.committed()), expected, "{what}");
+        assert_eq!(history.committed().selected, selected, "{what}");
+        history.committed().validate().unwrap();
     }
 }
 
 #[test]
 fn a_moved_node_takes_its_branches_along_and_nothing_else() {
     let mut history = apply_all(&example());
-    let before = history.document().clone();
+    let before = history.committed().clone();
     let to = Vec3::new(0.05, 0.22, -0.03);
     history.apply(Edit::MoveNode { at: a(2), to }).unwrap();
-    let after = history.document();
+    let after = history.committed();
     let shift = to - before.sketch.position(a(2)).unwrap();
     for ((node, old), (_, new)) in before.sketch.nodes().zip(after.sketch.nodes()) {
         let expected = match (node.letter == Letter::TRUNK, node.node) {
@@ -333,11 +333,11 @@ fn edits_that_would_break_the_document_are_refused() {
     ];
     for (edit, reason) in table {
         let mut history = apply_all(&example());
-        let before = history.document().clone();
+        let before = history.committed().clone();
         history.take_log();
         let message = history.apply(edit.clone()).unwrap_err().to_string();
         assert!(message.contains(reason), "{edit:?}: {message}");
-        assert_eq!(*history.document(), before, "{edit:?}");
+        assert_eq!(*history.committed(), before, "{edit:?}");
         assert!(history.take_log().is_empty(), "{edit:?}");
     }
     let mut history = apply_all(&example());
@@ -384,18 +384,18 @@ fn numbers_lie_on_the_grid() {
         to: Vec3::new(0.000_04, 0.123_456, -0.000_04),
     }]);
     assert_eq!(
-        history.document().sketch.strokes[0].points,
+        history.committed().sketch.strokes[0].points,
         [Vec3::new(0.0, 0.1235, 0.0)]
     );
     history
         .apply(Edit::SetDivergence { degrees: -90.000_4 })
         .unwrap();
-    assert_eq!(history.document().sketch.divergence_deg, 270.0);
+    assert_eq!(history.committed().sketch.divergence_deg, 270.0);
     history
         .apply(Edit::SetDivergence { degrees: 359.9999 })
         .unwrap();
     assert_eq!(
-        history.document().sketch.divergence_deg,
+        history.committed().sketch.divergence_deg,
         0.0,
         "rounded before the turn is taken off"
     );
@@ -409,45 +409,20 @@ fn numbers_lie_on_the_grid() {
 }
 
 #[test]
-fn a_preview_is_seen_and_leaves_no_trace() {
+fn an_edit_that_changes_nothing_is_none() {
     let mut history = apply_all(&example());
     history.undo();
-    let before = history.document().clone();
     history.take_log();
-    history
-        .preview(&Edit::SetDivergence { degrees: 90.0 })
-        .unwrap();
-    history
-        .preview(&Edit::SetDivergence { degrees: 100.0 })
-        .unwrap();
-    assert_eq!(history.document().sketch.divergence_deg, 100.0);
-    assert_eq!(*history.committed(), before);
+    let (undone, redo) = (history.undo_count(), history.redo_count());
+    let degrees = history.committed().sketch.divergence_deg;
+    history.apply(Edit::SetDivergence { degrees }).unwrap();
     assert!(
         history
-            .preview(&Edit::SetDivergence { degrees: f64::NAN })
+            .apply(Edit::SetDivergence { degrees: f64::NAN })
             .is_err()
     );
-    assert_eq!(
-        history.document().sketch.divergence_deg,
-        100.0,
-        "the last good one stays"
-    );
-    assert_eq!(history.redo_count(), 1, "a preview takes no redo away");
-    history.end_preview();
-    assert_eq!(*history.document(), before);
-    assert!(history.take_log().is_empty());
-    let undone = history.undo_count();
-    history
-        .apply(Edit::SetDivergence {
-            degrees: before.sketch.divergence_deg,
-        })
-        .unwrap();
-    assert_eq!(
-        history.undo_count(),
-        undone,
-        "an edit that changes nothing is none"
-    );
-    assert_eq!(history.redo_count(), 1);
+    assert_eq!((history.undo_count(), history.redo_count()), (undone, redo));
+    assert!(redo > 0 && history.take_log().is_empty());
 }
 
 fn place() -> impl Strategy<Value = Vec3> {
@@ -492,7 +467,6 @@ fn edit() -> impl Strategy<Value = Edit> {
 #[derive(Clone, Debug)]
 enum Event {
     Apply(Edit),
-    Preview(Edit),
     Undo,
     Redo,
 }
@@ -500,7 +474,6 @@ enum Event {
 fn event() -> impl Strategy<Value = Event> {
     prop_oneof![
         8 => edit().prop_map(Event::Apply),
-        1 => edit().prop_map(Event::Preview),
         2 => Just(Event::Undo),
         1 => Just(Event::Redo),
     ]
@@ -509,7 +482,6 @@ fn event() -> impl Strategy<Value = Event> {
 fn play(history: &mut History, event: &Event) -> bool {
     match event {
         Event::Apply(edit) => history.apply(edit.clone()).is_ok(),
-        Event::Preview(edit) => history.preview(edit).is_ok(),
         Event::Undo => history.undo(),
         Event::Redo => history.redo(),
     }
@@ -524,22 +496,21 @@ proptest! {
         for event in &events {
             let before = history.committed().clone();
             let done = play(&mut history, event);
-            history.document().validate().unwrap();
-            if !done || matches!(event, Event::Preview(_)) {
-                prop_assert_eq!(history.committed(), &before, "refused and previewed change nothing");
+            history.committed().validate().unwrap();
+            if !done {
+                prop_assert_eq!(history.committed(), &before, "what is refused changes nothing");
             }
         }
-        history.end_preview();
-        let end = history.document().clone();
+        let end = history.committed().clone();
         let mut undone = 0;
         while history.undo() {
             undone += 1;
         }
-        prop_assert_eq!(history.document(), &Document::default(), "undo to the start is the start");
+        prop_assert_eq!(history.committed(), &Document::default(), "undo to the start is the start");
         for _ in 0..undone {
             prop_assert!(history.redo());
         }
-        prop_assert_eq!(history.document(), &end, "redo again is the end");
+        prop_assert_eq!(history.committed(), &end, "redo again is the end");
     }
 
     #[test]
@@ -547,9 +518,8 @@ proptest! {
         let mut history = History::default();
         let cut = cut.min(events.len());
         events[..cut].iter().for_each(|event| { play(&mut history, event); });
-        history.end_preview();
 
-        let base = history.document().clone(); // a session starts here, with nothing to undo
+        let base = history.committed().clone(); // a session starts here, with nothing to undo
         let bytes = project::to_bytes(&base);
         let read = project::from_bytes(&bytes).unwrap();
         prop_assert_eq!(&read, &base, "{}", String::from_utf8_lossy(&bytes));
@@ -561,15 +531,14 @@ proptest! {
             play(&mut history, event);
             history.take_log().iter().for_each(|action| text.push_str(&journal.line(action)));
         }
-        history.end_preview();
         let decoded = journal::decode(text.as_bytes()).unwrap();
         prop_assert_eq!(decoded.damage, None);
         prop_assert_eq!(decoded.whole_bytes, text.len());
         prop_assert_eq!(&decoded.journal, &journal, "ready to go on");
         prop_assert_eq!(&decoded.project, &read);
-        let mut recovered = journal::replay(&read, &decoded).unwrap();
+        let mut recovered = journal::recover(&decoded);
         prop_assert_eq!(recovered.message, None);
-        prop_assert_eq!(project::to_bytes(recovered.history.document()), project::to_bytes(history.document()));
+        prop_assert_eq!(project::to_bytes(recovered.history.committed()), project::to_bytes(history.committed()));
         prop_assert_eq!(recovered.history.undo_count(), history.undo_count());
         prop_assert_eq!(recovered.history.redo_count(), history.redo_count());
         prop_assert!(recovered.history.take_log().is_empty());
@@ -586,7 +555,7 @@ fn a_long_history_is_cheap() {
     for step in 1..=1000 {
         history.apply(Edit::SetStep { step }).unwrap();
     }
-    let sketch = std::sync::Arc::clone(&history.document().sketch);
+    let sketch = std::sync::Arc::clone(&history.committed().sketch);
     assert_eq!(
         std::sync::Arc::strong_count(&sketch),
         1002,

@@ -226,20 +226,10 @@ mod tests {
     use super::*;
 
     fn resting() -> HandInput {
-        let pose = Pose {
+        HandInput::at(Pose {
             orientation: Quat::IDENTITY,
             position: Vec3::new(0.2, 1.0, -0.3),
-        };
-        HandInput {
-            tracked: true,
-            aim: pose,
-            grip: pose,
-            trigger: 0.0,
-            squeeze: 0.0,
-            stick: Vec2::ZERO,
-            lower: false,
-            upper: false,
-        }
+        })
     }
 
     #[test]

@@ -30,7 +30,6 @@ pub struct History {
     present: Arc<Document>,
     /// The next one to redo is the last.
     future: Vec<Arc<Document>>,
-    preview: Option<Arc<Document>>,
     log: Vec<Action>,
 }
 
@@ -48,29 +47,21 @@ impl History {
             past: Vec::new(),
             present: Arc::new(document),
             future: Vec::new(),
-            preview: None,
             log: Vec::new(),
         }
     }
 
-    /// The document as it is to be seen: with the edit in [`Self::preview`], where there is one.
-    #[must_use]
-    pub fn document(&self) -> &Document {
-        self.preview.as_deref().unwrap_or(&self.present)
-    }
-
-    /// The document as it is to be saved, without any preview.
+    /// The document as it is to be saved: without what hands are still holding, which the tools show.
     #[must_use]
     pub fn committed(&self) -> &Document {
         &self.present
     }
 
-    /// Applies an edit, which ends any preview. One that changes nothing is not recorded.
+    /// Applies an edit. One that changes nothing is not recorded.
     ///
     /// # Errors
-    /// Where the edit is refused: nothing changes then but the preview's end.
+    /// Where the edit is refused: nothing changes then.
     pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
-        self.preview = None;
         let edit = edit.quantized();
         let next = self.present.after(&edit)?;
         if next == *self.present {
@@ -83,25 +74,8 @@ impl History {
         Ok(())
     }
 
-    /// Shows the document as if `edit` had been applied, without recording it: for what follows the
-    /// hand (a node, the lever, the platform) until it is let go and applied. Each preview starts from
-    /// the committed document.
-    ///
-    /// # Errors
-    /// Where the edit is refused; the last preview stays.
-    pub fn preview(&mut self, edit: &Edit) -> Result<(), EditError> {
-        self.preview = Some(Arc::new(self.present.after(edit)?));
-        Ok(())
-    }
-
-    /// Ends the preview; the committed document is seen again.
-    pub fn end_preview(&mut self) {
-        self.preview = None;
-    }
-
     /// Undoes the last edit. False: there is none.
     pub fn undo(&mut self) -> bool {
-        self.preview = None;
         let Some(document) = self.past.pop() else {
             return false;
         };
@@ -113,7 +87,6 @@ impl History {
 
     /// Redoes the last edit undone. False: there is none.
     pub fn redo(&mut self) -> bool {
-        self.preview = None;
         let Some(document) = self.future.pop() else {
             return false;
         };

@@ -32,6 +32,23 @@ pub struct HandInput {
     pub upper: bool,
 }
 
+impl HandInput {
+    /// A tracked controller at a place, with nothing pressed: where every script of a hand begins.
+    #[must_use]
+    pub const fn at(pose: Pose) -> Self {
+        Self {
+            tracked: true,
+            aim: pose,
+            grip: pose,
+            trigger: 0.0,
+            squeeze: 0.0,
+            stick: Vec2::ZERO,
+            lower: false,
+            upper: false,
+        }
+    }
+}
+
 /// Everything the world is told in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {

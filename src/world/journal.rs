@@ -50,11 +50,6 @@ pub enum JournalError {
     /// Of a later program.
     #[error("this journal has format version {0}, and Ramus {ours} reads version {VERSION}: recover it with the program that wrote it", ours = env!("CARGO_PKG_VERSION"))]
     Version(u64),
-    /// The actions belong to another document.
-    #[error(
-        "this journal belongs to another project, or to another state of this one: open that one to recover it"
-    )]
-    OtherBase,
 }
 
 /// What every version's header has.
@@ -129,8 +124,6 @@ impl Journal {
 /// A journal that was read as far as it is whole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decoded {
-    /// Hash of the project that the actions start from.
-    pub base: u64,
     /// The project that the actions start from.
     pub project: Document,
     /// The actions, in order.
@@ -179,16 +172,12 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, JournalError> {
         .next()
         .filter(|line| line.ends_with(b"\n"))
         .ok_or(JournalError::Empty)?;
-    let (base, project) = read_header(first)?;
+    let (journal, project) = read_header(first)?;
     let mut decoded = Decoded {
-        base,
         project,
         actions: Vec::new(),
         whole_bytes: first.len(),
-        journal: Journal {
-            next: 1,
-            chain: base,
-        },
+        journal,
         damage: None,
     };
     while let Some(line) = lines.next() {
@@ -221,7 +210,8 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, JournalError> {
     Ok(decoded)
 }
 
-fn read_header(line: &[u8]) -> Result<(u64, Document), JournalError> {
+/// The project in the header, and the writer that goes on behind it.
+fn read_header(line: &[u8]) -> Result<(Journal, Document), JournalError> {
     let head: Head = serde_json::from_slice(line).map_err(|_| JournalError::NotAJournal)?;
     if head.format != FORMAT {
         return Err(JournalError::NotAJournal);
@@ -237,7 +227,7 @@ fn read_header(line: &[u8]) -> Result<(u64, Document), JournalError> {
     if again.as_bytes() != line {
         return Err(JournalError::NotAJournal);
     }
-    Ok((journal.chain, project))
+    Ok((journal, project))
 }
 
 /// What a journal brought back.
@@ -275,23 +265,6 @@ pub fn recover(decoded: &Decoded) -> Recovered {
         actions,
         message,
     }
-}
-
-/// [`recover`], where the journal must start from `base`.
-///
-/// # Errors
-/// Where `base` is not the project that the journal starts from.
-pub fn replay(base: &Document, decoded: &Decoded) -> Result<Recovered, JournalError> {
-    if base_hash(base) != decoded.base {
-        return Err(JournalError::OtherBase);
-    }
-    Ok(recover(decoded))
-}
-
-/// The hash by which a journal names the project it starts from.
-#[must_use]
-pub fn base_hash(document: &Document) -> u64 {
-    fnv1a64(FNV_OFFSET, &project::to_bytes(document))
 }
 
 const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;

@@ -1,11 +1,10 @@
 //! A headset that plays a script on the real runtime: frames to show, things to do, states to wait for.
 
-use ash::vk;
 use ramus_monado::{
     feed::arrived,
     remote::{Packet, Remote},
 };
-use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Pulse, Swapchain, Tick, View};
+use ramus_xr::{Frame, Headset, HeadsetError, Tick};
 
 /// Most frames of the device until a beat must be over: half a minute on the null compositor.
 const PATIENCE: usize = 600;
@@ -77,17 +76,7 @@ impl<'a, H: Headset> Robbed<'a, H> {
 }
 
 impl<H: Headset> Headset for Robbed<'_, H> {
-    fn describe(&self) -> String {
-        self.inner.describe()
-    }
-
-    fn extent(&self) -> vk::Extent2D {
-        self.inner.extent()
-    }
-
-    fn swapchain(&self) -> Option<&Swapchain> {
-        self.inner.swapchain()
-    }
+    ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, request_exit);
 
     fn wait(&mut self) -> Result<Tick, HeadsetError> {
         loop {
@@ -118,25 +107,5 @@ impl<H: Headset> Headset for Robbed<'_, H> {
                 }
             }
         }
-    }
-
-    fn begin(&mut self) -> Result<Option<Acquired>, HeadsetError> {
-        self.inner.begin()
-    }
-
-    fn views(&mut self) -> Result<[View; 2], HeadsetError> {
-        self.inner.views()
-    }
-
-    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
-        self.inner.end(rendered)
-    }
-
-    fn vibrate(&mut self, pulse: Pulse) {
-        self.inner.vibrate(pulse);
-    }
-
-    fn request_exit(&mut self) {
-        self.inner.request_exit();
     }
 }

@@ -2,11 +2,10 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use ash::vk;
 use glam::Vec3;
 use image::RgbaImage;
 use ramus::app::{picture::Picture, portrait, session::Watcher, workshop::Workshop};
-use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Pulse, Swapchain, Tick, View};
+use ramus_xr::{Acquired, Frame, Headset, HeadsetError, View};
 
 /// The views that were drawn last.
 pub(crate) type Views = Rc<RefCell<Option<[View; 2]>>>;
@@ -27,42 +26,12 @@ impl<H: Headset> Seen<H> {
 }
 
 impl<H: Headset> Headset for Seen<H> {
-    fn describe(&self) -> String {
-        self.inner.describe()
-    }
-
-    fn extent(&self) -> vk::Extent2D {
-        self.inner.extent()
-    }
-
-    fn swapchain(&self) -> Option<&Swapchain> {
-        self.inner.swapchain()
-    }
-
-    fn wait(&mut self) -> Result<Tick, HeadsetError> {
-        self.inner.wait()
-    }
-
-    fn begin(&mut self) -> Result<Option<Acquired>, HeadsetError> {
-        self.inner.begin()
-    }
+    ramus_xr::forward_headset!(inner: describe, extent, swapchain, wait, begin, end, vibrate, request_exit);
 
     fn views(&mut self) -> Result<[View; 2], HeadsetError> {
         let views = self.inner.views()?;
         self.views.replace(Some(views));
         Ok(views)
-    }
-
-    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
-        self.inner.end(rendered)
-    }
-
-    fn vibrate(&mut self, pulse: Pulse) {
-        self.inner.vibrate(pulse);
-    }
-
-    fn request_exit(&mut self) {
-        self.inner.request_exit();
     }
 }
 

@@ -10,7 +10,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{Quat, Vec3};
 use ramus::{
     sketch::{self, Letter, NodeRef},
     world::{
@@ -48,20 +48,10 @@ pub struct Person {
 
 pub fn resting(hand: usize) -> HandInput {
     let x = if hand == LEFT { -0.25 } else { 0.25 };
-    let pose = Pose {
+    HandInput::at(Pose {
         orientation: Quat::IDENTITY,
         position: Vec3::new(x, 0.4, 0.3),
-    };
-    HandInput {
-        tracked: true,
-        aim: pose,
-        grip: pose,
-        trigger: 0.0,
-        squeeze: 0.0,
-        stick: Vec2::ZERO,
-        lower: false,
-        upper: false,
-    }
+    })
 }
 
 pub fn start() -> Input {

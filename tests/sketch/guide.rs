@@ -48,7 +48,7 @@ fn the_guide_shows_what_is_written() {
     // The same sketch as a project, and how it was drawn as a journal.
     let (history, journal) = guide_session();
     let page = include_str!("../../docs/src/project-file.md");
-    let project = String::from_utf8(project::to_bytes(history.document())).unwrap();
+    let project = String::from_utf8(project::to_bytes(history.committed())).unwrap();
     assert!(
         page.contains(&project),
         "docs/src/project-file.md must show this project:\n{project}"
@@ -62,7 +62,7 @@ fn the_guide_shows_what_is_written() {
 /// A trunk and a branch, drawn as a person draws them.
 fn guide_session() -> (History, String) {
     let mut history = History::default();
-    let (mut journal, mut text) = Journal::begin(history.document());
+    let (mut journal, mut text) = Journal::begin(history.committed());
     let edits = [
         Edit::AddStroke {
             to: vec![Vec3::Y * 0.15, Vec3::Y * 0.3],

@@ -78,6 +78,79 @@ pub trait Headset {
     fn request_exit(&mut self);
 }
 
+/// Writes those methods of [`Headset`] that a headset around a headset leaves to the one inside, which is its field
+/// `$inner`. What it does itself stands beside them:
+///
+/// ```
+/// use ramus_xr::{Frame, Headset, HeadsetError, Tick};
+///
+/// struct Counted<H> {
+///     inner: H,
+///     frames: usize,
+/// }
+///
+/// impl<H: Headset> Headset for Counted<H> {
+///     ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, request_exit);
+///
+///     fn wait(&mut self) -> Result<Tick, HeadsetError> {
+///         let tick = self.inner.wait()?;
+///         self.frames += usize::from(matches!(tick, Tick::Frame(_)));
+///         Ok(tick)
+///     }
+/// }
+/// ```
+#[macro_export]
+macro_rules! forward_headset {
+    (@ $inner:ident describe) => {
+        fn describe(&self) -> String {
+            $crate::Headset::describe(&self.$inner)
+        }
+    };
+    (@ $inner:ident extent) => {
+        fn extent(&self) -> $crate::ash::vk::Extent2D {
+            $crate::Headset::extent(&self.$inner)
+        }
+    };
+    (@ $inner:ident swapchain) => {
+        fn swapchain(&self) -> Option<&$crate::Swapchain> {
+            $crate::Headset::swapchain(&self.$inner)
+        }
+    };
+    (@ $inner:ident wait) => {
+        fn wait(&mut self) -> Result<$crate::Tick, $crate::HeadsetError> {
+            $crate::Headset::wait(&mut self.$inner)
+        }
+    };
+    (@ $inner:ident begin) => {
+        fn begin(&mut self) -> Result<Option<$crate::Acquired>, $crate::HeadsetError> {
+            $crate::Headset::begin(&mut self.$inner)
+        }
+    };
+    (@ $inner:ident views) => {
+        fn views(&mut self) -> Result<[$crate::View; 2], $crate::HeadsetError> {
+            $crate::Headset::views(&mut self.$inner)
+        }
+    };
+    (@ $inner:ident end) => {
+        fn end(&mut self, rendered: bool) -> Result<(), $crate::HeadsetError> {
+            $crate::Headset::end(&mut self.$inner, rendered)
+        }
+    };
+    (@ $inner:ident vibrate) => {
+        fn vibrate(&mut self, pulse: $crate::Pulse) {
+            $crate::Headset::vibrate(&mut self.$inner, pulse);
+        }
+    };
+    (@ $inner:ident request_exit) => {
+        fn request_exit(&mut self) {
+            $crate::Headset::request_exit(&mut self.$inner);
+        }
+    };
+    ($inner:ident: $($method:ident),+) => {
+        $($crate::forward_headset!(@ $inner $method);)+
+    };
+}
+
 /// A headset that is chosen while the program runs can be recorded and played as any other.
 impl<H: Headset + ?Sized> Headset for Box<H> {
     fn describe(&self) -> String {

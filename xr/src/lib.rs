@@ -14,6 +14,9 @@ pub mod session;
 pub mod simulated;
 pub mod vulkan;
 
+/// For [`forward_headset`], whose users need not name it.
+#[doc(hidden)]
+pub use ash;
 pub use frame::{Fov, Frame, Hand, Pose, Pulse, View};
 pub use headset::{Acquired, Headset, HeadsetError, Tick};
 pub use vulkan::Swapchain;

@@ -7,12 +7,9 @@
 
 use std::io::Write;
 
-use ash::vk;
-
-use crate::frame::{Frame, Hand, Pulse, View};
-use crate::headset::{Acquired, Headset, HeadsetError, Tick};
+use crate::frame::{Frame, Hand, View};
+use crate::headset::{Headset, HeadsetError, Tick};
 use crate::session::{SessionError, SessionWriter};
-use crate::vulkan::Swapchain;
 
 /// Writes the session of the headset inside.
 ///
@@ -75,16 +72,10 @@ impl<H: Headset, W: Write> Recorder<H, W> {
 }
 
 impl<H: Headset, W: Write> Headset for Recorder<H, W> {
+    crate::forward_headset!(inner: extent, swapchain, begin, vibrate, request_exit);
+
     fn describe(&self) -> String {
         format!("{}, recording", self.inner.describe())
-    }
-
-    fn extent(&self) -> vk::Extent2D {
-        self.inner.extent()
-    }
-
-    fn swapchain(&self) -> Option<&Swapchain> {
-        self.inner.swapchain()
     }
 
     fn wait(&mut self) -> Result<Tick, HeadsetError> {
@@ -94,10 +85,6 @@ impl<H: Headset, W: Write> Headset for Recorder<H, W> {
             self.pending = Some(frame);
         }
         Ok(tick)
-    }
-
-    fn begin(&mut self) -> Result<Option<Acquired>, HeadsetError> {
-        self.inner.begin()
     }
 
     fn views(&mut self) -> Result<[View; 2], HeadsetError> {
@@ -112,14 +99,6 @@ impl<H: Headset, W: Write> Headset for Recorder<H, W> {
         self.inner.end(rendered)?;
         self.flush();
         Ok(())
-    }
-
-    fn vibrate(&mut self, pulse: Pulse) {
-        self.inner.vibrate(pulse);
-    }
-
-    fn request_exit(&mut self) {
-        self.inner.request_exit();
     }
 }
 
@@ -164,16 +143,10 @@ impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Player<H, I> {
 }
 
 impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Headset for Player<H, I> {
+    crate::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, request_exit);
+
     fn describe(&self) -> String {
         format!("{}, playing a session", self.inner.describe())
-    }
-
-    fn extent(&self) -> vk::Extent2D {
-        self.inner.extent()
-    }
-
-    fn swapchain(&self) -> Option<&Swapchain> {
-        self.inner.swapchain()
     }
 
     fn wait(&mut self) -> Result<Tick, HeadsetError> {
@@ -208,26 +181,6 @@ impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Headset for Pl
             ..recorded
         }))
     }
-
-    fn begin(&mut self) -> Result<Option<Acquired>, HeadsetError> {
-        self.inner.begin()
-    }
-
-    fn views(&mut self) -> Result<[View; 2], HeadsetError> {
-        self.inner.views()
-    }
-
-    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
-        self.inner.end(rendered)
-    }
-
-    fn vibrate(&mut self, pulse: Pulse) {
-        self.inner.vibrate(pulse);
-    }
-
-    fn request_exit(&mut self) {
-        self.inner.request_exit();
-    }
 }
 
 #[cfg(test)]
@@ -240,6 +193,7 @@ mod tests {
 
     use std::io;
 
+    use ash::vk;
     use glam::Vec3;
 
     use super::*;

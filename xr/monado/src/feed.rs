@@ -6,8 +6,7 @@
 //! whatever the runtime's rate and however long a packet takes. Frames that come too early (the driver copies packets
 //! without a lock, so they can even be half old) are ended empty and never shown to the application.
 
-use ash::vk;
-use ramus_xr::{Acquired, Frame, Hand, Headset, HeadsetError, Pose, Pulse, Swapchain, Tick, View};
+use ramus_xr::{Frame, Hand, Headset, HeadsetError, Pose, Tick};
 
 use crate::remote::{Packet, Remote};
 
@@ -77,16 +76,10 @@ pub fn arrived(seen: &Frame, sent: &Frame) -> bool {
 }
 
 impl<H: Headset, I: Iterator<Item = Frame>> Headset for Fed<H, I> {
+    ramus_xr::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, request_exit);
+
     fn describe(&self) -> String {
         format!("{}, fed by the remote driver", self.inner.describe())
-    }
-
-    fn extent(&self) -> vk::Extent2D {
-        self.inner.extent()
-    }
-
-    fn swapchain(&self) -> Option<&Swapchain> {
-        self.inner.swapchain()
     }
 
     fn wait(&mut self) -> Result<Tick, HeadsetError> {
@@ -128,25 +121,5 @@ impl<H: Headset, I: Iterator<Item = Frame>> Headset for Fed<H, I> {
             "what was sent for the frame at {} s never arrived",
             sent.time
         )))
-    }
-
-    fn begin(&mut self) -> Result<Option<Acquired>, HeadsetError> {
-        self.inner.begin()
-    }
-
-    fn views(&mut self) -> Result<[View; 2], HeadsetError> {
-        self.inner.views()
-    }
-
-    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
-        self.inner.end(rendered)
-    }
-
-    fn vibrate(&mut self, pulse: Pulse) {
-        self.inner.vibrate(pulse);
-    }
-
-    fn request_exit(&mut self) {
-        self.inner.request_exit();
     }
 }

@@ -3,6 +3,7 @@
 //!
 //! - [`remote`] moves its headset and controllers, and [`feed`] plays a whole session through it.
 //! - [`stage`] brings a test to where Monado is: the test runs again inside `enter.sh`.
+//! - [`rival`] is another program that takes the focus.
 //! - [`service`] starts, ends and kills the runtime and says how a program finds it.
 //! - [`verdict`] reads outputs for what the runtime and the validation layers found wrong.
 //!
@@ -14,6 +15,7 @@
 
 pub mod feed;
 pub mod remote;
+pub mod rival;
 pub mod service;
 pub mod stage;
 pub mod verdict;

@@ -209,6 +209,19 @@ impl Service {
         command
     }
 
+    /// Gives the runtime an order by its own tool, or asks for its clients with none; gives what it says.
+    ///
+    /// # Errors
+    /// Where the tool cannot be started.
+    pub fn control(&self, arguments: &[&str]) -> io::Result<String> {
+        let output = self
+            .command("monado-ctl")
+            .env_remove("XR_ENABLE_API_LAYERS")
+            .args(arguments)
+            .output()?;
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+
     fn validation_file(&self) -> PathBuf {
         self.folder.path().join("validation.log")
     }

@@ -6,13 +6,12 @@
     reason = "a test that stops says enough by stopping"
 )]
 
-use std::process::Stdio;
-
 use ash::vk;
 use glam::{Quat, Vec2, Vec3};
 use ramus_monado::{
     feed::{Fed, arrived},
     remote::{Packet, Remote},
+    rival::Rival,
     service::{Service, ServiceParams},
     stage, verdict,
 };
@@ -279,27 +278,14 @@ fn without_the_focus_hands_are_hidden_until_it_comes_back() {
             let service = Service::start(ServiceParams::default()).unwrap();
             let mut device = Device::new(&service);
             let before = device.focus();
-            let control = |arguments: &[&str]| {
-                let output = service
-                    .command("monado-ctl")
-                    .env_remove("XR_ENABLE_API_LAYERS")
-                    .args(arguments)
-                    .output()
-                    .unwrap();
-                String::from_utf8_lossy(&output.stdout).into_owned()
-            };
             // Another program comes to the front.
-            let mut other = service
-                .command("hello_xr")
-                .args(["-g", "Vulkan2"])
-                .env_remove("XR_ENABLE_API_LAYERS")
-                .stdin(Stdio::piped())
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .spawn()
-                .unwrap();
-            until_client(&mut device, &control, "HelloXR");
-            control(&["-f", "2"]);
+            let rival = Rival::start(&service).unwrap();
+            let came = (0..PATIENCE).any(|_| {
+                device.round().unwrap();
+                Rival::is_there(&service).unwrap()
+            });
+            assert!(came, "the other program never came");
+            Rival::take_focus(&service).unwrap();
             let away = until(&mut device, "without the focus", |frame| !frame.focused);
             assert_eq!(away.hands, [Hand::ABSENT; 2]);
             // The runtime shows the other program: frames go on, and nothing is drawn (`round` checks that).
@@ -307,8 +293,7 @@ fn without_the_focus_hands_are_hidden_until_it_comes_back() {
                 !frame.should_render
             });
             // It goes, and the focus is ours again.
-            other.kill().unwrap();
-            other.wait().unwrap();
+            drop(rival);
             let back = until(&mut device, "with the focus again", |frame| frame.focused);
             assert!(back.time > away.time && away.time > before.time);
             assert!(
@@ -325,17 +310,6 @@ fn without_the_focus_hands_are_hidden_until_it_comes_back() {
     );
 }
 
-/// Runs rounds until the runtime knows the program `name`.
-fn until_client(device: &mut Device, control: &impl Fn(&[&str]) -> String, name: &str) {
-    for _ in 0..PATIENCE {
-        device.round().unwrap();
-        if control(&[]).contains(name) {
-            return;
-        }
-    }
-    panic!("{name} never came: {}", control(&[]));
-}
-
 #[test]
 fn a_recentring_moves_the_person_and_hides_the_hands_for_a_frame() {
     staged(
@@ -348,8 +322,7 @@ fn a_recentring_moves_the_person_and_hides_the_hands_for_a_frame() {
             let mut device = Device::new(&service);
             device.focus();
             until(&mut device, "as sent", |frame| arrived(frame, &sent));
-            let output = service.command("monado-ctl").arg("-c").output().unwrap();
-            println!("{}", String::from_utf8_lossy(&output.stdout));
+            println!("{}", service.control(&["-c"]).unwrap());
             let hidden = until(&mut device, "without hands", |frame| {
                 frame.hands == [Hand::ABSENT; 2]
             });

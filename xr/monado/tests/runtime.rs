@@ -14,6 +14,7 @@ use std::{
 };
 
 use ramus_monado::{
+    rival::Rival,
     service::{Service, ServiceError, ServiceParams},
     stage::{self, StageError},
 };
@@ -60,14 +61,8 @@ fn a_foreign_client_gets_the_focus_and_outlives_nothing() {
         "a_foreign_client_gets_the_focus_and_outlives_nothing",
         || {
             let mut service = Service::start(ServiceParams::default()).unwrap();
-            let mut client = service
-                .command("hello_xr")
-                .args(["-g", "Vulkan2"])
-                // The layer's own remarks about the sample are not ours to judge.
-                .env_remove("XR_ENABLE_API_LAYERS")
-                .stdin(Stdio::piped())
+            let mut client = Rival::command(&service)
                 .stdout(Stdio::piped())
-                .stderr(Stdio::null())
                 .spawn()
                 .unwrap();
             // A line on its input ends it; the guard does so if it never gets the focus.
