@@ -1,5 +1,9 @@
 //! What this machine has for Ramus, and for each thing missing the one command that mends it.
 
+mod runtime;
+
+use runtime::{Fault, Runtimes};
+
 use crate::app::headset;
 use crate::app::portrait;
 use crate::render::{Gpu, GpuParams, Headless, Multiview, RenderError, probe};
@@ -25,7 +29,7 @@ pub struct Finding {
     pub health: Health,
     /// What was found, in words.
     pub found: String,
-    /// The one command, or the one thing to do, that mends it.
+    /// The one command that mends it.
     pub mend: Option<String>,
 }
 
@@ -67,6 +71,7 @@ enum Package {
     Driver,
     Validation,
     OpenXrLoader,
+    OpenXrRuntime,
 }
 
 /// Reads the system from the text of `/etc/os-release`.
@@ -105,6 +110,22 @@ fn install(package: Package, system: System) -> String {
             return "scripts/setup.sh run  (adds Debian's backports and installs Mesa 25 from them)"
                 .to_owned();
         }
+        // Debian 12 has no Monado of its own; WiVRn's flatpak runs everywhere.
+        (S::Bookworm | S::Suse | S::Other, P::OpenXrRuntime) => {
+            ("flatpak install", "flathub io.github.wivrn.wivrn")
+        }
+        (S::Debian, P::OpenXrRuntime) => (
+            "sudo apt-get install",
+            "libopenxr1-monado monado-service && systemctl --user start monado.socket",
+        ),
+        (S::Fedora, P::OpenXrRuntime) => (
+            "sudo dnf install",
+            "monado && systemctl --user start monado.socket",
+        ),
+        (S::Arch, P::OpenXrRuntime) => (
+            "sudo pacman -S",
+            "monado && systemctl --user start monado.socket",
+        ),
         (S::Bookworm | S::Debian, P::VulkanLoader) => ("sudo apt-get install", "libvulkan1"),
         (S::Debian, P::Driver) => ("sudo apt-get install", "mesa-vulkan-drivers"),
         (S::Bookworm | S::Debian, P::Validation) => {
@@ -219,7 +240,7 @@ fn openxr(system: System) -> Vec<Finding> {
     const RUNTIME: &str = "OpenXR runtime";
     const HEADSET: &str = "headset";
     let loader = || Finding::good(LOADER, "installed");
-    let start = || "start the headset's software and make it the active OpenXR runtime".to_owned();
+    let mend = |fault| Runtimes::look().mend(fault, system);
     match headset::connect() {
         Ok(found) => {
             let extent = found.extent();
@@ -237,36 +258,29 @@ fn openxr(system: System) -> Vec<Finding> {
                 ),
             ]
         }
-        Err(error @ ConnectError::NoLoader) => {
-            let mend = install(Package::OpenXrLoader, system);
-            vec![Finding::bad(
-                LOADER,
-                Health::Lacking,
-                one_clause(&error),
-                mend,
-            )]
-        }
-        Err(error @ ConnectError::NoRuntime) => {
-            vec![
-                loader(),
-                Finding::bad(RUNTIME, Health::Lacking, one_clause(&error), start()),
-            ]
-        }
-        Err(error @ (ConnectError::NoHeadset(_) | ConnectError::NoStereo(_))) => vec![
-            loader(),
-            Finding::good(RUNTIME, "answers"),
-            Finding::bad(
-                HEADSET,
-                Health::Lacking,
-                one_clause(&error),
-                "connect the headset and switch it on".to_owned(),
-            ),
-        ],
         Err(error) => {
-            vec![
-                loader(),
-                Finding::bad(RUNTIME, Health::Lacking, one_clause(&error), start()),
-            ]
+            let found = one_clause(&error);
+            let lacks = |part, found, mend| Finding::bad(part, Health::Lacking, found, mend);
+            match &error {
+                ConnectError::NoLoader => {
+                    vec![lacks(LOADER, found, install(Package::OpenXrLoader, system))]
+                }
+                ConnectError::NoHeadset(name) | ConnectError::NoStereo(name) => vec![
+                    loader(),
+                    Finding::good(RUNTIME, "answers"),
+                    lacks(
+                        HEADSET,
+                        format!("{found}; connect it and switch it on, or"),
+                        mend(Fault::NoHeadset(name)),
+                    ),
+                ],
+                // Starting it again gives it nothing; another one has it.
+                ConnectError::NoVulkan(_) => vec![
+                    loader(),
+                    lacks(RUNTIME, found, install(Package::OpenXrRuntime, system)),
+                ],
+                _ => vec![loader(), lacks(RUNTIME, found, mend(Fault::Silent))],
+            }
         }
     }
 }
@@ -315,7 +329,13 @@ mod tests {
             S::Suse,
             S::Other,
         ] {
-            for package in [P::VulkanLoader, P::Driver, P::Validation, P::OpenXrLoader] {
+            for package in [
+                P::VulkanLoader,
+                P::Driver,
+                P::Validation,
+                P::OpenXrLoader,
+                P::OpenXrRuntime,
+            ] {
                 let command = install(package, system);
                 assert!(
                     !command.is_empty() && !command.contains('\n'),

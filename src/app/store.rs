@@ -66,6 +66,14 @@ pub enum StoreError {
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] TreeError),
+    /// The project could not be saved at the session's end; the work lies elsewhere.
+    #[error("the project was not saved ({source}); {kept}")]
+    Unsaved {
+        /// Why not.
+        source: TreeError,
+        /// Where the work is and how it comes back.
+        kept: String,
+    },
 }
 
 /// An opened project.
@@ -182,16 +190,22 @@ impl Store {
                 path: project.to_owned(),
             })?,
         };
-        let journal_path = beside(project, ".journal");
+        let journal_path = Self::journal_of(project);
         let file = Self::lock(project, &journal_path)?;
         let left = Self::recover(project, &journal_path, document)?;
         Self::keep(project, journal_path, file, left)
     }
 
+    /// Where a project's journal lies.
+    #[must_use]
+    pub fn journal_of(project: &Path) -> PathBuf {
+        beside(project, ".journal")
+    }
+
     /// Whether a killed session left a journal beside a project.
     #[must_use]
     pub fn has_journal(project: &Path) -> bool {
-        std::fs::metadata(beside(project, ".journal")).is_ok_and(|data| data.len() > 0)
+        std::fs::metadata(Self::journal_of(project)).is_ok_and(|data| data.len() > 0)
     }
 
     /// Begins a new project whatever is at `project`: an older file is kept beside it until the session is closed in
@@ -200,7 +214,7 @@ impl Store {
     /// # Errors
     /// [`StoreError`]; no file is changed then.
     pub fn begin(project: &Path) -> Result<Opened, StoreError> {
-        let journal_path = beside(project, ".journal");
+        let journal_path = Self::journal_of(project);
         let file = Self::lock(project, &journal_path)?;
         let mut message = None;
         if file.metadata().is_ok_and(|data| data.len() > 0) {
@@ -428,15 +442,38 @@ impl Store {
     /// Saves and takes the journal away: the session ended in good order.
     ///
     /// # Errors
-    /// Where the project cannot be written; the journal stays then, and holds everything.
+    /// Where the project cannot be written; the journal stays then, and holds everything. Where it cannot be written
+    /// either, the project is saved in the system's folder for temporary files, and the error says under which name.
     pub fn close(mut self, document: &Document) -> Result<(), StoreError> {
-        self.save(document)?;
+        if let Err(source) = write_atomically(&self.project, &project::to_bytes(document)) {
+            let kept = self.rescue(document);
+            return Err(StoreError::Unsaved { source, kept });
+        }
         // A journal that cannot be removed repeats what is saved already.
         let _ = std::fs::remove_file(&self.journal_path);
         if let Some(before) = &self.before {
             let _ = std::fs::remove_file(before);
         }
         Ok(())
+    }
+
+    /// Keeps the work where the project cannot be saved; says where.
+    fn rescue(&mut self, document: &Document) -> String {
+        if self.unwritten.is_empty() || self.write_out().is_ok() {
+            return format!(
+                "all of the work is in {}, and the next start on this project goes on from there",
+                self.journal_path.display()
+            );
+        }
+        let name = self.project.file_name().unwrap_or_default();
+        let path = free_name(&std::env::temp_dir().join(name), ".rescued.ramus");
+        match write_atomically(&path, &project::to_bytes(document)) {
+            Ok(()) => format!("all of the work was saved as {} instead", path.display()),
+            Err(_) => format!(
+                "the work up to the last action that could be written is in {}",
+                self.journal_path.display()
+            ),
+        }
     }
 
     fn start_journal(&mut self, base: &Document) -> io::Result<()> {

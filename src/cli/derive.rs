@@ -1,8 +1,8 @@
 //! `ramus derive`: a grammar file grown, printed, drawn and exported.
 
 use std::fs::File;
-use std::io::{Read as _, Write as _, stdout};
-use std::path::PathBuf;
+use std::io::{Read as _, Write as _};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -10,8 +10,8 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
-use super::not_over_input;
 use super::progress::Progress;
+use super::{not_over_each_other, print_result};
 use crate::app::{export, portrait};
 use crate::lsystem::report::Report;
 use crate::lsystem::{Grammar, Limits, TurtleParams, interpret};
@@ -74,9 +74,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     for path in &args.export {
         export::Format::of(path)?;
     }
-    for path in args.export.iter().chain(&args.png) {
-        not_over_input(path, &args.file)?;
-    }
+    let outputs = args.export.iter().chain(&args.png).map(PathBuf::as_path);
+    not_over_each_other(Some(Path::new(&args.file)), outputs)?;
     let grammar = read(args)?;
     let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
         anyhow!(
@@ -103,13 +102,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
     drop(progress);
     let derive_ms = began.elapsed().as_secs_f64() * 1e3;
 
+    // A full standard output must not cost the files: it is told at the end.
+    let mut printed = Ok(());
     if args.print == Some(Print::String) {
-        let mut out = std::io::BufWriter::new(stdout().lock());
-        string.write_text(&grammar, &mut out)?;
-        writeln!(out)?;
-        out.flush()?;
+        printed = print_result("the string", |out| {
+            string.write_text(&grammar, out)?;
+            writeln!(out)
+        });
         if !args.json && args.export.is_empty() && args.png.is_none() {
-            return Ok(());
+            return printed;
         }
     }
     let began = Instant::now();
@@ -122,27 +123,30 @@ pub(super) fn run(args: &Args) -> Result<()> {
         },
         &never,
     )
-    .with_context(|| args.file.display().to_string())?;
+    .with_context(named)?;
     let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
     let report = Report::new(&grammar, &string, &tree, steps, derive_ms, turtle_ms);
     drop(string);
-    let mut out = stdout().lock();
     if args.print == Some(Print::Counts) {
-        write!(out, "{}", report.counts_text())?;
+        let counts = report.counts_text();
+        printed = printed.and(print_result("the counts", |out| {
+            out.write_all(counts.as_bytes())
+        }));
     }
     if args.json {
-        writeln!(out, "{}", report.to_json()?)?;
+        let json = report.to_json().with_context(named);
+        printed = printed
+            .and(json.and_then(|json| print_result("the JSON", |out| writeln!(out, "{json}"))));
     } else if args.print.is_none() {
-        writeln!(
-            out,
+        tell!(
             "{}: {} modules and {} segments after {steps} steps",
             args.file.display(),
             report.modules,
             report.segments
-        )?;
+        );
     }
-    out.flush()?;
-    write_files(args, tree)
+    write_files(args, tree)?;
+    printed
 }
 
 fn read(args: &Args) -> Result<Grammar> {

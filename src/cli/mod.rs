@@ -22,8 +22,9 @@ mod progress;
 mod replay;
 mod workshop;
 
-use std::io::{IsTerminal as _, Write as _};
-use std::path::Path;
+use std::collections::HashSet;
+use std::io::{BufWriter, ErrorKind, IsTerminal as _, StdoutLock, Write as _};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -84,18 +85,60 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// Refuses to write a result over what it is made from.
-fn not_over_input(output: &Path, input: &Path) -> anyhow::Result<()> {
-    let same = match (output.canonicalize(), input.canonicalize()) {
-        (Ok(output), Ok(input)) => output == input,
-        _ => false,
-    };
-    anyhow::ensure!(
-        !same,
-        "{} would be overwritten by what is made from it: choose another name",
-        output.display()
-    );
+/// Refuses results that would be written over what they are made from, or over each other, however their paths are
+/// spelled. (Another hard link to the input is no danger: files are replaced whole, and the input keeps its name.)
+fn not_over_each_other<'a>(
+    input: Option<&Path>,
+    outputs: impl IntoIterator<Item = &'a Path>,
+) -> anyhow::Result<()> {
+    let input = input.and_then(place);
+    let mut taken = HashSet::new();
+    for output in outputs {
+        let place = place(output);
+        anyhow::ensure!(
+            place.is_none() || place != input,
+            "{} would be overwritten by what is made from it: choose another name",
+            output.display()
+        );
+        anyhow::ensure!(
+            place.is_none_or(|place| taken.insert(place)),
+            "two results would be written to {}: choose another name for one of them",
+            output.display()
+        );
+    }
     Ok(())
+}
+
+/// Where a path leads: links followed, and the file itself need not exist.
+fn place(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok().or_else(|| {
+        let folder = match path.parent()? {
+            folder if folder.as_os_str().is_empty() => Path::new("."),
+            folder => folder,
+        };
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+    })
+}
+
+/// Prints what was asked for on standard output. That nobody reads on (a closed pipe, as `head` leaves it) is no fault.
+///
+/// # Errors
+/// Whatever else standard output fails in; `what` says what was printed.
+fn print_result(
+    what: &str,
+    write: impl FnOnce(&mut BufWriter<StdoutLock<'_>>) -> std::io::Result<()>,
+) -> anyhow::Result<()> {
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            // What is left in the buffer is not tried again when it is dropped.
+            let _ = out.into_parts();
+            Err(anyhow::anyhow!(
+                "standard output does not take {what} ({error}): free some space or send it elsewhere"
+            ))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// An error with its causes in one line; a cause that the text says already is not said twice.

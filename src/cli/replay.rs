@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use ash::vk;
 use clap::{Args as ClapArgs, ValueEnum};
 use ramus_xr::simulated::Simulated;
 
-use super::not_over_input;
+use super::not_over_each_other;
 use super::progress::Progress;
 use crate::app::album::Album;
 use crate::app::picture::Picture;
@@ -59,9 +59,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let frames =
         ramus_xr::session::read_file(path).with_context(|| format!("cannot play {name}"))?;
     let total = frames.len();
-    for output in [&args.project, &args.glb, &args.lsys].into_iter().flatten() {
-        not_over_input(output, path)?;
-    }
+    let journal = args.project.as_deref().map(Store::journal_of);
+    let outputs = [&args.project, &journal, &args.glb, &args.lsys];
+    not_over_each_other(
+        Some(path),
+        outputs.into_iter().flatten().map(PathBuf::as_path),
+    )?;
     let mut workshop = open(args.project.as_deref())?;
     let mut progress = Progress::new("playing");
     let mut album = Album::new(
@@ -108,6 +111,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
         tell!("  grammar   {}", lsys.display());
     }
     if let Some(glb) = &args.glb {
+        // What was told above is there; this alone is not.
+        ensure!(
+            world.document().step > 0,
+            "{} was not written: the session ends at step 0, where no tree has grown yet; all else that was asked for is written",
+            glb.display()
+        );
         take_home::export(&world, glb)?;
         tell!("  tree      {}", glb.display());
     }

@@ -10,6 +10,7 @@ use ramus_xr::Headset;
 use ramus_xr::record::Recorder;
 use ramus_xr::simulated::Simulated;
 
+use super::not_over_each_other;
 use super::progress::Progress;
 use super::replay::EXTENT;
 use crate::app::album::Album;
@@ -79,6 +80,9 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     if args.project.is_none() {
         make_folder(&args.out)?;
     }
+    let glb = project.with_extension("glb");
+    let lsys = project.with_extension("lsys");
+    not_over_each_other(Some(&project), [glb.as_path(), &lsys])?;
     tell!("In the headset: {}.", opened.describe());
     let store = Store::open(&project)?;
     if let Some(message) = &store.message {
@@ -104,10 +108,8 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
         take_home::summary(&world)
     );
     if world.document().step > 0 {
-        let glb = project.with_extension("glb");
         take_home::export(&world, &glb)?;
         tell!("The tree is in {}.", glb.display());
-        let lsys = project.with_extension("lsys");
         take_home::grammar(&world, &lsys)?;
         tell!("Its grammar is in {}.", lsys.display());
     }
@@ -189,6 +191,10 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
 /// Without a headset, a project: every growth step pictured, and the tree exported. The project stays as it
 /// is, but for what a killed session left in its journal.
 fn look_at(project: &Path, out: &Path) -> Result<()> {
+    let glb = out
+        .join(project.file_stem().unwrap_or_default())
+        .with_extension("glb");
+    not_over_each_other(Some(project), [glb.as_path()])?;
     let document = if Store::has_journal(project) {
         let opened = Store::open(project)?;
         if let Some(message) = &opened.message {
@@ -210,9 +216,6 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
     drop(progress);
     let world = World::new(crate::world::history::History::new(document));
     tell!("{}: {}.", project.display(), take_home::summary(&world));
-    let glb = out
-        .join(project.file_stem().unwrap_or_default())
-        .with_extension("glb");
     if world.document().step > 0 {
         take_home::export(&world, &glb)?;
         tell(out, steps, None, &glb);

@@ -135,7 +135,9 @@ impl fmt::Display for GrammarErrors {
 pub enum DeriveProblem {
     /// The next string would pass a limit.
     #[error(
-        "step {step} would make {modules} modules in {bytes} bytes, past the limit of {limit}; take fewer steps or raise it"
+        "{} would make {modules} modules in {bytes} bytes, past the limit of {limit}; {} or raise it",
+        at_step(*step),
+        smaller(*step)
     )]
     Limit {
         /// The step that was not made.
@@ -148,7 +150,11 @@ pub enum DeriveProblem {
         limit: String,
     },
     /// The machine did not give the memory.
-    #[error("step {step} needs {bytes} bytes, which this machine does not give; take fewer steps")]
+    #[error(
+        "{} needs {bytes} bytes, which this machine does not give; {}",
+        at_step(*step),
+        smaller(*step)
+    )]
     Memory {
         /// The step that was not made.
         step: u32,
@@ -199,7 +205,7 @@ pub enum DeriveProblem {
         /// The limit.
         depth: usize,
     },
-    /// A position or width cannot be held in metres as f32.
+    /// A position cannot be held in metres as f32.
     #[error(
         "module {position} (`{module}`): the turtle has left the range of numbers; make lengths smaller"
     )]
@@ -209,6 +215,18 @@ pub enum DeriveProblem {
         /// Its name.
         module: String,
     },
+    /// A width that cannot be held in metres as f32.
+    #[error(
+        "module {position} (`{module}`): its width of {width:e} m is larger than a tree can hold; make the `!` before it smaller"
+    )]
+    TooWide {
+        /// Index of the module.
+        position: u64,
+        /// Its name.
+        module: String,
+        /// Its width in metres.
+        width: f64,
+    },
     /// More nodes than a `Tree` can index.
     #[error(
         "the drawing has more than {limit} segments; take fewer steps or raise the turtle's limit"
@@ -217,6 +235,22 @@ pub enum DeriveProblem {
         /// The limit.
         limit: u64,
     },
+}
+
+/// What was being made: before the first step there are only the axiom and its decomposition.
+fn at_step(step: u32) -> String {
+    match step {
+        0 => "step 0 (the axiom and its decomposition)".to_owned(),
+        _ => format!("step {step}"),
+    }
+}
+
+/// What makes it smaller: no step is left to leave out at step 0.
+fn smaller(step: u32) -> &'static str {
+    match step {
+        0 => "shorten the axiom, let its decomposition end earlier",
+        _ => "take fewer steps",
+    }
 }
 
 /// Why an expression has no usable value.

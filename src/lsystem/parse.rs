@@ -14,6 +14,7 @@ use super::expression;
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::include::{folder_of, gather};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
+use super::number::write_general;
 use super::rules;
 use super::shape::{self, Shape, Wrap};
 use super::source::{Block, Cursor, KEYWORDS, Source, Statement};
@@ -133,10 +134,12 @@ pub(crate) fn parameters(
     }
 }
 
-/// Follows brackets and says where they do not fit.
+/// Follows brackets and braces and says where they do not fit. A polygon's braces are counted apart from the
+/// brackets, since ABOP's leaves begin an outline in a branch and end it outside: `[+A{.].C.}`.
 #[derive(Default)]
 pub(crate) struct Brackets {
     open: Vec<usize>,
+    polygons: Vec<usize>,
 }
 
 impl Brackets {
@@ -158,16 +161,27 @@ impl Brackets {
                     "this `]` closes nothing; expected a `[` before it".into(),
                 ));
             }
+            "{" => self.polygons.push(at),
+            "}" if self.polygons.pop().is_none() => {
+                return Err(cursor.error_at(
+                    at,
+                    "this `}` closes no polygon; expected a `{` before it".into(),
+                ));
+            }
             _ => {}
         }
         Ok(())
     }
 
     pub(crate) fn end(&self, cursor: &Cursor<'_>) -> Result<(), GrammarError> {
-        match self.open.last() {
-            Some(at) => Err(cursor.error_at(*at, "this `[` is not closed; expected a `]`".into())),
-            None => Ok(()),
-        }
+        let unclosed = match (self.open.last(), self.polygons.last()) {
+            (Some(at), _) => Some((at, "this `[` is not closed; expected a `]`")),
+            (None, Some(at)) => Some((at, "this polygon's `{` is not closed; expected a `}`")),
+            (None, None) => None,
+        };
+        unclosed.map_or(Ok(()), |(at, message)| {
+            Err(cursor.error_at(*at, message.into()))
+        })
     }
 }
 
@@ -379,10 +393,18 @@ impl Parser {
                     let at = cursor.pos().saturating_sub(name.len());
                     Err(cursor.error_at(
                         at,
-                        format!("the dialect `{name}` cannot be read yet; expected `ramus`"),
+                        format!("the dialect `{name}` cannot be read yet; expected `ramus`, the only one that is read"),
                     ))
                 }
-                _ => Err(cursor.expected("`ramus`")),
+                Some(name) => {
+                    let at = cursor.pos().saturating_sub(name.len());
+                    let name: String = name.chars().take(40).collect();
+                    Err(cursor.error_at(
+                        at,
+                        format!("the dialect `{name}` is not known; expected `ramus`, the only one that is read (`lpy`, `houdini` and `cpfg` are known and cannot be read yet)"),
+                    ))
+                }
+                None => Err(cursor.expected("the name of a dialect: `ramus`")),
             },
             "tropism" => {
                 let mut axis = [0.0; 3];
@@ -518,10 +540,17 @@ impl Parser {
         if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value) {
             return Ok(value as u32);
         }
+        // As it is written, since a large number has other digits as a float; with its value where that is not plain.
+        let written = cursor.between(at, cursor.pos()).trim_end();
+        let mut found: String = written.chars().take(40).collect();
+        if written.parse::<f64>().is_err() {
+            found.push_str("`, which is `");
+            write_general(&mut found, value);
+        }
         Err(cursor.error_at(
             at,
             format!(
-                "found {value}; expected a whole number from 0 to {}",
+                "found `{found}`; expected a whole number from 0 to {}",
                 u32::MAX
             ),
         ))

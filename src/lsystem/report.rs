@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::Serialize;
+use thiserror::Error;
 
 use super::grammar::{Grammar, Role};
 use super::number::write_general;
@@ -34,7 +35,8 @@ pub struct Report {
     pub max_depth: u64,
     /// FNV-1a of the symbol names alone, 16 hexadecimal digits.
     pub fnv1a64: String,
-    /// Sum of each parameter over all modules of a name: `F.0` is the first of all `F`.
+    /// Sum of each parameter over all modules of a name: `F.0` is the first of all `F`. Infinite where the sum is
+    /// beyond the range of f64, which text shows (`inf`) and JSON refuses.
     pub param_sums: BTreeMap<String, f64>,
     /// Segments drawn.
     pub segments: u64,
@@ -46,14 +48,27 @@ pub struct Report {
     pub turtle_ms: f64,
 }
 
+/// Why a report cannot be written as JSON.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// A sum that no number of JSON's readers holds: `null` would say that there is none.
+    #[error(
+        "the sum of `{0}`, a parameter of all modules of its name, is beyond 1.8e308, the largest number of JSON's readers; make the parameter smaller, or print the string (--print string)"
+    )]
+    Overflow(String),
+    /// Serialisation is fallible by type only.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+}
+
 /// A sum that keeps what rounding loses (Neumaier 1974).
 #[derive(Clone, Copy, Default)]
-struct Sum {
+struct Neumaier {
     sum: f64,
     lost: f64,
 }
 
-impl Sum {
+impl Neumaier {
     fn add(&mut self, value: f64) {
         let sum = self.sum + value;
         self.lost += if self.sum.abs() >= value.abs() {
@@ -62,6 +77,46 @@ impl Sum {
             (value - sum) + self.sum
         };
         self.sum = sum;
+    }
+}
+
+/// Values from here on are summed scaled down, so that no order of them overflows on the way: 2^960, and 2^-64 (a string
+/// has fewer than 2^32 modules). Scaling by a power of two changes no digit.
+const HUGE: f64 = f64::from_bits((1023 + 960) << 52);
+const SCALE: f64 = f64::from_bits((1023 - 64) << 52);
+
+/// A sum that overflows only where its result does.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    plain: Neumaier,
+    huge: Neumaier,
+}
+
+impl Sum {
+    fn add(&mut self, value: f64) {
+        if value.abs() < HUGE {
+            self.plain.add(value);
+        } else {
+            self.huge.add(value * SCALE);
+        }
+    }
+
+    fn merge(&mut self, other: Self) {
+        for value in [other.plain.sum, other.plain.lost] {
+            self.plain.add(value);
+        }
+        for value in [other.huge.sum, other.huge.lost] {
+            self.huge.add(value);
+        }
+    }
+
+    fn total(mut self) -> f64 {
+        if self.huge.sum == 0.0 && self.huge.lost == 0.0 {
+            return self.plain.sum + self.plain.lost;
+        }
+        self.huge.add(self.plain.sum * SCALE);
+        self.huge.add(self.plain.lost * SCALE);
+        (self.huge.sum + self.huge.lost) / SCALE
     }
 }
 
@@ -130,9 +185,10 @@ impl Report {
             let name = grammar.name(symbol);
             *counts.entry(name.to_owned()).or_default() += count;
             for (i, part) in parameters.iter().enumerate() {
-                let total = by_name.entry(format!("{name}.{i}")).or_default();
-                total.add(part.sum);
-                total.add(part.lost);
+                by_name
+                    .entry(format!("{name}.{i}"))
+                    .or_default()
+                    .merge(*part);
             }
         }
         Self {
@@ -144,7 +200,7 @@ impl Report {
             fnv1a64: format!("{:016x}", hash.0),
             param_sums: by_name
                 .into_iter()
-                .map(|(name, sum)| (name, sum.sum + sum.lost))
+                .map(|(name, sum)| (name, sum.total()))
                 .collect(),
             segments: tree.parent.iter().filter(|p| **p != NO_PARENT).count() as u64,
             bounds: bounds(tree),
@@ -156,9 +212,13 @@ impl Report {
     /// One object on one line, without a line end.
     ///
     /// # Errors
-    /// None that a report can cause; serialisation is fallible by type only.
-    pub fn to_json(&self) -> Result<String, serde_json::Error> {
-        serde_json::to_string(self)
+    /// A sum beyond the range of f64.
+    pub fn to_json(&self) -> Result<String, ReportError> {
+        let infinite = |(_, sum): &(&String, &f64)| !sum.is_finite();
+        match self.param_sums.iter().find(infinite) {
+            Some((name, _)) => Err(ReportError::Overflow(name.clone())),
+            None => Ok(serde_json::to_string(self)?),
+        }
     }
 
     /// `--print counts`: a line for each name, its count and its parameters' sums.

@@ -343,7 +343,8 @@ impl<'a> Turtle<'a> {
     /// Adds the segment from here to `length` ahead.
     fn draw(&mut self, here: Here, length: f64, radius: Option<f64>) -> Result<(), DeriveError> {
         let order = u16::try_from(self.stack.len()).unwrap_or(u16::MAX);
-        let radius = narrow(radius.unwrap_or(self.state.width.abs() / 2.0));
+        let width = radius.map_or(self.state.width.abs(), |radius| radius * 2.0);
+        let radius = narrow(width / 2.0);
         if self.state.node == NO_PARENT {
             let at = narrowed(self.state.position);
             self.room(2)?;
@@ -356,11 +357,17 @@ impl<'a> Turtle<'a> {
         let at = narrowed(end);
         if !at.is_finite() || !radius.is_finite() {
             let module = self.grammar.name(here.symbol).to_owned();
-            return Err(DeriveProblem::TooFar {
-                position: here.position as u64,
-                module,
-            }
-            .into());
+            let position = here.position as u64;
+            let problem = if at.is_finite() {
+                DeriveProblem::TooWide {
+                    position,
+                    module,
+                    width,
+                }
+            } else {
+                DeriveProblem::TooFar { position, module }
+            };
+            return Err(problem.into());
         }
         let letter = self.letter(here.symbol);
         let parent = self.state.node;

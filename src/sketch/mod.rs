@@ -16,6 +16,8 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use crate::tree::error::shortest;
+
 pub mod change;
 pub mod grammar;
 pub mod grow;
@@ -289,7 +291,7 @@ pub enum SketchError {
     #[error("{0} is not a finite number")]
     NotFinite(&'static str),
     /// Beyond the bounds.
-    #[error("{what} must lie between {least} and {most}, not {found}")]
+    #[error("{what} must lie between {} and {}, not {}", shortest(*least), shortest(*most), shortest(*found))]
     OutOfBounds {
         /// What is out of bounds.
         what: &'static str,

@@ -2,6 +2,22 @@
 
 use std::path::PathBuf;
 
+/// A number for people: one that came from an f32 with the digits of an f32 (0.3, not 0.30000001192092896).
+pub(crate) fn shortest(value: f64) -> String {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "only whether it is an f32 is asked"
+    )]
+    let narrow = value as f32;
+    let plain = value == 0.0 || (1e-5..1e16).contains(&value.abs());
+    match (f64::from(narrow) == value, plain) {
+        (true, true) => narrow.to_string(),
+        (true, false) => format!("{narrow:e}"),
+        (false, true) => value.to_string(),
+        (false, false) => format!("{value:e}"),
+    }
+}
+
 /// An error of the room `tree`.
 #[derive(Debug, thiserror::Error)]
 pub enum TreeError {
@@ -55,7 +71,10 @@ pub enum TreeError {
     },
     /// A parameter outside its range.
     #[error(
-        "{name} is {value}, but must lie between {least} and {most}: choose a value in that range"
+        "{name} is {}, but must lie between {} and {}: choose a value in that range",
+        shortest(*value),
+        shortest(*least),
+        shortest(*most)
     )]
     Parameter {
         /// Name of the parameter.
@@ -74,7 +93,7 @@ pub enum TreeError {
     Empty(&'static str),
     /// SWC holds one root.
     #[error(
-        "the tree has {0} roots, but an SWC file holds one: export each tree to a file of its own"
+        "the tree has {0} roots, since it was drawn with gaps, but an SWC file holds one: draw with `F` where the grammar moves with `f`, or export it as GLB or OBJ"
     )]
     ManyRoots(usize),
     /// The file would be larger than its format (or memory) allows.

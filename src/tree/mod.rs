@@ -13,7 +13,7 @@ use glam::Vec3;
 
 pub mod axes;
 pub mod bark;
-mod error;
+pub(crate) mod error;
 pub mod export;
 pub mod file;
 pub mod growth;

@@ -312,7 +312,15 @@ fn edits_that_would_break_the_document_are_refused() {
                 tip_radius: 0.0,
                 radius_exponent: 2.0,
             },
-            "tip radius",
+            "the tip radius in metres must lie between 0.0001 and 1, not 0",
+        ),
+        (
+            Edit::SetSizes {
+                scale: 0.001,
+                tip_radius: 0.01,
+                radius_exponent: 2.0,
+            },
+            "the scale must lie between 0.01 and 1000, not 0.001",
         ),
         (
             Edit::SetSizes {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use ramus::lsystem::{Grammar, Limits, TurtleParams, interpret};
 
-use super::{derive, draw, parse};
+use super::{derive, draw, parse, text_of};
 
 #[test]
 fn a_million_nested_brackets() {
@@ -67,6 +67,135 @@ fn million_character_lines() {
     }
     let names = format!("module {}\naxiom A\n", "x".repeat(1_000_000));
     assert!(Grammar::parse(&names, "t").is_err());
+}
+
+/// As many productions as a grammar may have, and as many faults: all are read, all are counted, and the first are
+/// shown. Where reading took a time that grows with the square, this would take hours and the runner would end it.
+#[test]
+fn many_productions_and_as_many_faults() {
+    const MANY: usize = 64_000;
+    // Each with a context, a condition, names of its own and a declared module.
+    let good: String = (0..MANY)
+        .map(|i| format!("A(x{i}) < B > C : x{i} == {i} -> A(x{i}+{i})[B]\n"))
+        .collect();
+    let last = MANY - 1;
+    let grammar = parse(&format!("axiom A({last})BC\n{good}"));
+    assert_eq!(
+        text_of(&grammar, 1),
+        format!("A({last})A({})[B]C", 2 * last),
+        "the last of them is read as the first is"
+    );
+    let faults: [(&str, &dyn Fn(usize) -> String); 5] = [
+        ("unknown name", &|i| format!("A(x) -> B(y{i})\n")),
+        ("closes nothing", &|i| format!("A -> B{i}]\n")),
+        ("closes no polygon", &|i| format!("A -> B{i}}}\n")),
+        ("`->`", &|i| format!("A{i}\n")),
+        ("is declared with 2 parameters", &|i| {
+            format!("A -> Leaf({i})\n")
+        }),
+    ];
+    for (words, fault) in faults {
+        let bad: String = (0..MANY).map(fault).collect();
+        let text = format!("module Leaf(a, b)\naxiom AB\n{bad}");
+        let errors = Grammar::parse(&text, "t").unwrap_err();
+        assert_eq!(errors.errors.len() + errors.more, MANY, "{words}");
+        for (error, line) in errors.errors.iter().zip(3..) {
+            assert!(error.message.contains(words), "{words}: {error}");
+            assert_eq!(error.line, line, "{words}: {error}");
+        }
+    }
+    // Names to choose the nearest of: as many as statements.
+    let constants: String = (0..MANY).map(|i| format!("const k{i} = {i}\n")).collect();
+    let uses: String = (0..MANY).map(|i| format!("A -> B(q{i})\n")).collect();
+    let text = format!("{constants}axiom A\n{uses}");
+    let errors = Grammar::parse(&text, "t").unwrap_err();
+    assert_eq!(errors.errors.len() + errors.more, MANY);
+    // One more than a grammar may have.
+    let over = Grammar::parse(&format!("axiom A\n{}", "A -> B\n".repeat(65_600)), "t");
+    assert!(
+        over.unwrap_err()
+            .to_string()
+            .contains("more than 65,000 productions")
+    );
+}
+
+/// What stops a derivation or a drawing is named, with what mends it and not with what cannot.
+#[test]
+fn what_is_too_large_says_what_to_make_smaller() {
+    let limits = Limits {
+        modules: 1000,
+        bytes: 1 << 30,
+    };
+    let params = TurtleParams::default();
+    let cancel = AtomicBool::new(false);
+    let table: [(&str, u32, &[&str], &[&str]); 7] = [
+        (
+            "axiom A\nA -> AA\n",
+            20,
+            &[
+                "step 10 would make 1024 modules",
+                "take fewer steps or raise it",
+            ],
+            &["axiom"],
+        ),
+        (
+            "axiom A\ndecompose {\n  A -> AA\n}\n",
+            3,
+            &[
+                "step 0 (the axiom and its decomposition)",
+                "let its decomposition end earlier",
+            ],
+            &["fewer steps"],
+        ),
+        (
+            &format!("axiom {}\n", "A".repeat(1001)),
+            0,
+            &["step 0 (the axiom", "1001 modules", "shorten the axiom"],
+            &["fewer steps"],
+        ),
+        (
+            "axiom F !(1e300) F\n",
+            0,
+            &[
+                "module 2 (`F`)",
+                "width of 1e300 m",
+                "make the `!` before it smaller",
+            ],
+            &["length"],
+        ),
+        (
+            "axiom !(-1e39) F\n",
+            0,
+            &["module 1 (`F`)", "width of 1e39 m"],
+            &["length"],
+        ),
+        (
+            "axiom F(1) F(1e300)\n",
+            0,
+            &["module 1 (`F`)", "make lengths smaller"],
+            &["width"],
+        ),
+        (
+            "axiom !(1e300) F(1e300)\n",
+            0,
+            &["make lengths smaller"],
+            &[],
+        ),
+    ];
+    for (text, steps, says, never) in table {
+        let grammar = parse(text);
+        let error = match grammar.derive(steps, &limits, &cancel) {
+            Ok(string) => interpret(&grammar, &string, &params, &cancel).expect_err(text),
+            Err(error) => error,
+        };
+        let said = error.to_string();
+        for words in says {
+            assert!(said.contains(words), "{text}\n{said}\nlacks: {words}");
+        }
+        for words in never {
+            assert!(!said.contains(words), "{text}\n{said}\nsays: {words}");
+        }
+    }
 }
 
 /// Explosive growth and endless contexts stop soon after the flag is set.

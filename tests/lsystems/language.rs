@@ -174,6 +174,12 @@ fn strings_of_small_grammars() {
             1,
             "AXBY",
         ),
+        (
+            "ABOP's leaf: an outline that begins in a branch",
+            "axiom A\nA -> [+A{.].C.}\n".into(),
+            1,
+            "[+A{.].C.}",
+        ),
         ("cut", "axiom A[B%C[D]E]F\n".into(), 0, "A[B]F"),
         ("cut at the end", "axiom A[B]C%D[E]\n".into(), 0, "A[B]C"),
         (
@@ -414,7 +420,46 @@ fn faults_are_told_where_they_are() {
         ("axiom A\n[ -> A\n", 2, 1, &["cannot be replaced"]),
         ("steps 1.5\naxiom A\n", 1, 7, &["whole number"]),
         ("order best\naxiom A\n", 1, 11, &["`first` or `specific`"]),
-        ("dialect houdini\naxiom A\n", 1, 9, &["cannot be read yet"]),
+        (
+            "dialect houdini\naxiom A\n",
+            1,
+            9,
+            &["`houdini` cannot be read yet", "expected `ramus`"],
+        ),
+        (
+            "dialect foo\naxiom A\n",
+            1,
+            9,
+            &[
+                "`foo` is not known",
+                "expected `ramus`, the only one that is read",
+                "`lpy`, `houdini` and `cpfg`",
+            ],
+        ),
+        (
+            "steps 9999999999999999\naxiom A\n",
+            1,
+            7,
+            &[
+                "found `9999999999999999`;",
+                "a whole number from 0 to 4294967295",
+            ],
+        ),
+        (
+            "const n = 3\nsteps n/2 # half\naxiom A\n",
+            2,
+            7,
+            &["found `n/2`, which is `1.5`; expected a whole number"],
+        ),
+        ("axiom F}\n", 1, 8, &["closes no polygon", "expected a `{`"]),
+        ("axiom A\nA -> {F[+F}F\n", 2, 8, &["`[` is not closed"]),
+        (
+            "axiom A\nA -> [{F]F\n",
+            2,
+            7,
+            &["polygon's `{` is not closed", "expected a `}`"],
+        ),
+        ("axiom A\nA -> F}{F\n", 2, 7, &["closes no polygon"]),
         ("shape A = []\naxiom A(0)\n", 1, 7, &["is empty"]),
         ("shape A = [(1 2)]\naxiom A(0)\n", 1, 17, &["three numbers"]),
         (

@@ -362,7 +362,7 @@ fn limits_of_the_turtle() {
     );
     let wide = run("axiom !(1e300)F\n", &small);
     assert!(
-        matches!(wide, Err(DeriveProblem::TooFar { .. })),
+        matches!(wide, Err(DeriveProblem::TooWide { position: 1, .. })),
         "{wide:?}"
     );
     let grammar = parse("axiom F\n");

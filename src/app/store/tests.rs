@@ -249,3 +249,124 @@ fn what_cannot_be_opened_says_so_and_stays() {
         "{error}"
     );
 }
+
+/// Puts another file in the place of the journal that is open.
+fn swap(store: &mut Store, file: File) -> Arc<File> {
+    std::mem::replace(&mut store.file, Arc::new(file))
+}
+
+fn full() -> File {
+    OpenOptions::new().write(true).open("/dev/full").unwrap()
+}
+
+/// Draws without asking whether the journal took it.
+fn draw_anyway(opened: &mut Opened, height: f32) -> Result<(), StoreError> {
+    opened
+        .history
+        .apply(Edit::AddSegment {
+            to: Vec3::new(0.0, height, 0.0),
+        })
+        .unwrap();
+    let log = opened.history.take_log();
+    opened.store.append(&log)
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_full_disk_did_not_take_is_written_with_the_next_action() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::open(&path).unwrap();
+    draw(&mut opened, &[0.1]);
+    let real = swap(&mut opened.store, full());
+    for height in [0.2, 0.3, 0.4] {
+        let message = draw_anyway(&mut opened, height).unwrap_err().to_string();
+        assert!(
+            message.contains("tree.ramus.journal") && message.contains("room"),
+            "{message}"
+        );
+    }
+    let lines = || {
+        fs::read_to_string(Store::journal_of(&path))
+            .unwrap()
+            .lines()
+            .count()
+    };
+    assert_eq!(lines(), 2, "the header and the first action");
+    // There is room again; half a line of the last try may stand there.
+    drop(swap(&mut opened.store, real.try_clone().unwrap()));
+    (&*real).write_all(b"{\"n\":2,\"che").unwrap();
+    drop(real);
+    draw_anyway(&mut opened, 0.5).unwrap();
+    assert_eq!(lines(), 6);
+    let document = kill(opened);
+    let again = Store::open(&path).unwrap();
+    assert_eq!(*again.history.committed(), document);
+    assert_eq!(document.sketch.segments().count(), 5);
+    assert!(again.message.unwrap().contains("recovered 5 actions"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_project_that_cannot_be_saved_leaves_a_whole_journal_or_is_saved_elsewhere() {
+    for journal_too in [false, true] {
+        let folder = folder();
+        // A name that no other test rescues by.
+        let name = format!("store-{}-{journal_too}.ramus", std::process::id());
+        let path = folder.path().join(name);
+        let mut opened = Store::open(&path).unwrap();
+        draw(&mut opened, &[0.1]);
+        let real = swap(&mut opened.store, full());
+        assert!(draw_anyway(&mut opened, 0.2).is_err());
+        if !journal_too {
+            opened.store.file = real;
+        }
+        let document = opened.history.committed().clone();
+        fs::create_dir(&path).unwrap();
+        let message = opened.store.close(&document).unwrap_err().to_string();
+        assert!(message.contains("a folder has this name"), "{message}");
+        fs::remove_dir(&path).unwrap();
+        if journal_too {
+            let at = message.find("saved as ").unwrap() + "saved as ".len();
+            let (rescued, _) = message[at..].split_once(" instead").unwrap();
+            assert_eq!(read_project(Path::new(rescued)).unwrap(), document);
+            fs::remove_file(rescued).unwrap();
+        } else {
+            assert!(message.contains("the next start"), "{message}");
+            assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
+        }
+    }
+}
+
+#[test]
+fn a_journal_whose_name_is_taken_by_a_folder_is_refused_before_the_session() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    fs::create_dir(Store::journal_of(&path)).unwrap();
+    for begin in [Store::begin as fn(&Path) -> _, Store::open] {
+        let Err(error) = begin(&path) else {
+            panic!("opened")
+        };
+        let message = error.to_string();
+        assert!(message.contains("cannot keep a journal at"), "{message}");
+        assert!(!path.exists());
+    }
+}
+
+#[test]
+fn a_replaced_project_stays_where_its_session_was_killed() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::open(&path).unwrap();
+    draw(&mut opened, &[0.7]);
+    let old = opened.history.committed().clone();
+    opened.store.close(&old).unwrap();
+    // Twice, so that the second does not replace what the first one kept.
+    for (height, name) in [(0.1, ".before.ramus"), (0.2, ".before.ramus.2")] {
+        let mut opened = Store::begin(&path).unwrap();
+        draw(&mut opened, &[height]);
+        kill(opened);
+        assert!(beside(&path, name).exists(), "{name}");
+    }
+    assert_eq!(read_project(&beside(&path, ".before.ramus")).unwrap(), old);
+}

@@ -83,6 +83,13 @@ fn parameters_outside_their_ranges_are_named_and_clamped() {
     let good = RadiusParams::default();
     assert!(good.validate().is_ok());
     for (tip_radius, exponent, name) in [
+        (
+            30.3,
+            2.0,
+            "the tip radius (metres) is 30.3, but must lie between 1e-6 and 10",
+        ),
+        (1e30, 2.0, "is 1e30, but"),
+        (0.01, 0.3, "the radius exponent is 0.3, but"),
         (0.0, 2.0, "tip radius"),
         (-1.0, 2.0, "tip radius"),
         (f32::NAN, 2.0, "tip radius"),

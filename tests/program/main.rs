@@ -6,13 +6,18 @@
 )]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use glam::{Quat, Vec3};
 use ramus::app::store::{Store, read_project};
 use ramus_xr::{Frame, Pose, session};
 use tempfile::TempDir;
+
+mod disk;
+mod doctor;
+mod outputs;
+mod refusals;
 
 const FIRST_TREE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -313,23 +318,6 @@ fn help_teaches_every_command() {
     }
 }
 
-#[test]
-fn doctor_looks_at_everything_and_names_one_command_for_what_is_missing() {
-    let said = succeed(ramus().arg("doctor"));
-    assert!(said.contains("Ramus") && said.contains("OpenXR"), "{said}");
-    let said = succeed(
-        ramus()
-            .arg("doctor")
-            .env("VK_DRIVER_FILES", "/nonexistent")
-            .env("VK_ICD_FILENAMES", "/nonexistent"),
-    );
-    assert!(
-        said.contains("Vulkan device") && said.contains("mend it:"),
-        "{said}"
-    );
-    assert!(said.contains("cannot draw here"), "{said}");
-}
-
 /// One sentence on standard error and exit code 1.
 #[track_caller]
 fn refused(output: &Output, words: &[&str]) {
@@ -347,145 +335,6 @@ fn refused(output: &Output, words: &[&str]) {
         said.starts_with("ramus: ") && !said.contains("panicked"),
         "{said}"
     );
-}
-
-#[test]
-fn bad_grammars_and_options_get_one_clear_sentence() {
-    let folder = folder();
-    let file = |name: &str, bytes: &[u8]| {
-        let path = folder.path().join(name);
-        fs::write(&path, bytes).unwrap();
-        path
-    };
-    let cases: Vec<(PathBuf, &[&str], &[&str])> = vec![
-        (
-            folder.path().join("none.lsys"),
-            &["--steps", "1"],
-            &["none.lsys", "cannot read"],
-        ),
-        (
-            folder.path().to_owned(),
-            &["--steps", "1"],
-            &["cannot read"],
-        ),
-        (file("empty.lsys", b""), &["--steps", "1"], &["empty.lsys"]),
-        (
-            file("syntax.lsys", b"axiom A\nA -> [B\n"),
-            &["--steps", "1"],
-            &["syntax.lsys:2"],
-        ),
-        (
-            file("latin.lsys", b"axiom A # \xe9\n"),
-            &["--steps", "1"],
-            &["UTF-8"],
-        ),
-        (
-            file("nul.lsys", &[0; 4096]),
-            &["--steps", "1"],
-            &["nul.lsys"],
-        ),
-        (
-            file("zero.lsys", b"axiom A(1)\nA(x) -> A(x/0)\n"),
-            &["--steps", "1"],
-            &["division by zero", "A(x/0)"],
-        ),
-        (
-            file("explode.lsys", b"axiom F\nF -> FFFFFFFFFFFFFFFF\n"),
-            &["--steps", "60", "--memory", "64"],
-            &["step", "limit"],
-        ),
-        (file("nosteps.lsys", b"axiom A\n"), &[], &["--steps"]),
-        (
-            file("format.lsys", b"axiom F\n"),
-            &["--steps", "1", "--export", "tree.xyz"],
-            &[".glb, .obj or .swc"],
-        ),
-        (
-            file("undrawn.lsys", b"axiom A\n"),
-            &["--steps", "1", "--export", "tree.glb"],
-            &["no segment"],
-        ),
-        (
-            file("where.lsys", b"axiom F\n"),
-            &["--steps", "1", "--export", "/nonexistent/tree.glb"],
-            &["/nonexistent"],
-        ),
-    ];
-    for (path, args, words) in cases {
-        let output = ramus()
-            .current_dir(folder.path())
-            .arg("derive")
-            .arg(&path)
-            .args(args)
-            .output()
-            .unwrap();
-        refused(&output, words);
-    }
-    assert_eq!(
-        ramus()
-            .args(["derive", HONDA, "--steps", "many"])
-            .output()
-            .unwrap()
-            .status
-            .code(),
-        Some(2)
-    );
-    assert_eq!(ramus().arg("fly").output().unwrap().status.code(), Some(2));
-}
-
-#[test]
-fn bad_sessions_make_no_project() {
-    let folder = folder();
-    let whole = fs::read(FIRST_TREE).unwrap();
-    let with = |from: &str, to: &str| text(&whole).replacen(from, to, 1).into_bytes();
-    let cases: [(&str, Vec<u8>, &[&str]); 6] = [
-        ("empty", Vec::new(), &["empty.session"]),
-        (
-            "noise",
-            b"\x00\xff\x12 noise".to_vec(),
-            &["noise.session", "line 1"],
-        ),
-        ("truncated", whole[..whole.len() / 2].to_vec(), &[]),
-        (
-            "version",
-            with("ramus-session 1", "ramus-session 99"),
-            &["line 1"],
-        ),
-        ("nan", with("trigger 1", "trigger NaN"), &["line"]),
-        (
-            "long",
-            [b"ramus-session 1\n".to_vec(), vec![b'x'; 1 << 20]].concat(),
-            &["line"],
-        ),
-    ];
-    for (name, bytes, words) in cases {
-        let path = folder.path().join(format!("{name}.session"));
-        fs::write(&path, &bytes).unwrap();
-        let project = folder.path().join(format!("{name}.ramus"));
-        let output = ramus()
-            .arg("replay")
-            .arg(&path)
-            .arg("--project")
-            .arg(&project)
-            .output()
-            .unwrap();
-        if name == "truncated" {
-            // Cut within a frame it is refused; cut between two it is a shorter session. Neither is a panic.
-            assert!(
-                matches!(output.status.code(), Some(0 | 1)),
-                "{}",
-                text(&output.stderr)
-            );
-            continue;
-        }
-        refused(&output, words);
-        assert!(!project.exists(), "{name} made a project");
-    }
-    let output = ramus()
-        .args(["replay", "/nonexistent/a.session"])
-        .output()
-        .unwrap();
-    refused(&output, &["/nonexistent/a.session"]);
 }
 
 /// The recorded session with a left hand at `place` that pulls its trigger: before it, in the middle, and after it.
@@ -561,98 +410,6 @@ fn a_hand_absurdly_far_away_changes_nothing_that_is_made() {
         .aim
         .position;
     assert_ne!(made("near", &with_a_pulling_hand(&frames, near)), plain);
-}
-
-#[test]
-fn bad_projects_are_refused_and_stay_as_they_are() {
-    let folder = folder();
-    for (name, bytes) in [
-        ("noise", &b"\x00\x01\x02"[..]),
-        ("empty", b""),
-        ("later", br#"{"format":"ramus-project","version":999}"#),
-    ] {
-        let path = folder.path().join(format!("{name}.ramus"));
-        fs::write(&path, bytes).unwrap();
-        let output = ramus()
-            .current_dir(folder.path())
-            .args(["--headset", "simulated", "--project"])
-            .arg(&path)
-            .output()
-            .unwrap();
-        refused(&output, &[name]);
-        assert_eq!(fs::read(&path).unwrap(), bytes);
-    }
-    let output = ramus()
-        .args(["replay", FIRST_TREE, "--project", "/nonexistent/tree.ramus"])
-        .output()
-        .unwrap();
-    refused(
-        &output,
-        &["/nonexistent/tree.ramus", "folder that you may write to"],
-    );
-}
-
-#[test]
-fn without_vulkan_pictures_are_refused_and_everything_else_works() {
-    let folder = folder();
-    let blind = || {
-        let mut command = ramus();
-        command
-            .env("VK_DRIVER_FILES", "/nonexistent")
-            .env("VK_ICD_FILENAMES", "/nonexistent")
-            .current_dir(folder.path());
-        command
-    };
-    let png = folder.path().join("tree.png");
-    refused(
-        &blind()
-            .args(["derive", HONDA, "--png"])
-            .arg(&png)
-            .output()
-            .unwrap(),
-        &["Vulkan", "install"],
-    );
-    assert!(!png.exists());
-    succeed(blind().args(["derive", HONDA, "--export", "tree.glb"]));
-    succeed(blind().args(["replay", FIRST_TREE, "--project", "tree.ramus"]));
-}
-
-/// A full disk, on a file system of 256 KiB in a mount namespace of the test's own.
-#[test]
-fn a_full_disk_leaves_the_old_file_and_says_so() {
-    let folder = folder();
-    let script = "mount -t tmpfs -o size=256k none \"$1\" && cd \"$1\" && echo old > tree.glb \
-        && \"$2\" derive \"$3\" --export tree.glb; code=$?; cat tree.glb; ls -A; exit $code";
-    let output = Command::new("unshare")
-        .args([
-            "--mount",
-            "--propagation",
-            "private",
-            "sh",
-            "-c",
-            script,
-            "sh",
-        ])
-        .arg(folder.path())
-        .args([env!("CARGO_BIN_EXE_ramus"), HONDA])
-        .output();
-    let Ok(output) = output else {
-        println!("skipped: there is no unshare here to make a small disk with");
-        return;
-    };
-    let said = text(&output.stderr);
-    if said.contains("unshare:") || said.contains("mount:") {
-        println!(
-            "skipped: no mount namespace may be made here ({})",
-            said.trim()
-        );
-        return;
-    }
-    refused(&output, &["tree.glb", "full"]);
-    assert!(
-        text(&output.stdout).ends_with("old\ntree.glb\n"),
-        "the old file stays, and nothing else"
-    );
 }
 
 #[test]
