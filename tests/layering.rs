@@ -14,9 +14,19 @@
     reason = "a test that stops says enough by stopping"
 )]
 
+mod layering {
+    pub(crate) mod made_up;
+    pub(crate) mod tokens;
+}
+
 use std::{
     fs,
     path::{Path, PathBuf},
+};
+
+use layering::{
+    made_up::MADE_UP,
+    tokens::{Token, tokens},
 };
 
 /// A room, how high it stands, and what it must not name.
@@ -88,119 +98,6 @@ const RENDER_SEES_OF_WORLD: &[&str] = &["scene"];
 
 fn room(name: &str) -> Option<&'static Room> {
     ROOMS.iter().find(|room| room.name == name)
-}
-
-/// A piece of source text that matters here, and the line it stands on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Token<'a> {
-    text: &'a str,
-    line: usize,
-}
-
-/// Splits source text into identifiers, `::` and single signs; comments, strings, characters and
-/// lifetimes are left out.
-fn tokens(source: &str) -> Vec<Token<'_>> {
-    let bytes = source.as_bytes();
-    let mut found = Vec::new();
-    let mut line = 1;
-    let mut at = 0;
-    while at < bytes.len() {
-        let start = at;
-        let rest = &source[at..];
-        if rest.starts_with("//") {
-            at += rest.find('\n').unwrap_or(rest.len());
-        } else if rest.starts_with("/*") {
-            at += block_comment(rest);
-        } else if let Some(length) = string(rest) {
-            at += length;
-        } else if bytes[at].is_ascii_alphabetic() || bytes[at] == b'_' {
-            at += rest
-                .find(|c: char| !c.is_alphanumeric() && c != '_')
-                .unwrap_or(rest.len());
-            found.push(Token {
-                text: &source[start..at],
-                line,
-            });
-        } else if rest.starts_with("::") {
-            at += 2;
-            found.push(Token { text: "::", line });
-        } else {
-            at += rest.chars().next().map_or(1, char::len_utf8);
-            let sign = &source[start..at];
-            if !sign.trim().is_empty() {
-                found.push(Token { text: sign, line });
-            }
-        }
-        line += source[start..at].matches('\n').count();
-    }
-    found
-}
-
-/// Length of the block comment that `rest` begins with; comments nest.
-fn block_comment(rest: &str) -> usize {
-    let mut depth = 0_usize;
-    let mut at = 0;
-    while at < rest.len() {
-        if rest[at..].starts_with("/*") {
-            depth += 1;
-            at += 2;
-        } else if rest[at..].starts_with("*/") {
-            depth -= 1;
-            at += 2;
-            if depth == 0 {
-                return at;
-            }
-        } else {
-            at += rest[at..].chars().next().map_or(1, char::len_utf8);
-        }
-    }
-    rest.len()
-}
-
-/// Length of the string, raw string, byte string, character or lifetime that `rest` begins with.
-fn string(rest: &str) -> Option<usize> {
-    let prefix = ["br", "cr", "b", "c", "r"].into_iter().find(|prefix| {
-        rest.strip_prefix(prefix).is_some_and(|after| {
-            after.starts_with('"') || (prefix.ends_with('r') && after.starts_with("#"))
-        })
-    });
-    let raw = prefix.is_some_and(|prefix| prefix.ends_with('r'));
-    let body = &rest[prefix.map_or(0, str::len)..];
-    if raw {
-        let hashes = body.len() - body.trim_start_matches('#').len();
-        // `r#name` is an identifier, not a string.
-        body[hashes..].strip_prefix('"')?;
-        let close = format!("\"{}", "#".repeat(hashes));
-        let inner = &body[hashes + 1..];
-        let length = inner
-            .find(&close)
-            .map_or(inner.len(), |end| end + close.len());
-        return Some(rest.len() - inner.len() + length);
-    }
-    let quote = body.chars().next()?;
-    if quote == '\'' {
-        let after = &body[1..];
-        let mut signs = after.char_indices();
-        let (_, first) = signs.next()?;
-        let lifetime = first != '\\' && signs.next().is_none_or(|(_, second)| second != '\'');
-        if lifetime {
-            let name = after.find(|c: char| !c.is_alphanumeric() && c != '_');
-            return Some(1 + name.unwrap_or(after.len()));
-        }
-    } else if quote != '"' {
-        return None;
-    }
-    let mut escaped = false;
-    for (at, sign) in body.char_indices().skip(1) {
-        if escaped {
-            escaped = false;
-        } else if sign == '\\' {
-            escaped = true;
-        } else if sign == quote {
-            return Some(rest.len() - body.len() + at + 1);
-        }
-    }
-    Some(rest.len())
 }
 
 /// A path into a room: the room, the next name where there is one, and the line.
@@ -481,146 +378,6 @@ fn rooms_without_devices_forbid_unsafe_code() {
         );
     }
 }
-
-/// The checker on made-up sources: the file, its text, and a part of each complaint in order.
-const MADE_UP: &[(&str, &str, &[&str])] = &[
-    // What is allowed.
-    (
-        "world/tools.rs",
-        "use crate::{sketch::Sketch, tree::Tree};",
-        &[],
-    ),
-    (
-        "render/frame.rs",
-        "use crate::world::scene::{Rod, Scene}; use ash::vk;",
-        &[],
-    ),
-    (
-        "render/frame.rs",
-        "use crate::{tree::Tree, world::{scene::Scene}};",
-        &[],
-    ),
-    (
-        "cli/mod.rs",
-        "use crate::{app, lsystem, render, ui, world::input};",
-        &[],
-    ),
-    (
-        "tree/export.rs",
-        "// use crate::app;\n/* crate::render /* crate::ui */ */",
-        &[],
-    ),
-    (
-        "tree/export.rs",
-        r##"const A: &str = "crate::render"; const B: &str = r#"crate::"ui"#;"##,
-        &[],
-    ),
-    (
-        "tree/export.rs",
-        "fn f<'a>(x: &'a str) -> char { '\"' } use super::tubes;",
-        &[],
-    ),
-    (
-        "tree/mod.rs",
-        "mod tests { use super::*; fn f() { super::super::tree::new() } }",
-        &[],
-    ),
-    (
-        "ui/board.rs",
-        "struct A { ash: u32 } fn f(a: A) -> u32 { a.ash }",
-        &[],
-    ),
-    ("sketch/mod.rs", "#![deny(unsafe_code)]", &[]),
-    // What is not.
-    (
-        "tree/mod.rs",
-        "use crate::lsystem;",
-        &["src/tree/mod.rs:1: tree reaches up to lsystem"],
-    ),
-    (
-        "lsystem/mod.rs",
-        "use crate::mesh::Mesh;",
-        &["lsystem reaches up to mesh"],
-    ),
-    (
-        "sketch/mod.rs",
-        "use crate::{\n    tree::Tree,\n    world::{input, scene},\n    app,\n};",
-        &[
-            ":3: sketch reaches up to world",
-            ":3: sketch reaches up to world",
-            ":4: sketch reaches up to app",
-        ],
-    ),
-    (
-        "world/hover.rs",
-        "fn f() { let x = ramus::render::new(); }",
-        &["world reaches up to render"],
-    ),
-    (
-        "tree/import.rs",
-        "use super::super::world::input;",
-        &["tree reaches up to world"],
-    ),
-    (
-        "tree/mod.rs",
-        "mod tests {\n use super::super::ui;\n}",
-        &[":2: tree reaches up to ui"],
-    ),
-    (
-        "ui/mod.rs",
-        "use crate::render::Gpu;",
-        &["ui reaches up to render"],
-    ),
-    (
-        "render/mod.rs",
-        "use crate::world::World;",
-        &["render sees of world only"],
-    ),
-    (
-        "render/mod.rs",
-        "use crate::world;",
-        &["render sees of world only"],
-    ),
-    (
-        "render/mod.rs",
-        "use crate::world::{scene, tools};",
-        &["not Some(\"tools\")"],
-    ),
-    (
-        "render/mod.rs",
-        "use ramus_xr::Frame;",
-        &["must not name ramus_xr"],
-    ),
-    (
-        "render/mod.rs",
-        "use ramus_xr::{vulkan::VulkanHost, Frame};",
-        &["must not name ramus_xr"],
-    ),
-    ("render/mod.rs", "use ramus_xr::vulkan::VulkanHost;", &[]),
-    (
-        "ui/mod.rs",
-        "use ramus_xr::vulkan::VulkanHost;",
-        &["must not name ramus_xr"],
-    ),
-    ("world/mod.rs", "use egui;", &["must not name egui"]),
-    (
-        "world/mod.rs",
-        "fn f(x: ash::vk::Image) {}",
-        &["must not name ash"],
-    ),
-    (
-        "lsystem/mod.rs",
-        "pub use ::openxr as xr;",
-        &["must not name openxr"],
-    ),
-    (
-        "lsystem/mod.rs",
-        "extern crate winit;",
-        &["must not name winit"],
-    ),
-    ("sketch/a/b.rs", "unsafe { x() }", &["unsafe belongs"]),
-    ("attic/mod.rs", "", &["attic is no room yet"]),
-];
 
 #[test]
 fn the_checker_finds_what_it_looks_for() {

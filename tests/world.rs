@@ -10,6 +10,7 @@
 mod person;
 mod world {
     mod any_input;
+    mod hold;
     mod platform;
     mod trouble;
 }
@@ -33,6 +34,9 @@ const A: Letter = Letter::TRUNK;
 const C: Letter = Letter::from_index(1);
 
 const BOTH: [usize; 2] = [LEFT, RIGHT];
+
+/// Seconds after which a gripped node is at the hand.
+const FLIGHT: f64 = 0.16;
 
 fn other(hand: usize) -> usize {
     1 - hand
@@ -199,145 +203,10 @@ fn no_branch_starts_at_the_root() {
     assert!(person.message().unwrap().contains("root"));
 }
 
-#[test]
-fn a_gripped_node_follows_and_stays_where_it_is_dropped() {
-    for hand in BOTH {
-        for touch in [false, true] {
-            let mut person = with_branch(hand);
-            let before = person.world.document().clone();
-            let at = person.node(A, 2);
-            if touch {
-                person.reach(hand, at)
-            } else {
-                person.point(hand, at)
-            }
-            person.press(hand, Button::Squeeze);
-            assert!(person.felt(hand) > 0.0);
-            let goal = Vec3::new(-0.2, 0.9, 0.3);
-            for place in [Vec3::new(0.3, 0.7, 0.0), Vec3::new(0.0, 0.9, 0.2), goal] {
-                let tip = person.on_stage(place);
-                person.reach(hand, tip);
-                let scene = person.scene();
-                assert!(
-                    scene
-                        .balls
-                        .iter()
-                        .any(|ball| ball.center.distance(tip) < 1e-3),
-                    "it follows"
-                );
-                assert_eq!(*person.world.document(), before, "not yet an edit");
-            }
-            person.release(hand, Button::Squeeze);
-            assert!(close(person.in_sketch(A, 2), goal));
-            for node in [1, 3, 4] {
-                let stayed = before.sketch.position(NodeRef::new(A, node)).unwrap();
-                assert_eq!(person.in_sketch(A, node), stayed, "neighbours stay");
-            }
-            person.rest(hand);
-            person.flick(hand, -1.0);
-            assert_eq!(*person.world.document(), before, "one undo takes it back");
-        }
-    }
-}
-
-#[test]
-fn the_tree_follows_a_node_in_the_hand() {
-    let mut person = with_trunk(RIGHT);
-    person.click(RIGHT, Button::Lower);
-    person.click(RIGHT, Button::Lower);
-    let at = person.node(A, 1);
-    person.reach(RIGHT, at);
-    person.press(RIGHT, Button::Squeeze);
-    let before = person.scene().tree.unwrap().tree;
-    person.reach(RIGHT, at + Vec3::X * 0.1);
-    let after = person.scene().tree.unwrap().tree;
-    assert_ne!(
-        before.position, after.position,
-        "cause and effect in one frame"
-    );
-}
-
-#[test]
-fn the_trigger_deletes_a_gripped_node_and_all_above_it() {
-    for hand in BOTH {
-        let mut person = with_branch(hand);
-        let at = person.node(A, 2);
-        person.point(hand, at);
-        person.press(hand, Button::Squeeze);
-        person.press(hand, Button::Trigger);
-        let sketch = &person.world.document().sketch;
-        assert_eq!(sketch.apex(A), Some(NodeRef::new(A, 1)));
-        assert_eq!(
-            sketch.stroke(C),
-            None,
-            "the branch that was attached there is gone too"
-        );
-        assert!(person.felt(hand) > 0.05);
-        person.release(hand, Button::Trigger);
-        person.release(hand, Button::Squeeze);
-        assert_eq!(
-            person.world.document().sketch.apex(A),
-            Some(NodeRef::new(A, 1)),
-            "letting go does nothing more"
-        );
-    }
-}
-
-#[test]
-fn both_hands_may_hold_a_node_each() {
-    let mut person = with_trunk(RIGHT);
-    for (hand, node) in [(LEFT, 1), (RIGHT, 3)] {
-        let at = person.node(A, node);
-        person.reach(hand, at);
-        person.press(hand, Button::Squeeze);
-    }
-    let goals = [Vec3::new(-0.3, 0.4, 0.0), Vec3::new(0.5, 1.2, 0.0)];
-    for (hand, goal) in BOTH.into_iter().zip(goals) {
-        let tip = person.on_stage(goal);
-        person.reach(hand, tip);
-    }
-    person.release(LEFT, Button::Squeeze);
-    person.release(RIGHT, Button::Squeeze);
-    assert!(close(person.in_sketch(A, 1), goals[0]) && close(person.in_sketch(A, 3), goals[1]));
-}
-
-#[test]
-fn a_hand_lets_go_of_a_node_that_the_other_hand_deletes() {
-    let mut person = with_trunk(RIGHT);
-    for (hand, node) in [(LEFT, 3), (RIGHT, 2)] {
-        let at = person.node(A, node);
-        person.reach(hand, at);
-        person.press(hand, Button::Squeeze);
-    }
-    person.press(RIGHT, Button::Trigger);
-    assert_eq!(
-        person.world.document().sketch.apex(A),
-        Some(NodeRef::new(A, 1))
-    );
-    let left = person.bytes();
-    person.release(LEFT, Button::Squeeze);
-    assert_eq!(person.bytes(), left);
-}
-
 /// A place on the platform's rim, to the right.
 fn on_rim(person: &Person) -> Vec3 {
     let ring = rim(&person.world.document().platform, &StageParams::default());
     ring.center + Vec3::X * (ring.inner + ring.outer) * 0.5
-}
-
-#[test]
-fn a_grip_on_nothing_does_nothing() {
-    for hand in BOTH {
-        let mut person = with_trunk(hand);
-        let before = person.bytes();
-        person.reach(hand, Vec3::new(0.9, 1.8, 0.5));
-        person.press(hand, Button::Squeeze);
-        let at = person.node(A, 2);
-        person.reach(hand, at);
-        person.release(hand, Button::Squeeze);
-        assert_eq!(person.bytes(), before);
-        assert!(person.haptics.is_empty());
-    }
 }
 
 #[test]
@@ -412,6 +281,26 @@ fn the_stick_undoes_and_redoes_everything() {
 }
 
 #[test]
+fn choosing_a_node_is_an_action_where_it_changes_what_is_chosen() {
+    let mut person = with_trunk(RIGHT);
+    let (drawn, apex) = (person.world.history().undo_count(), NodeRef::new(A, 4));
+    let at = person.node(A, 2);
+    for _ in 0..2 {
+        person.point(RIGHT, at);
+        person.click(RIGHT, Button::Trigger);
+        assert_eq!(person.world.document().selected, NodeRef::new(A, 2));
+        assert_eq!(person.world.history().undo_count(), drawn + 1, "once");
+    }
+    person.rest(RIGHT);
+    person.flick(RIGHT, -1.0);
+    let document = person.world.document();
+    assert_eq!(
+        (document.selected, document.sketch.apex(A)),
+        (apex, Some(apex))
+    );
+}
+
+#[test]
 fn growth_beyond_the_limit_is_refused_with_a_sentence() {
     let mut params = WorldParams::default();
     params.tools.draw.max_segments = 50;
@@ -476,6 +365,7 @@ fn walk() -> Person {
     person.point(LEFT, at);
     person.press(LEFT, Button::Squeeze);
     person.reach(LEFT, at + Vec3::new(-0.05, 0.02, 0.03));
+    person.wait(FLIGHT);
     person.release(LEFT, Button::Squeeze);
     person.rest(LEFT);
     person.flick(RIGHT, -1.0);
@@ -543,8 +433,6 @@ fn frames_shown_twice_or_not_at_all_change_nothing() {
         ..frame
     });
     assert_eq!(replay(slow), expected, "at another speed");
-    let still = frames.iter().map(|&frame| Input { time: 0.0, ..frame });
-    assert_eq!(replay(still), expected, "without time");
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Grammar text → [`Grammar`]: includes, declarations, statements, checks. Productions are read by `rules`.
+//! Grammar text → [`Grammar`]: includes, declarations, statements, checks. What each statement says is read by
+//! `statements`, productions by `rules`.
 //!
 //! Three passes over the statements, so that order in the file matters little: declarations of modules, then
 //! constants, then everything else. Every statement is tried, so that several faults are told at once.
@@ -9,21 +10,15 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::error::{GrammarError, GrammarErrors, nearest};
-use super::expression;
+use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::include::{folder_of, gather};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
-use super::number::write_general;
-use super::rules;
-use super::shape::{self, Shape, Wrap};
-use super::source::{Block, Cursor, KEYWORDS, Source, Statement};
+use super::shape::{Shape, Wrap};
+use super::source::{Block, Cursor, Source, Statement};
 use super::string::ModuleString;
 
-/// Rounds of decomposition where the file states none.
-const DECOMPOSE_DEPTH: u32 = 100;
-/// Rounds of interpretation where the file states none: each module is replaced once, as L-Py does.
-const INTERPRET_DEPTH: u32 = 1;
+mod statements;
 
 /// What the passes gather.
 #[derive(Default)]
@@ -249,18 +244,6 @@ impl Parser {
         })
     }
 
-    fn once(&mut self, cursor: &Cursor<'_>, keyword: &'static str) -> Result<(), GrammarError> {
-        if self.seen.insert(keyword) {
-            Ok(())
-        } else {
-            let at = cursor.pos().saturating_sub(keyword.len());
-            Err(cursor.error_at(
-                at,
-                format!("`{keyword}` stands here a second time; expected it once"),
-            ))
-        }
-    }
-
     /// Why a context never meets the module `name`, if it does not.
     pub(crate) fn unseen(&self, name: &str) -> Option<String> {
         if self.literal {
@@ -277,294 +260,6 @@ impl Parser {
             ));
         }
         None
-    }
-
-    fn module(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
-        loop {
-            cursor.skip_blank();
-            let at = cursor.pos();
-            let name = Names::read_declared(cursor)?;
-            let mut listed: Vec<String> = Vec::new();
-            parameters(cursor, |c| {
-                let name = c
-                    .identifier()
-                    .ok_or_else(|| c.expected("the name of a parameter"))?;
-                listed.push(name.to_owned());
-                Ok(())
-            })?;
-            if !self.names.declare(name, listed) {
-                return Err(cursor.error_at(at, format!("`{name}` is declared twice")));
-            }
-            if !cursor.take(",") {
-                return Ok(());
-            }
-        }
-    }
-
-    fn constant(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
-        loop {
-            cursor.skip_blank();
-            let at = cursor.pos();
-            let name = cursor
-                .identifier()
-                .ok_or_else(|| cursor.expected("the name of a constant"))?;
-            cursor.expect("=")?;
-            let value = expression::parse_constant(cursor, &self.constants, &mut self.errors)?;
-            if self.constants.insert(name.to_owned(), value).is_some() {
-                return Err(
-                    cursor.error_at(at, format!("the constant `{name}` is given a value twice"))
-                );
-            }
-            if !cursor.take(",") {
-                return Ok(());
-            }
-        }
-    }
-
-    fn context(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
-        self.once(cursor, "context")?;
-        match cursor.identifier() {
-            Some("literal") => self.literal = true,
-            Some("branches") => {}
-            _ => return Err(cursor.expected("`literal` or `branches`")),
-        }
-        Ok(())
-    }
-
-    fn statement(
-        &mut self,
-        cursor: &mut Cursor<'_>,
-        statement: &Statement,
-    ) -> Result<(), GrammarError> {
-        let keyword = statement.keyword;
-        if !matches!(keyword, "" | "ignore" | "shape") {
-            self.once(cursor, keyword)?;
-        }
-        match keyword {
-            "axiom" => self.axiom(cursor),
-            "ignore" => {
-                let names = self.list(cursor)?;
-                self.ignored.extend(names);
-                Ok(())
-            }
-            "consider" => {
-                self.considered = Some(self.list(cursor)?);
-                Ok(())
-            }
-            "steps" => {
-                self.steps = Some(self.whole(cursor)?);
-                Ok(())
-            }
-            "seed" => {
-                cursor.skip_blank();
-                let digits = cursor.rest().bytes().take_while(u8::is_ascii_digit).count();
-                let seed = cursor.rest().get(..digits).and_then(|t| t.parse().ok());
-                self.seed = Some(seed.ok_or_else(|| cursor.expected("a whole number below 2^64"))?);
-                cursor.advance(digits);
-                Ok(())
-            }
-            "angle" => {
-                self.angle = Some(expression::parse_constant(
-                    cursor,
-                    &self.constants,
-                    &mut self.errors,
-                )?);
-                Ok(())
-            }
-            "order" => {
-                self.order = match cursor.identifier() {
-                    Some("first") => Order::First,
-                    Some("specific") => Order::Specific,
-                    _ => return Err(cursor.expected("`first` or `specific`")),
-                };
-                Ok(())
-            }
-            "wrap" => {
-                self.wrap = match cursor.identifier() {
-                    Some("carry") => Wrap::Carry,
-                    Some("restart") => Wrap::Restart,
-                    _ => return Err(cursor.expected("`carry` or `restart`")),
-                };
-                Ok(())
-            }
-            "dialect" => match cursor.identifier() {
-                Some("ramus") => Ok(()),
-                Some(name @ ("lpy" | "houdini" | "cpfg")) => {
-                    let at = cursor.pos().saturating_sub(name.len());
-                    Err(cursor.error_at(
-                        at,
-                        format!("the dialect `{name}` cannot be read yet; expected `ramus`, the only one that is read"),
-                    ))
-                }
-                Some(name) => {
-                    let at = cursor.pos().saturating_sub(name.len());
-                    let name: String = name.chars().take(40).collect();
-                    Err(cursor.error_at(
-                        at,
-                        format!("the dialect `{name}` is not known; expected `ramus`, the only one that is read (`lpy`, `houdini` and `cpfg` are known and cannot be read yet)"),
-                    ))
-                }
-                None => Err(cursor.expected("the name of a dialect: `ramus`")),
-            },
-            "tropism" => {
-                let mut axis = [0.0; 3];
-                for value in &mut axis {
-                    *value = expression::signed(cursor)?;
-                }
-                self.tropism = Some(DVec3::from(axis));
-                Ok(())
-            }
-            "shape" => {
-                cursor.skip_blank();
-                let at = cursor.pos();
-                let shape = shape::read(&self.names, cursor)?;
-                if !self.shape_names.insert(shape.name.clone()) {
-                    let message = format!("the shape `{}` is given twice", shape.name);
-                    return Err(cursor.error_at(at, message));
-                }
-                self.shapes.push(shape);
-                Ok(())
-            }
-            "decompose" => {
-                let depth = self.block(cursor, DECOMPOSE_DEPTH)?;
-                self.decompose.get_or_insert_with(|| (Vec::new(), 0)).1 = depth;
-                Ok(())
-            }
-            "interpret" => {
-                let depth = self.block(cursor, INTERPRET_DEPTH)?;
-                self.interpret.get_or_insert_with(|| (Vec::new(), 0)).1 = depth;
-                Ok(())
-            }
-            _ => self.production(cursor, statement),
-        }
-    }
-
-    fn production(
-        &mut self,
-        cursor: &mut Cursor<'_>,
-        statement: &Statement,
-    ) -> Result<(), GrammarError> {
-        if !cursor.rest().contains("->") {
-            let word: String = cursor
-                .rest()
-                .chars()
-                .take_while(|c| c.is_alphanumeric())
-                .take(40)
-                .collect();
-            let hint = nearest(&word, KEYWORDS.iter().copied()).map_or(String::new(), |n| {
-                format!("; the nearest known word is `{n}`")
-            });
-            return Err(cursor.expected(&format!("a statement or a production with `->`{hint}")));
-        }
-        let rule = rules::production(self, cursor, statement.block != Block::Main)?;
-        let list = match statement.block {
-            Block::Main => &mut self.rules,
-            Block::Decompose => {
-                &mut self
-                    .decompose
-                    .get_or_insert_with(|| (Vec::new(), DECOMPOSE_DEPTH))
-                    .0
-            }
-            Block::Interpret => {
-                &mut self
-                    .interpret
-                    .get_or_insert_with(|| (Vec::new(), INTERPRET_DEPTH))
-                    .0
-            }
-        };
-        if list.len() >= usize::from(u16::MAX) - 1 {
-            return Err(cursor.error_at(
-                statement.start,
-                "this grammar has more than 65,000 productions".into(),
-            ));
-        }
-        list.push(rule);
-        Ok(())
-    }
-
-    fn axiom(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
-        let mut axiom = ModuleString::default();
-        let mut brackets = Brackets::default();
-        if cursor.take("*") {
-            self.axiom = Some(axiom);
-            return Ok(());
-        }
-        if cursor.at_end() {
-            return Err(cursor.expected("modules, or `*` for none"));
-        }
-        while !cursor.at_end() {
-            let at = cursor.pos();
-            let name = self.names.read(cursor)?;
-            let (constants, errors) = (&self.constants, &mut self.errors);
-            let arity = parameters(cursor, |c| {
-                axiom
-                    .parameters
-                    .push(expression::parse_constant(c, constants, errors)?);
-                Ok(())
-            })?;
-            brackets.module(cursor, name, at, arity)?;
-            axiom.symbols.push(self.symbol(cursor, name, at, arity)?);
-        }
-        brackets.end(cursor)?;
-        axiom.births = vec![0; axiom.symbols.len()];
-        self.axiom = Some(axiom);
-        Ok(())
-    }
-
-    /// A list of module names.
-    fn list(&mut self, cursor: &mut Cursor<'_>) -> Result<BTreeSet<String>, GrammarError> {
-        let mut names = BTreeSet::new();
-        while !cursor.at_end() {
-            let at = cursor.pos();
-            let name = self.names.read(cursor)?;
-            if matches!(name, "[" | "]") {
-                return Err(cursor.error_at(
-                    at,
-                    "brackets are always seen by contexts; expected other modules".into(),
-                ));
-            }
-            names.insert(name.to_owned());
-        }
-        Ok(names)
-    }
-
-    fn whole(&mut self, cursor: &mut Cursor<'_>) -> Result<u32, GrammarError> {
-        cursor.skip_blank();
-        let at = cursor.pos();
-        let value = expression::parse_constant(cursor, &self.constants, &mut self.errors)?;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "whole and in range"
-        )]
-        if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value) {
-            return Ok(value as u32);
-        }
-        // As it is written, since a large number has other digits as a float; with its value where that is not plain.
-        let written = cursor.between(at, cursor.pos()).trim_end();
-        let mut found: String = written.chars().take(40).collect();
-        if written.parse::<f64>().is_err() {
-            found.push_str("`, which is `");
-            write_general(&mut found, value);
-        }
-        Err(cursor.error_at(
-            at,
-            format!(
-                "found `{found}`; expected a whole number from 0 to {}",
-                u32::MAX
-            ),
-        ))
-    }
-
-    /// `depth N {` or `{`.
-    fn block(&mut self, cursor: &mut Cursor<'_>, default: u32) -> Result<u32, GrammarError> {
-        let depth = if cursor.take("depth") {
-            self.whole(cursor)?
-        } else {
-            default
-        };
-        cursor.expect("{")?;
-        Ok(depth)
     }
 
     fn finish(mut self, sources: &[Source]) -> Result<Grammar, GrammarErrors> {

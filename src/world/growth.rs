@@ -224,17 +224,22 @@ impl Growth {
     /// The tree as it stands now.
     pub(super) fn placed(&self, world_from_tree: Affine3A) -> Option<PlacedTree> {
         let shown = self.shown.as_ref()?;
-        let f = self.fraction.clamp(0.0, 1.0);
         Some(PlacedTree {
             tree: Arc::clone(&shown.tree),
             radius_before: Arc::clone(&shown.radius_before),
             revision: self.revision,
             world_from_tree,
-            // Eased at both ends, so that growth neither starts nor stops with a jerk.
-            growth: f * f * (3.0 - 2.0 * f),
+            growth: eased(self.fraction),
             newest: shown.newest,
         })
     }
+}
+
+/// A part of a movement's time (0 to 1) as a part of its way, eased at both ends: nothing on the stage starts or stops
+/// with a jerk.
+pub(super) fn eased(part: f32) -> f32 {
+    let part = part.clamp(0.0, 1.0);
+    part * part * (3.0 - 2.0 * part)
 }
 
 #[cfg(test)]

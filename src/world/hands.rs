@@ -2,8 +2,8 @@
 //!
 //! Tools act on edges alone (a button goes down, a button comes up), each with
 //! the pose of the very frame that brought it. A frame that a runtime shows
-//! twice therefore changes nothing, and the document depends neither on the
-//! frame rate nor on time.
+//! twice therefore changes nothing, and the document does not depend on the
+//! frame rate.
 //!
 //! Every button starts *blocked* and is blocked again while its controller is
 //! untracked, its values are no numbers, or the input is not ours: it must be

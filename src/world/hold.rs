@@ -4,6 +4,9 @@
 //! if the hand let go now; it becomes an edit when it does. What is shown is made anew from the
 //! committed document in each frame that moves a hand, never from the frame before,
 //! so what a frame showed leaves no trace.
+//!
+//! A node that is gripped from afar flies to the hand ([`HoldParams`]) and then follows it. Let go on the
+//! way, it stays where it is seen.
 
 use std::sync::Arc;
 
@@ -14,10 +17,38 @@ use crate::sketch::{NodeRef, Sketch, SketchError, point};
 use super::{
     document::{Edit, Placement},
     grip::PlatformGrip,
+    growth::eased,
     history::History,
     input::Pose,
     tools::{Hand, Hold, Hover, Tools},
 };
+
+/// How a node comes to the hand that grips it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HoldParams {
+    /// Seconds in which it flies there; none: it jumps. Short, so that it is with the hand before the hand moves on.
+    pub flight_seconds: f64,
+}
+
+impl Default for HoldParams {
+    fn default() -> Self {
+        Self {
+            flight_seconds: 0.15,
+        }
+    }
+}
+
+impl HoldParams {
+    /// How much of its way a node has flown, 0 to 1, so many seconds after the grip.
+    fn flown(&self, held_seconds: f64) -> f32 {
+        if held_seconds >= self.flight_seconds {
+            return 1.0;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "0 to 1")]
+        let part = (held_seconds / self.flight_seconds) as f32;
+        eased(part)
+    }
+}
 
 /// What `Tools::shown` was made from: unchanged, it need not be made again.
 #[derive(Debug)]
@@ -37,6 +68,7 @@ impl Tools {
             } => self.refuse(hand, SketchError::Root.to_string()),
             Hover::Node { at, .. } => {
                 self.hands[hand].hold = Hold::Node(at);
+                self.hands[hand].held_seconds = 0.0;
                 self.pulse(hand, self.params.haptics.choose);
             }
             Hover::Rim { .. } => {
@@ -51,22 +83,12 @@ impl Tools {
 
     /// Lets go of what a hand holds, where it is now.
     pub(super) fn release(&mut self, hand: usize, history: &mut History) {
-        let Hand {
-            sample: Some(sample),
-            hold,
-            ..
-        } = self.hands[hand]
-        else {
-            return;
-        };
-        match hold {
+        match self.hands[hand].hold {
             Hold::Nothing => return,
-            Hold::Node(at) => {
-                let to = self
-                    .miniature
-                    .sketch_from_stage
-                    .transform_point3(sample.tip);
+            Hold::Node(_) => {
+                let held = self.node_in(hand, &history.committed().sketch);
                 self.hands[hand].hold = Hold::Nothing;
+                let Some((at, to)) = held else { return };
                 self.apply(
                     hand,
                     Edit::MoveNode { at, to },
@@ -130,13 +152,7 @@ impl Tools {
             self.miniature
                 .follow(&self.shown, &self.stage, &self.palette);
         }
-        let to_sketch = self.miniature.sketch_from_stage;
-        let nodes = self.hands.map(|hand| match (hand.hold, hand.sample) {
-            (Hold::Node(at), Some(sample)) => {
-                Some((at, point(to_sketch.transform_point3(sample.tip))))
-            }
-            _ => None,
-        });
+        let nodes = [0, 1].map(|hand| self.node_in(hand, &committed.sketch));
         let same =
             |held: &Held| held.nodes == nodes && Arc::ptr_eq(&held.sketch, &committed.sketch);
         if !self.held.as_ref().is_some_and(same) {
@@ -156,6 +172,28 @@ impl Tools {
         self.shown.selected = committed.selected;
         self.miniature
             .follow(&self.shown, &self.stage, &self.palette);
+    }
+
+    /// The node in a hand and where it is now, metres in the sketch: on its way from where it was to the hand's tip,
+    /// then with the tip.
+    fn node_in(&self, hand: usize, committed: &Sketch) -> Option<(NodeRef, Vec3)> {
+        let Hand {
+            hold: Hold::Node(at),
+            held_seconds,
+            sample: Some(sample),
+            ..
+        } = *self.hands.get(hand)?
+        else {
+            return None;
+        };
+        let to_sketch = self.miniature.sketch_from_stage;
+        let tip = point(to_sketch.transform_point3(sample.tip));
+        let flown = self.params.hold.flown(held_seconds);
+        if flown >= 1.0 {
+            return Some((at, tip));
+        }
+        let from = committed.position(at)?;
+        Some((at, point(from.lerp(tip, flown))))
     }
 
     /// Begins the platform's grip anew, from where it is seen now, with the hands that hold it.

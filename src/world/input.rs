@@ -52,7 +52,8 @@ impl HandInput {
 /// Everything the world is told in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
-    /// Seconds since the session began. Only animation depends on it, never the document.
+    /// Seconds since the session began. Animation depends on it, and the document in one thing only: where a node is
+    /// that is let go while it still flies to the hand.
     pub time: f64,
     /// False when another application or the system menu has the input.
     pub focused: bool,

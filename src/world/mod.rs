@@ -40,6 +40,7 @@ use tools::{Hover, Tools};
 
 pub use grip::GripParams;
 pub use growth::{GrowthParams, TreeRequest};
+pub use hold::HoldParams;
 pub use tools::{Haptic, ToolParams};
 
 /// Everything about the world that can be set.
@@ -57,7 +58,7 @@ pub struct WorldParams {
     pub board: BoardParams,
     /// Seconds for which a message stays.
     pub message_seconds: f32,
-    /// Longest time that one frame moves anything on, seconds.
+    /// Longest time by which one frame moves the picture on, seconds.
     pub longest_frame: f64,
 }
 
@@ -132,8 +133,13 @@ impl World {
 
     /// Acts on one frame; gives the vibrations that belong to it.
     pub fn update(&mut self, input: &Input) -> &[Haptic] {
-        let seconds = self.pass(input.time);
-        self.tools.update(input, &mut self.history);
+        let passed = self.pass(input.time);
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "at most a tenth of a second"
+        )]
+        let seconds = passed.min(self.params.longest_frame) as f32;
+        self.tools.update(input, passed, &mut self.history);
         if let Some(text) = self.tools.take_message() {
             self.show_message(text);
         }
@@ -149,19 +155,14 @@ impl World {
         &self.tools.haptics
     }
 
-    /// Seconds since the last frame, as far as they are to be believed.
-    fn pass(&mut self, time: f64) -> f32 {
+    /// Seconds since the last frame; none where the clock stands still, goes back or says nonsense.
+    fn pass(&mut self, time: f64) -> f64 {
         if !time.is_finite() {
             return 0.0;
         }
         let passed = self.clock.map_or(0.0, |before| time - before);
         self.clock = Some(time);
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "at most a tenth of a second"
-        )]
-        let seconds = passed.clamp(0.0, self.params.longest_frame) as f32;
-        seconds
+        passed.max(0.0)
     }
 
     /// Wishes for the tree of what is seen, unless it is there or would be too large.

@@ -4,6 +4,8 @@
 //! changes the document happens at a button's edge and looks at nothing but the
 //! document and the poses of that frame, so the document is a function of the
 //! sequence of edges: not of time, frame rate, or how often a frame was shown.
+//! The one exception is a node that is let go before it has reached the hand
+//! ([`super::HoldParams`]): it stays where it is seen then, which the input's time decides.
 //!
 //! While a hand holds something, `Tools::shown` is the document as it would
 //! be if the hand let go now; it becomes an edit when it does. Both hands may
@@ -20,7 +22,7 @@ use super::{
     grip::PlatformGrip,
     hands::{Buttons, Edge, Edges, HandParams, Sample, sample},
     history::History,
-    hold::Held,
+    hold::{Held, HoldParams},
     hover::{self, HoverParams, Pointer},
     input::{HandInput, Input},
     miniature::Miniature,
@@ -79,6 +81,8 @@ pub struct ToolParams {
     pub haptics: HapticParams,
     /// Drawing.
     pub draw: DrawParams,
+    /// Holding a node.
+    pub hold: HoldParams,
     /// Moving the platform.
     pub grip: super::grip::GripParams,
 }
@@ -128,6 +132,8 @@ pub(super) struct Hand {
     /// `None` while the hand is untracked or the input is not ours.
     pub(super) sample: Option<Sample>,
     pub(super) hold: Hold,
+    /// For how long it has held that, seconds of the input's clock.
+    pub(super) held_seconds: f64,
     pub(super) hover: Hover,
 }
 
@@ -185,8 +191,8 @@ impl Tools {
         self.message.take()
     }
 
-    /// Acts on one frame.
-    pub(super) fn update(&mut self, input: &Input, history: &mut History) {
+    /// Acts on one frame; `passed` are the seconds since the one before, 0 or more.
+    pub(super) fn update(&mut self, input: &Input, passed: f64, history: &mut History) {
         self.haptics.clear();
         if !input.focused {
             self.let_go();
@@ -199,6 +205,9 @@ impl Tools {
         let before = self.hands.map(|hand| hand.hover);
         for (hand, input) in input.hands.iter().enumerate() {
             self.read(hand, input, history);
+        }
+        for hand in &mut self.hands {
+            hand.held_seconds += passed;
         }
         self.show(history);
         for (hand, input) in input.hands.iter().enumerate() {

@@ -109,6 +109,14 @@ impl Person {
         serve(&mut self.world);
     }
 
+    /// Frames that last so many seconds or a little longer.
+    pub fn wait(&mut self, seconds: f64) {
+        let end = self.input.time + seconds;
+        while self.input.time < end {
+            self.frame();
+        }
+    }
+
     /// Holds the controller with its tip at a place of the stage, pointing along `direction`.
     pub fn aim(&mut self, hand: usize, tip: Vec3, direction: Vec3) {
         let orientation = Quat::from_rotation_arc(Vec3::NEG_Z, direction.normalize());

@@ -77,6 +77,7 @@ fn a_lost_controller_drops_the_node_where_it_was_last_seen() {
         let last = Vec3::new(-0.3, 1.3, 0.1);
         let tip = person.on_stage(last);
         person.reach(hand, tip);
+        person.wait(FLIGHT);
         person.input.hands[hand].tracked = false;
         // What an untracked controller says is of no interest.
         person.input.hands[hand].aim.position = Vec3::new(5.0, 5.0, 5.0);
