@@ -407,3 +407,32 @@ fn a_replaced_project_stays_where_its_session_was_killed() {
     }
     assert_eq!(read_project(&beside(&path, ".before.ramus")).unwrap(), old);
 }
+
+/// The whole workshop on a disk that is full from the first action on: it goes on, says so on the board, and all is there
+/// once there is room.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_session_on_a_full_disk_goes_on_and_says_so_on_the_board() {
+    use crate::app::workshop::{Workshop, WorkshopParams};
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::open(&path).unwrap();
+    swap(&mut opened.store, full());
+    let mut workshop = Workshop::new(opened, WorkshopParams::default()).unwrap();
+    let mut said = None;
+    for frame in crate::app::demonstration::first_tree().unwrap() {
+        workshop.update(&frame);
+        let board = workshop.scene().board.as_ref();
+        said = said.or_else(|| board.and_then(|board| board.content.message.clone()));
+    }
+    workshop.finish_tree();
+    let said = said.unwrap();
+    assert!(
+        said.contains("tree.ramus.journal") && said.contains("kept in memory"),
+        "{said}"
+    );
+    let document = workshop.document().clone();
+    assert_eq!(document.sketch.segments().count(), 7);
+    workshop.close().unwrap();
+    assert_eq!(read_project(&path).unwrap(), document);
+}
