@@ -323,3 +323,32 @@ fn the_program_replays_a_session_on_the_runtime() {
         service.stop().unwrap();
     });
 }
+
+#[test]
+fn doctor_finds_the_runtime_and_names_its_command_when_it_is_gone() {
+    staged(
+        "doctor_finds_the_runtime_and_names_its_command_when_it_is_gone",
+        || {
+            let mut service = Service::start(ServiceParams::default()).unwrap();
+            let doctor = |service: &Service| {
+                let mut doctor = service.command(env!("CARGO_BIN_EXE_ramus"));
+                // What the layer says about an instance that cannot be made is not ours to judge.
+                let output = doctor
+                    .env_remove("XR_ENABLE_API_LAYERS")
+                    .arg("doctor")
+                    .output();
+                String::from_utf8(output.unwrap().stdout).unwrap()
+            };
+            let said = doctor(&service);
+            assert!(said.contains("Remote HMD"), "{said}");
+            assert!(said.contains("Ramus can start in the headset"), "{said}");
+            service.kill().unwrap();
+            let said = doctor(&service);
+            let commands = ["systemctl --user start monado.socket", "monado-service &"];
+            assert!(
+                commands.iter().any(|command| said.contains(command)),
+                "{said}"
+            );
+        },
+    );
+}
