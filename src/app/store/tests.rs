@@ -170,8 +170,10 @@ fn lines_behind_a_damaged_one_are_put_aside() {
         let damaged = lines.join("\n") + "\n";
         fs::write(&journal, &damaged).unwrap();
         if another_project {
-            let mut other = Document::default();
-            other.step = 7;
+            let other = Document {
+                step: 7,
+                ..Document::default()
+            };
             fs::write(&path, project::to_bytes(&other)).unwrap();
         }
         let opened = Store::open(&path).unwrap();
