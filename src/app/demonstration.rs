@@ -7,6 +7,7 @@ use ramus_xr::Frame;
 
 use crate::app::album::Album;
 use crate::app::export;
+use crate::app::portrait;
 use crate::app::picture::{Picture, side_by_side};
 use crate::app::workshop::Workshop;
 use crate::sketch::predict_segments_within;
@@ -17,8 +18,8 @@ use crate::world::{GrowthParams, World};
 /// `assets/sessions/first-tree.session`, built in so that the program works from any folder.
 const FIRST_TREE: &[u8] = include_bytes!("../../assets/sessions/first-tree.session");
 
-/// Growth steps that are pictured at most, the last ones: a project may be at step 10,000.
-const MOST_STEPS: u32 = 60;
+/// Growth steps that are pictured at most: a project may be at step 10,000.
+pub const MOST_PICTURES: u32 = 60;
 
 /// The frames of the recorded first session.
 ///
@@ -42,7 +43,21 @@ pub fn check_size(document: &Document) -> Result<()> {
     Ok(())
 }
 
-/// Pictures each growth step of a document as a person at the platform sees it; gives how many.
+/// The steps that are pictured of a document at this one: all of them, or, where those are more than
+/// [`MOST_PICTURES`], so many from the first to the last, evenly chosen.
+#[must_use]
+pub fn pictured_steps(last: u32) -> Vec<u32> {
+    let most = MOST_PICTURES - 1;
+    if last <= most {
+        return (0..=last).collect();
+    }
+    let chosen = |n: u32| u64::from(n) * u64::from(last) / u64::from(most);
+    (0..=most)
+        .filter_map(|n| u32::try_from(chosen(n)).ok())
+        .collect()
+}
+
+/// Pictures the [`pictured_steps`] of a document, all from the place that shows the last one whole; gives how many.
 ///
 /// # Errors
 /// Where a step cannot be grown, drawn or written.
@@ -52,29 +67,50 @@ pub fn every_step(
     folder: &Path,
     mut progress: impl FnMut(usize, usize),
 ) -> Result<usize> {
-    let frame = Frame::start();
-    let first = document.step.saturating_sub(MOST_STEPS - 1);
-    let steps = first..=document.step;
-    let most = (document.step - first + 1) as usize;
-    for (done, step) in steps.enumerate() {
-        progress(done, most);
+    let steps = pictured_steps(document.step);
+    let mut views = None;
+    // The last one first: the largest tree says where the person stands.
+    for (done, &step) in steps.iter().rev().enumerate() {
+        progress(done, steps.len());
         let document = Document {
             step,
             ..document.clone()
         };
         let mut workshop = Workshop::unsaved(World::new(History::new(document)))?;
-        let mut frame = frame;
-        // A second of standing still: the newest step has grown whole then.
-        while {
-            workshop.update(&frame);
-            workshop.finish_tree();
-            frame.time < 1.0
-        } {
-            frame.time += 0.1;
-        }
-        picture.draw_whole(workshop.scene(), &frame.views, None)?;
+        // Nobody is there, and the newest step has grown whole at once: one frame is enough.
+        workshop.update(&Frame::start());
+        workshop.finish_tree();
+        let scene = workshop.scene();
+        let views = views.get_or_insert_with(|| portrait::of_stage(scene));
+        picture.draw_whole(scene, views, None)?;
         let both = side_by_side(&picture.read(None)?);
         export::png(&both, &folder.join(Album::file_name(step)))?;
     }
-    Ok(most)
+    Ok(steps.len())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+
+    #[test]
+    fn steps_are_chosen_evenly_from_the_first_to_the_last() {
+        for last in [0, 1, 7, 59, 60, 61, 70, 119, 10_000, u32::MAX] {
+            let steps = pictured_steps(last);
+            let all = u64::from(last) + 1;
+            assert_eq!(
+                steps.len() as u64,
+                all.min(u64::from(MOST_PICTURES)),
+                "{last}"
+            );
+            assert_eq!((steps.first(), steps.last()), (Some(&0), Some(&last)));
+            let gaps: Vec<u32> = steps.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            let [least, most] = [gaps.iter().min(), gaps.iter().max()].map(|gap| gap.copied().unwrap_or(0));
+            assert!(last == 0 || (least >= 1 && most - least <= 1), "{last}");
+        }
+    }
 }

@@ -1,11 +1,11 @@
-//! One picture of one tree, without a headset: for the command line and the docs.
+//! Pictures without a headset: of one tree, and of the whole stage from where all of it is seen.
 
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat, Vec2, Vec3};
 use image::RgbaImage;
-use ramus_xr::{Fov, Pose, View};
+use ramus_xr::{Fov, Frame, Pose, View};
 
 use crate::app::picture::Picture;
 use crate::render::{Gpu, GpuParams, Headless};
@@ -95,6 +95,89 @@ pub fn of_tree(tree: Arc<Tree>, pixels: u32) -> Result<RgbaImage> {
     Ok(left)
 }
 
+/// Field of view of a picture of the stage in radians: narrower than a headset's, which stretches what is at its edges.
+const STAGE_FIELD: f32 = 1.05;
+
+/// What is to be seen keeps this far from the picture's edges, as a part of half its width.
+const STAGE_MARGIN: f32 = 0.06;
+
+/// Nothing that is to be seen comes nearer to the eyes than this, metres.
+const NEAREST: f32 = 0.6;
+
+/// Both eyes of a person who stands before the platform, as far back as it takes to see all of it, the whole tree
+/// and the board.
+#[must_use]
+pub fn of_stage(scene: &Scene) -> [View; 2] {
+    let points = extremes(scene);
+    let mut back = NEAREST;
+    loop {
+        let views = before(&points, back);
+        // At ten thousand kilometres there are no more digits to look with.
+        if back > 1e7 || views.iter().all(|view| points.iter().all(|&point| is_in(view, point))) {
+            return views;
+        }
+        back *= 1.05;
+    }
+}
+
+/// Corners of the boxes round what stands on the stage, in the stage's frame.
+fn extremes(scene: &Scene) -> Vec<Vec3> {
+    let mut points = Vec::new();
+    let mut corners = |world_from_box: Affine3A, low: Vec3, high: Vec3| {
+        for corner in 0..8_u8 {
+            let pick = |bit: u8, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
+            points.push(world_from_box.transform_point3(Vec3::new(
+                pick(0, low.x, high.x),
+                pick(1, low.y, high.y),
+                pick(2, low.z, high.z),
+            )));
+        }
+    };
+    if let Some(placed) = &scene.tree
+        && let Some((low, high)) = placed.tree.bounds()
+    {
+        corners(placed.world_from_tree, low, high);
+    }
+    for plate in &scene.plates {
+        // A plate is a disc of radius 1 from 0 down to −1.
+        corners(plate.world_from_plate, Vec3::NEG_ONE, Vec3::new(1.0, 0.0, 1.0));
+    }
+    if let Some(board) = &scene.board {
+        let half = Vec3::new(board.size[0] * 0.5, board.size[1] * 0.5, 0.0);
+        corners(board.world_from_board, -half, half);
+    }
+    points.extend(scene.balls.iter().map(|ball| ball.center));
+    points.retain(|point| point.is_finite());
+    points
+}
+
+/// Both eyes at standing height, so far back on the stage, turned to the middle of what is to be seen.
+fn before(points: &[Vec3], back: f32) -> [View; 2] {
+    let eye = Frame::start().head.position + Vec3::Z * back;
+    let angles = points.iter().map(|&point| {
+        let way = point - eye;
+        let ahead = (-way.z).max(f32::MIN_POSITIVE);
+        Vec2::new(way.x.atan2(ahead), way.y.atan2(ahead))
+    });
+    let (low, high) = angles.fold((Vec2::MAX, Vec2::MIN), |(low, high), angle| {
+        (low.min(angle), high.max(angle))
+    });
+    let middle = if points.is_empty() { Vec2::ZERO } else { (low + high) * 0.5 };
+    let ahead = Vec3::new(middle.x.tan(), middle.y.tan(), -1.0);
+    let view = looking_at(eye, eye + ahead, STAGE_FIELD);
+    Frame::eyes().map(|eye| View {
+        pose: view.pose * eye.pose,
+        ..view
+    })
+}
+
+/// Whether a view shows a point, with room around it.
+fn is_in(view: &View, point: Vec3) -> bool {
+    let at = view.pose.orientation.conjugate() * (point - view.pose.position);
+    let edge = view.fov.right.tan() * (1.0 - STAGE_MARGIN) * -at.z;
+    -at.z >= NEAREST && at.x.abs() <= edge && at.y.abs() <= edge
+}
+
 /// A view from `eye` towards `target`, upright, `field` radians wide and high.
 #[must_use]
 pub fn looking_at(eye: Vec3, target: Vec3, field: f32) -> View {
@@ -121,6 +204,8 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "tests")]
     use super::*;
     use crate::tree::NO_PARENT;
+    use crate::world::World;
+    use crate::world::history::History;
 
     /// Nodes in a row, so far from each other.
     fn row(nodes: u16, apart: f32) -> Tree {
@@ -150,5 +235,34 @@ mod tests {
             let error = of_tree(Arc::new(tree), 16).unwrap_err().to_string();
             assert!(error.contains(expected), "{what}: {error}");
         }
+    }
+
+    #[test]
+    fn the_whole_stage_is_in_both_eyes_from_a_persons_height() {
+        let mut stage = Scene::default();
+        World::new(History::default()).scene(&mut stage);
+        let mut nearest = 0.0;
+        for (nodes, apart) in [(2, 0.5), (3, 2.0), (100, 1.0), (1000, 50.0)] {
+            let tree = row(nodes, apart);
+            let top = Vec3::new(0.0, apart * f32::from(nodes - 1), -6.0);
+            stage.tree = Some(PlacedTree {
+                tree: Arc::new(tree),
+                radius_before: Arc::default(),
+                revision: 1,
+                world_from_tree: Affine3A::from_translation(Vec3::new(-10.0, 0.0, -6.0)),
+                growth: 1.0,
+                newest: u32::MAX,
+            });
+            let views = of_stage(&stage);
+            let points = [top, Vec3::new(0.0, 0.0, -6.0)].into_iter().chain(extremes(&stage));
+            for point in points {
+                assert!(views.iter().all(|view| is_in(view, point)), "{nodes}: {point}");
+            }
+            let [left, right] = views.map(|view| view.pose.position);
+            assert!(left.x < right.x && left.y == right.y && (1.5..1.7).contains(&left.y));
+            assert!(left.z >= nearest, "taller trees are seen from farther away");
+            nearest = left.z;
+        }
+        assert!(nearest > 10_000.0);
     }
 }

@@ -186,7 +186,7 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
         "A tree was drawn with two controllers and grown: {}.",
         take_home::summary(&world)
     );
-    tell(out, steps.len(), Some(&project), &glb);
+    tell(out, &format!("{} growth steps", steps.len()), Some(&project), &glb);
     tell!("  grammar   {}", lsys.display());
     tell!(
         "With a headset the same command starts the workshop in it; `ramus doctor` says what is missing."
@@ -200,7 +200,7 @@ fn tree_of(project: &Path, out: &Path) -> PathBuf {
         .with_extension("glb")
 }
 
-/// Without a headset, a project: every growth step pictured, and the tree exported. The project stays as it
+/// Without a headset, a project: its growth steps pictured, and the tree exported. The project stays as it
 /// is, but for what a killed session left in its journal.
 fn look_at(project: &Path, out: &Path) -> Result<()> {
     let glb = tree_of(project, out);
@@ -219,7 +219,7 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
     let gpu = portrait::open_gpu()?;
     let mut picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
     let mut progress = Progress::new("drawing");
-    let steps = demonstration::every_step(&document, &mut picture, out, |step, most| {
+    let pictures = demonstration::every_step(&document, &mut picture, out, |step, most| {
         progress.show(step, most);
     })?;
     drop(progress);
@@ -227,16 +227,22 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
     tell!("{}: {}.", project.display(), take_home::summary(&world));
     if world.document().step > 0 {
         take_home::export(&world, &glb)?;
-        tell(out, steps, None, &glb);
+        let all = world.document().step as usize + 1;
+        let of_them = if pictures == all {
+            format!("{all} growth steps")
+        } else {
+            format!("{pictures} of {all} growth steps, evenly chosen")
+        };
+        tell(out, &of_them, None, &glb);
     } else {
         tell!("It has not grown yet: pictures are in {}.", out.display());
     }
     Ok(())
 }
 
-fn tell(out: &Path, steps: usize, project: Option<&Path>, glb: &Path) {
+fn tell(out: &Path, steps: &str, project: Option<&Path>, glb: &Path) {
     tell!(
-        "  pictures  {} ({steps} growth steps, left and right eye)",
+        "  pictures  {} ({steps}, left and right eye)",
         out.join("step-*.png").display()
     );
     if let Some(project) = project {

@@ -10,7 +10,7 @@ use crate::sketch::Sketch;
 
 use super::{
     document::Document,
-    scene::{Board, BoardContent},
+    scene::{Board, BoardContent, new_revision},
     stage::{StageParams, stage_from_board},
 };
 
@@ -108,7 +108,7 @@ impl LiveBoard {
             string_revision: facts.string_revision,
         });
         self.content = Arc::new(compose(document, facts, params));
-        self.revision += 1;
+        self.revision = new_revision();
     }
 
     /// The board on the stage.

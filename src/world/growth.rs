@@ -14,7 +14,10 @@ use crate::{
     tree::Tree,
 };
 
-use super::{document::Document, scene::PlacedTree};
+use super::{
+    document::Document,
+    scene::{PlacedTree, new_revision},
+};
 
 /// How growth is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,14 +161,14 @@ impl Growth {
                 self.shown = before;
                 self.next = Some(given);
                 self.fraction = if shrinking { 1.0 } else { self.fraction };
-                self.revision += 1;
+                self.revision = new_revision();
                 return Some(string);
             }
             let grows = step_before.is_some() && step_before == given.step.checked_sub(1);
             self.fraction = if grows { 0.0 } else { 1.0 };
         }
         self.shown = Some(given);
-        self.revision += 1;
+        self.revision = new_revision();
         Some(string)
     }
 
@@ -200,7 +203,7 @@ impl Growth {
         if self.fraction <= 0.0 {
             self.shown = self.next.take();
             self.fraction = 1.0;
-            self.revision += 1;
+            self.revision = new_revision();
         }
     }
 

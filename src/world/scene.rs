@@ -2,7 +2,10 @@
 //!
 //! The vectors keep their capacity from frame to frame, so that a warm loop allocates nothing.
 
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 
 use glam::{Affine3A, Vec3};
 
@@ -57,6 +60,14 @@ pub struct Controller {
     pub trigger: f32,
 }
 
+/// A number that no tree and no board in this process has had: one renderer may be shown several worlds, one after the
+/// other, and would take the second world's first tree for the first world's if each counted for itself.
+#[must_use]
+pub fn new_revision() -> u64 {
+    static LAST: AtomicU64 = AtomicU64::new(0);
+    LAST.fetch_add(1, Ordering::Relaxed) + 1
+}
+
 /// A full-size tree on the stage.
 #[derive(Clone, Debug)]
 pub struct PlacedTree {
@@ -64,7 +75,7 @@ pub struct PlacedTree {
     pub tree: Arc<Tree>,
     /// Radius of each node one step earlier (0 for the newest nodes); empty: as in `tree`.
     pub radius_before: Arc<Vec<f32>>,
-    /// Changes whenever `tree` does; an unchanged number means nothing to upload.
+    /// Changes whenever `tree` does ([`new_revision`]); an unchanged number means nothing to upload.
     pub revision: u64,
     /// Tree to stage: a similarity (turn, move, one scale).
     pub world_from_tree: Affine3A,
@@ -92,7 +103,7 @@ pub struct Board {
     pub world_from_board: Affine3A,
     /// Width and height in metres.
     pub size: [f32; 2],
-    /// Changes whenever `content` does.
+    /// Changes whenever `content` does ([`new_revision`]).
     pub revision: u64,
     /// The text.
     pub content: Arc<BoardContent>,

@@ -17,6 +17,7 @@ use tempfile::TempDir;
 mod disk;
 mod doctor;
 mod outputs;
+mod project;
 mod refusals;
 
 const FIRST_TREE: &str = concat!(
