@@ -7,8 +7,8 @@ use ramus_xr::Frame;
 
 use crate::app::album::Album;
 use crate::app::export;
-use crate::app::portrait;
 use crate::app::picture::{Picture, side_by_side};
+use crate::app::portrait;
 use crate::app::workshop::Workshop;
 use crate::sketch::predict_segments_within;
 use crate::world::document::Document;
@@ -109,7 +109,8 @@ mod tests {
             );
             assert_eq!((steps.first(), steps.last()), (Some(&0), Some(&last)));
             let gaps: Vec<u32> = steps.windows(2).map(|pair| pair[1] - pair[0]).collect();
-            let [least, most] = [gaps.iter().min(), gaps.iter().max()].map(|gap| gap.copied().unwrap_or(0));
+            let [least, most] =
+                [gaps.iter().min(), gaps.iter().max()].map(|gap| gap.copied().unwrap_or(0));
             assert!(last == 0 || (least >= 1 && most - least <= 1), "{last}");
         }
     }

@@ -186,7 +186,12 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
         "A tree was drawn with two controllers and grown: {}.",
         take_home::summary(&world)
     );
-    tell(out, &format!("{} growth steps", steps.len()), Some(&project), &glb);
+    tell(
+        out,
+        &format!("{} growth steps", steps.len()),
+        Some(&project),
+        &glb,
+    );
     tell!("  grammar   {}", lsys.display());
     tell!(
         "With a headset the same command starts the workshop in it; `ramus doctor` says what is missing."

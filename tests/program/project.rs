@@ -51,7 +51,10 @@ fn every_picture_shows_the_tree_of_its_step() {
             .args(["--headset", "simulated", "--out", "o", "--project"])
             .arg(&path),
     );
-    assert!(said.contains("(5 growth steps, left and right eye)"), "{said}");
+    assert!(
+        said.contains("(5 growth steps, left and right eye)"),
+        "{said}"
+    );
     let pictures = [0, 1, 2, 3, 4].map(|step| {
         let path = folder.path().join(format!("o/step-{step:02}.png"));
         image::open(path).unwrap().into_rgb8()
