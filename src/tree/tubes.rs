@@ -20,6 +20,9 @@
 //! of 1/cos(θ/2) at sharp bends. Beyond [`SHARP_BEND_COSINE`] (120°) the tube ends with a cap and a new one starts at
 //! the same node, as a snapped and regrown twig does: no pinch, no spike, and nothing undefined at 180°.
 //!
+//! **Tips** taper: the segment that ends in a tip narrows to [`TIP`] of its radius there, and the cap makes it a point, as
+//! shoots are. Only what is drawn and meshed does so; the tree's radii, and files that hold nodes (SWC), stay as they are.
+//!
 //! A lateral begins round the node itself, in the middle of its parent's tube, and no thicker than the
 //! parent is there: its open side is always buried.
 
@@ -72,6 +75,14 @@ pub const LETTER_SHIFT: u32 = 16;
 /// A bend whose cosine is smaller (sharper than 120°) ends the tube and starts a new one.
 pub const SHARP_BEND_COSINE: f32 = -0.5;
 
+/// How much of its radius a tip keeps.
+pub const TIP: f32 = 0.2;
+
+/// Marks of a node that bears a child, that bears one that is whole, and that is whole itself.
+const BEARS: u8 = 1;
+const BORE: u8 = 2;
+const WHOLE: u8 = 4;
+
 /// A segment shorter than this in metres has no direction of its own and takes its parent's.
 const SHORTEST: f32 = 1e-9;
 
@@ -108,6 +119,7 @@ struct Work {
 pub struct SegmentBuilder {
     axis: Vec<u32>,
     work: Vec<Work>,
+    marks: Vec<u8>,
 }
 
 /// Writes the segments of a valid tree into `out` (cleared first), one for each node that has a parent, in the order of nodes.
@@ -138,6 +150,7 @@ impl SegmentBuilder {
         axes::axis_children_into(tree, &mut self.axis);
         self.work.clear();
         self.work.resize(tree.len(), unborn);
+        self.mark(tree, newest);
         out.clear();
         out.reserve(tree.len());
         let before = |node: usize| {
@@ -145,6 +158,11 @@ impl SegmentBuilder {
                 .get(node)
                 .copied()
                 .unwrap_or(tree.radius[node])
+        };
+        let marks = &self.marks;
+        let tapered = |node: usize, mark: u8, radius: f32| match marks[node] & mark {
+            0 => radius * TIP,
+            _ => radius,
         };
         for (node, &parent) in tree.parent.iter().enumerate() {
             #[allow(
@@ -168,7 +186,7 @@ impl SegmentBuilder {
             }
 
             let mut radii = [
-                before(below),
+                tapered(below, BORE, before(below)),
                 tree.radius[below],
                 before(node),
                 tree.radius[node],
@@ -187,7 +205,10 @@ impl SegmentBuilder {
                     .normalize();
                 (pack_frame(work.frame), 0.0)
             };
+            // Of the radii without their taper, which goes away when the tip grows on.
             work.v = v_from + circumferences(from.distance(to), radii[1] + radii[3]);
+            radii[2] = tapered(node, BORE, radii[2]);
+            radii[3] = tapered(node, BEARS, radii[3]);
 
             // The ring at the end: half-way into the next segment's direction, where one goes on.
             let next = self.axis[node];
@@ -218,6 +239,23 @@ impl SegmentBuilder {
                 from_frame,
                 to_frame: work.ring,
             });
+        }
+    }
+}
+
+impl SegmentBuilder {
+    /// Finds which nodes are tips, now and one step earlier. A root is none: its ring is a foot.
+    fn mark(&mut self, tree: &Tree, newest: u32) {
+        self.marks.clear();
+        self.marks.resize(tree.len(), 0);
+        for (node, &parent) in tree.parent.iter().enumerate() {
+            if parent == NO_PARENT {
+                self.marks[node] = BEARS | BORE | WHOLE;
+                continue;
+            }
+            let whole = tree.birth[node] < newest && self.marks[parent as usize] & WHOLE != 0;
+            self.marks[node] = if whole { WHOLE } else { 0 };
+            self.marks[parent as usize] |= if whole { BEARS | BORE } else { BEARS };
         }
     }
 }

@@ -10,7 +10,7 @@ use super::tubes::{segment_nodes, segments_of, tube_of_nodes};
 use super::{any_tree, between, decent_tree, fork, node, tree_of};
 use crate::tree::mesh::{AROUND, CAP_HEIGHT, TubeMesh, mesh};
 use crate::tree::radii::{RadiusParams, da_vinci};
-use crate::tree::tubes::TubeSegment;
+use crate::tree::tubes::{TIP, TubeSegment};
 use crate::tree::{NO_PARENT, Tree};
 
 /// One index for each different position (bit for bit, but for the sign of zero).
@@ -89,7 +89,7 @@ fn check_numbers(mesh: &TubeMesh) -> Result<(), TestCaseError> {
 }
 
 #[test]
-fn a_rod_has_the_volume_of_its_prism_and_cone() {
+fn a_rod_has_the_volume_of_its_prisms_and_cone() {
     let rod = tree_of(&[
         node(NO_PARENT, Vec3::ZERO, 0.5, 0, 0),
         node(0, Vec3::Y, 0.5, 0, 0),
@@ -99,7 +99,10 @@ fn a_rod_has_the_volume_of_its_prism_and_cone() {
         let mesh = mesh(&segments_of(&rod, &[], 9), 1.0, sides);
         let n = f64::from(sides);
         let base = 0.5 * n * 0.25 * (std::f64::consts::TAU / n).sin();
-        let expected = base * (2.0 + f64::from(CAP_HEIGHT) * 0.5 / 3.0);
+        // A whole prism, one that narrows towards the tip, and the cap.
+        let tip = f64::from(TIP);
+        let narrowing = (1.0 + tip + tip * tip) / 3.0;
+        let expected = base * (1.0 + narrowing + f64::from(CAP_HEIGHT) * 0.5 * tip.powi(3) / 3.0);
         assert!(
             (volume(&mesh) - expected).abs() < 1e-4,
             "{sides} sides: {} and {expected}",
@@ -121,6 +124,7 @@ fn ring_corners_start_at_x_and_go_to_z() {
     let rod = tree_of(&[
         node(NO_PARENT, Vec3::ZERO, 0.5, 0, 0),
         node(0, Vec3::Y, 0.5, 0, 0),
+        node(1, 2.0 * Vec3::Y, 0.5, 0, 0),
     ]);
     let mesh = mesh(&segments_of(&rod, &[], 9), 1.0, 4);
     for (corner, expected) in [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z, Vec3::X]
@@ -149,7 +153,7 @@ fn normals_account_for_the_taper() {
         node(0, Vec3::Y, 0.1, 0, 0),
     ]);
     let mesh = mesh(&segments_of(&cone, &[], 9), 1.0, 8);
-    let (sin, cos) = 0.4_f32.atan().sin_cos();
+    let (sin, cos) = (0.5 - 0.1 * TIP).atan().sin_cos();
     for corner in 0..18 {
         let angle = TAU * (corner % 9) as f32 / 8.0;
         let expected = vec3(cos * angle.cos(), sin, cos * angle.sin());

@@ -8,7 +8,7 @@ use crate::tree::axes::axis_children;
 use crate::tree::growth::bases;
 use crate::tree::radii::{RadiusParams, da_vinci};
 use crate::tree::tubes::{
-    CAPPED, GROWING, LETTER_SHIFT, STARTS, SegmentBuilder, TubeSegment, segments, unpack_frame,
+    CAPPED, GROWING, LETTER_SHIFT, STARTS, SegmentBuilder, TIP, TubeSegment, segments, unpack_frame,
 };
 use crate::tree::{NO_PARENT, Tree};
 
@@ -213,7 +213,15 @@ proptest! {
             let base = bases[node] as usize;
             prop_assert_eq!(s.flags & GROWING != 0, base != node);
             prop_assert_eq!(s.base, tree.position[base].to_array());
-            prop_assert_eq!([s.radii[2], s.radii[3]], [before[node], tree.radius[node]]);
+            let child = |whole: bool| {
+                (0..tree.len()).any(|at| tree.parent[at] as usize == node && (!whole || bases[at] as usize == at))
+            };
+            let end = |bears: bool, radius: f32| if bears { radius } else { radius * TIP };
+            prop_assert_eq!(
+                [s.radii[2], s.radii[3]],
+                [end(child(true), before[node]), end(child(false), tree.radius[node])],
+                "tips taper, now and one step earlier"
+            );
             prop_assert!(s.radii[0] >= s.radii[2] && s.radii[1] >= s.radii[3], "da Vinci's tubes never widen");
         }
     }
@@ -275,4 +283,41 @@ fn texture_length_counts_circumferences() {
     assert!((records[0].v_to - 1.0 / (turn * 0.1)).abs() < 1e-5);
     assert_eq!(records[0].v_to, records[1].v_from);
     assert!((records[1].v_to - records[1].v_from - 2.0 / (turn * 0.075)).abs() < 1e-4);
+}
+
+/// A tip that grows on begins the step as thin as it ended the last one.
+#[test]
+fn a_tip_that_grows_on_does_not_jump() {
+    let pole = |nodes: u16| {
+        let nodes: Vec<_> = (0..u32::from(nodes))
+            .map(|i| {
+                let at = i as f32 * Vec3::Y;
+                node(i.checked_sub(1).unwrap_or(NO_PARENT), at, 0.1, 0, i)
+            })
+            .collect();
+        tree_of(&nodes)
+    };
+    let (earlier, mut later) = (pole(3), pole(4));
+    let before = da_vinci(
+        &mut later,
+        &RadiusParams {
+            tip_radius: 0.1,
+            exponent: 2.0,
+        },
+        3,
+    );
+    let [was, is] = [
+        segments_of(&earlier, &[], 2),
+        segments_of(&later, &before, 3),
+    ];
+    assert_eq!(was[1].radii[3], 0.1 * TIP, "a tip");
+    for (was, is) in was.iter().zip(&is) {
+        assert_eq!([was.radii[1], was.radii[3]], [is.radii[0], is.radii[2]]);
+        assert_eq!(
+            [was.v_from, was.v_to],
+            [is.v_from, is.v_to],
+            "nor does its texture"
+        );
+    }
+    assert_eq!([is[1].radii[3], is[2].radii[3]], [0.1, 0.1 * TIP]);
 }
