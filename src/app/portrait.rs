@@ -9,7 +9,7 @@ use ramus_xr::{Fov, Frame, Pose, View};
 
 use crate::app::picture::Picture;
 use crate::render::{Gpu, GpuParams, Headless};
-use crate::tree::Tree;
+use crate::tree::{Tree, radii};
 use crate::world::scene::{PlacedTree, Scene};
 
 /// How a tree is placed for its picture.
@@ -44,11 +44,15 @@ pub fn open_gpu() -> Result<Gpu> {
     Ok(Gpu::new(&Headless::default(), &GpuParams::from_env())?)
 }
 
-/// Draws a tree of any size on the stage's ground, as seen from before it; `pixels` wide and high.
+/// Half the width of the finest line that is drawn whole, pixels.
+const FINEST_PX: f32 = 0.9;
+
+/// Draws a tree of any size on the stage's ground, as seen from before it; `pixels` wide and high, its widths as they are or
+/// set for the picture's sake ([`radii::for_picture`]).
 ///
 /// # Errors
 /// Where the tree has no segment or no device can draw it.
-pub fn of_tree(tree: Arc<Tree>, pixels: u32) -> Result<RgbaImage> {
+pub fn of_tree(mut tree: Tree, pixels: u32, set_widths: bool) -> Result<RgbaImage> {
     let params = PortraitParams::default();
     if tree.segment_count() == 0 {
         bail!("the tree has no segment yet, so there is nothing to draw: derive more steps");
@@ -76,9 +80,17 @@ pub fn of_tree(tree: Arc<Tree>, pixels: u32) -> Result<RgbaImage> {
     let reach = extent.length() * 0.5 * params.room;
     let distance = reach / (params.field * 0.5).sin();
     let eye = target + Vec3::new(0.0, params.rise, 1.0).normalize() * distance;
+    if set_widths {
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "no device draws as many pixels as f32 has whole numbers"
+        )]
+        let pixel = 2.0 * distance * (params.field * 0.5).tan() / pixels.max(1) as f32;
+        radii::for_picture(&mut tree, FINEST_PX * pixel / scale);
+    }
     let scene = Scene {
         tree: Some(PlacedTree {
-            tree,
+            tree: Arc::new(tree),
             radius_before: Arc::default(),
             revision: 1,
             world_from_tree,
@@ -113,7 +125,11 @@ pub fn of_stage(scene: &Scene) -> [View; 2] {
     loop {
         let views = before(&points, back);
         // At ten thousand kilometres there are no more digits to look with.
-        if back > 1e7 || views.iter().all(|view| points.iter().all(|&point| is_in(view, point))) {
+        if back > 1e7
+            || views
+                .iter()
+                .all(|view| points.iter().all(|&point| is_in(view, point)))
+        {
             return views;
         }
         back *= 1.05;
@@ -125,7 +141,8 @@ fn extremes(scene: &Scene) -> Vec<Vec3> {
     let mut points = Vec::new();
     let mut corners = |world_from_box: Affine3A, low: Vec3, high: Vec3| {
         for corner in 0..8_u8 {
-            let pick = |bit: u8, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
+            let pick =
+                |bit: u8, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
             points.push(world_from_box.transform_point3(Vec3::new(
                 pick(0, low.x, high.x),
                 pick(1, low.y, high.y),
@@ -140,7 +157,11 @@ fn extremes(scene: &Scene) -> Vec<Vec3> {
     }
     for plate in &scene.plates {
         // A plate is a disc of radius 1 from 0 down to −1.
-        corners(plate.world_from_plate, Vec3::NEG_ONE, Vec3::new(1.0, 0.0, 1.0));
+        corners(
+            plate.world_from_plate,
+            Vec3::NEG_ONE,
+            Vec3::new(1.0, 0.0, 1.0),
+        );
     }
     if let Some(board) = &scene.board {
         let half = Vec3::new(board.size[0] * 0.5, board.size[1] * 0.5, 0.0);
@@ -162,7 +183,11 @@ fn before(points: &[Vec3], back: f32) -> [View; 2] {
     let (low, high) = angles.fold((Vec2::MAX, Vec2::MIN), |(low, high), angle| {
         (low.min(angle), high.max(angle))
     });
-    let middle = if points.is_empty() { Vec2::ZERO } else { (low + high) * 0.5 };
+    let middle = if points.is_empty() {
+        Vec2::ZERO
+    } else {
+        (low + high) * 0.5
+    };
     let ahead = Vec3::new(middle.x.tan(), middle.y.tan(), -1.0);
     let view = looking_at(eye, eye + ahead, STAGE_FIELD);
     Frame::eyes().map(|eye| View {
@@ -232,7 +257,7 @@ mod tests {
             ("the root alone", row(1, 0.0), "no segment"),
             ("all in one place", row(3, 0.0), "in one place"),
         ] {
-            let error = of_tree(Arc::new(tree), 16).unwrap_err().to_string();
+            let error = of_tree(tree, 16, true).unwrap_err().to_string();
             assert!(error.contains(expected), "{what}: {error}");
         }
     }
@@ -254,9 +279,14 @@ mod tests {
                 newest: u32::MAX,
             });
             let views = of_stage(&stage);
-            let points = [top, Vec3::new(0.0, 0.0, -6.0)].into_iter().chain(extremes(&stage));
+            let points = [top, Vec3::new(0.0, 0.0, -6.0)]
+                .into_iter()
+                .chain(extremes(&stage));
             for point in points {
-                assert!(views.iter().all(|view| is_in(view, point)), "{nodes}: {point}");
+                assert!(
+                    views.iter().all(|view| is_in(view, point)),
+                    "{nodes}: {point}"
+                );
             }
             let [left, right] = views.map(|view| view.pose.position);
             assert!(left.x < right.x && left.y == right.y && (1.5..1.7).contains(&left.y));

@@ -3,7 +3,6 @@
 use std::fs::File;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -64,7 +63,8 @@ enum Print {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Widths {
-    /// In metres, unless the trunk would be thicker than a fifth of the tree: then scaled to fit, as ABOP means them
+    /// In metres, unless the trunk would be thicker than a fifth of the tree: then scaled to fit, as ABOP means them.
+    /// Pictures also show no line thinner than about two pixels, and where all widths are equal none thicker than a sixth of the usual segment's length
     Auto,
     /// In metres, whatever comes of it
     Metres,
@@ -184,7 +184,7 @@ fn write_files(args: &Args, mut tree: Tree) -> Result<()> {
         export::tree(&tree, path)?;
     }
     if let Some(path) = &args.png {
-        let picture = portrait::of_tree(Arc::new(tree), args.size)?;
+        let picture = portrait::of_tree(tree, args.size, args.widths == Widths::Auto)?;
         export::png(&picture, path)?;
     }
     if let Some(factor) = factor {

@@ -178,3 +178,39 @@ pub fn fit(tree: &mut Tree, params: &FitParams) -> Option<f32> {
     }
     Some(factor)
 }
+
+/// Uniform lines in a picture are at most so thick: their radius as a part of the median segment's length.
+const SLIM: f32 = 0.08;
+
+/// Sets radii for a picture's sake, where widths that say nothing would make hairlines or one solid patch.
+///
+/// Where all are equal (a published grammar that draws lines and means no width), they are kept between `finest` and
+/// [`SLIM`] of the median segment's length; where they differ, what is thinner than `finest` alone is made so thick.
+pub fn for_picture(tree: &mut Tree, finest: f32) {
+    let widest = tree.radius.iter().copied().fold(0.0, f32::max);
+    let thinnest = tree.radius.iter().copied().fold(f32::MAX, f32::min);
+    let uniform = thinnest > widest * 0.999;
+    let most = match median_length(tree) {
+        Some(length) if uniform => length * SLIM,
+        _ => f32::MAX,
+    };
+    for radius in &mut tree.radius {
+        // A width of nothing is meant: such segments are not to be seen.
+        if *radius > 0.0 {
+            *radius = radius.min(most).max(finest);
+        }
+    }
+}
+
+/// The median of the lengths of a tree's segments that have one.
+fn median_length(tree: &Tree) -> Option<f32> {
+    let mut lengths: Vec<f32> = (tree.parent.iter().zip(&tree.position))
+        .filter_map(|(&parent, at)| Some(tree.position.get(parent as usize)?.distance(*at)))
+        .filter(|&length| length > 0.0 && length.is_finite())
+        .collect();
+    if lengths.is_empty() {
+        return None;
+    }
+    let middle = lengths.len() / 2;
+    Some(*lengths.select_nth_unstable_by(middle, f32::total_cmp).1)
+}

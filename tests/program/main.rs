@@ -19,6 +19,7 @@ mod doctor;
 mod outputs;
 mod project;
 mod refusals;
+mod widths;
 
 const FIRST_TREE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::{any_tree, between, fork};
 use crate::tree::axes::Children;
-use crate::tree::radii::{FitParams, RadiusParams, da_vinci, fit};
+use crate::tree::radii::{FitParams, RadiusParams, da_vinci, fit, for_picture};
 use crate::tree::{NO_PARENT, Node, Tree};
 use glam::Vec3;
 
@@ -177,4 +177,47 @@ fn widths_without_a_unit_are_fitted_and_real_ones_stay() {
         }
     }
     assert_eq!(fit(&mut Tree::default(), &FitParams::default()), None);
+}
+
+#[test]
+fn uniform_lines_are_drawn_for_the_eye_and_widths_that_differ_keep_their_ratios() {
+    // Segments of 1, 1 and 4 m.
+    let row = |radii: [f32; 4]| {
+        let mut tree = Tree {
+            letters: vec!["F".into()],
+            ..Tree::default()
+        };
+        for (parent, (y, radius)) in [NO_PARENT, 0, 1, 2]
+            .into_iter()
+            .zip([0.0, 1.0, 2.0, 6.0].into_iter().zip(radii))
+        {
+            tree.push(Node {
+                parent,
+                position: Vec3::new(0.0, y, 0.0),
+                radius,
+                letter: 0,
+                order: 0,
+                birth: 0,
+            });
+        }
+        tree
+    };
+    for (name, radii, finest, expected) in [
+        ("a hairline", [0.01; 4], 0.05, [0.05; 4]),
+        ("a good line", [0.06; 4], 0.05, [0.06; 4]),
+        ("thicker than long", [3.0; 4], 0.01, [0.08; 4]),
+        ("a pixel is wider than that", [3.0; 4], 0.1, [0.1; 4]),
+        (
+            "a trunk",
+            [3.0, 2.0, 1.0, 0.01],
+            0.05,
+            [3.0, 2.0, 1.0, 0.05],
+        ),
+        ("nothing is drawn", [0.0; 4], 0.05, [0.0; 4]),
+    ] {
+        let mut tree = row(radii);
+        for_picture(&mut tree, finest);
+        assert_eq!(tree.radius, expected, "{name}");
+    }
+    for_picture(&mut Tree::default(), 1.0);
 }
