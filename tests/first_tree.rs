@@ -31,7 +31,7 @@ use ramus::{
         stage::{Palette, stage_from_sketch},
     },
 };
-use ramus_xr::{Frame, Hand, Pose, session};
+use ramus_xr::{Fov, Frame, Hand, Pose, View, session};
 
 const LEFT: usize = 0;
 const RIGHT: usize = 1;
@@ -40,22 +40,27 @@ const RATE: f64 = 72.0;
 
 /// The trunk's nodes, metres in the sketch: a gentle S that ends about as it begins, so that its repeats stay upright.
 const TRUNK: [Vec3; 4] = [
-    Vec3::new(-0.020, 0.380, 0.010),
-    Vec3::new(0.015, 0.750, 0.025),
-    Vec3::new(0.030, 1.110, 0.000),
-    Vec3::new(0.005, 1.460, -0.015),
+    Vec3::new(-0.016, 0.270, 0.008),
+    Vec3::new(0.010, 0.540, 0.018),
+    Vec3::new(0.022, 0.805, 0.000),
+    Vec3::new(0.004, 1.070, -0.012),
 ];
-/// The branch, drawn from the trunk's first node: out to the right, then up to the light. It carries copies of itself at
+/// The branch, drawn from the trunk's first node: out to the left, away from the board, then up to the light. It carries copies of itself at
 /// each of its nodes too.
 const BRANCH: [Vec3; 3] = [
-    Vec3::new(0.230, 0.530, 0.070),
-    Vec3::new(0.445, 0.720, 0.110),
-    Vec3::new(0.615, 0.940, 0.125),
+    Vec3::new(-0.136, 0.450, 0.048),
+    Vec3::new(-0.225, 0.650, 0.075),
+    Vec3::new(-0.280, 0.870, 0.085),
 ];
 /// Where the trunk's apex is moved to at last.
-const MOVED: Vec3 = Vec3::new(0.025, 1.475, 0.010);
+const MOVED: Vec3 = Vec3::new(0.018, 1.085, 0.008);
+/// Where the head is while the tree grows, and what it looks at.
+const BACK: Vec3 = Vec3::new(0.0, 1.6, 0.9);
+const OVERVIEW: Vec3 = Vec3::new(0.36, 1.46, -1.4);
 /// Growth steps.
-const STEPS: u32 = 7;
+const STEPS: u32 = 10;
+/// Half the simulated headset's field of view, radians: narrower than a real one's, so that its pictures are not stretched.
+const HALF_FIELD: f32 = 0.68;
 
 /// Something on its way from one value to another.
 #[derive(Clone, Copy)]
@@ -198,9 +203,14 @@ impl Puppet {
             hands: self.now,
             ..Frame::start()
         };
-        frame.views = Frame::eyes().map(|eye| ramus_xr::View {
+        frame.views = Frame::eyes().map(|eye| View {
             pose: head * eye.pose,
-            ..eye
+            fov: Fov {
+                left: -HALF_FIELD,
+                right: HALF_FIELD,
+                up: HALF_FIELD,
+                down: -HALF_FIELD,
+            },
         });
         for (hand, shown) in frame.hands.iter_mut().enumerate() {
             let pose = pose_of(self.held(hand, time));
@@ -314,8 +324,8 @@ fn perform() -> Vec<Frame> {
         puppet.pull(RIGHT);
     }
 
-    // A step back, so that both the platform and the tree behind it are in view; both thumbs let it grow.
-    puppet.look(Vec3::new(0.0, 1.6, 0.55), Vec3::new(0.0, 1.36, -1.4), 1.0);
+    // A step back, so that the platform, the tree behind it and the board are in view; both thumbs let it grow.
+    puppet.look(BACK, OVERVIEW, 0.9);
     let (tip, direction) = rest(0.3);
     puppet.send(LEFT, Vec3::new(-0.3, tip.y, tip.z), direction, 0.9);
     puppet.go(RIGHT, tip, direction, 0.9);
@@ -326,7 +336,6 @@ fn perform() -> Vec<Frame> {
     puppet.flick(RIGHT, 1.0);
 
     // The left hand takes the trunk's end and puts it a little aside.
-    puppet.look(Vec3::new(0.0, 1.6, 0.4), Vec3::new(0.0, 1.34, -1.4), 0.8);
     let mirrored = Vec3::new(-ahead.x, ahead.y, ahead.z);
     puppet.go(LEFT, on_stage(TRUNK[3]), mirrored, 0.7);
     let grip: fn(&mut Hand) -> &mut f32 = |hand| &mut hand.squeeze;
@@ -335,8 +344,7 @@ fn perform() -> Vec<Frame> {
     puppet.squeeze(grip, LEFT, 0.0);
     puppet.wait(0.1);
 
-    // Both hands rest, and the eye does too.
-    puppet.look(Vec3::new(0.0, 1.6, 0.55), Vec3::new(0.0, 1.36, -1.4), 0.7);
+    // Both hands rest.
     puppet.go(LEFT, Vec3::new(-0.3, tip.y, tip.z), direction, 0.7);
     puppet.wait(0.3);
     puppet.frames
@@ -425,7 +433,7 @@ fn it_draws_a_trunk_and_a_branch_and_lets_them_grow() {
     assert_eq!((sketch.strokes.len(), *step, largest), (2, STEPS, STEPS));
     assert_eq!(*platform, Placement::default());
     assert_eq!(
-        predict_segments_within(sketch, *step, 100),
+        predict_segments_within(sketch, 7, 100),
         Some(33),
         "spec/sketch.md: n = 1 gives 33 segments at w6"
     );
@@ -459,4 +467,79 @@ fn a_slightly_different_headset_makes_the_same() {
     };
     assert_eq!(kept(0.0), kept(1.0));
     assert_eq!(kept(0.0), kept(-1.0));
+}
+
+/// Where a view shows a point: −1 to 1 from left to right and from the bottom to the top.
+fn in_view(view: &View, point: Vec3) -> Vec2 {
+    let at = view.pose.orientation.conjugate() * (point - view.pose.position);
+    assert!(at.z < -0.1, "{point} is not before the eye");
+    Vec2::new(at.x, at.y) / (-at.z * HALF_FIELD.tan())
+}
+
+/// From the step back on, the board, the platform's top and the tree are whole in both eyes, and the board hides nothing of
+/// either.
+#[test]
+fn everything_is_in_the_pictures_and_the_board_hides_none_of_it() {
+    let frames = session::read_file(&file()).unwrap();
+    let first = frames
+        .iter()
+        .position(|frame| frame.hands.iter().any(|hand| hand.lower));
+    let mut world = World::new(History::default());
+    let mut scene = Scene::default();
+    let mut largest = 0;
+    for (number, frame) in frames.iter().enumerate() {
+        world.update(&input(frame));
+        serve(&mut world);
+        if Some(number) < first || number % 10 != 0 && number + 1 != frames.len() {
+            continue;
+        }
+        world.scene(&mut scene);
+        let board = scene.board.as_ref().unwrap();
+        let half = Vec2::from(board.size) * 0.5;
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
+            board
+                .world_from_board
+                .transform_point3(Vec3::new(x * half.x, y * half.y, 0.0))
+        });
+        let rim = (0..12_u8).map(|hour| {
+            let angle = f32::from(hour) * std::f32::consts::TAU / 12.0;
+            scene.plates[1].world_from_plate.transform_point3(Vec3::new(
+                angle.cos(),
+                0.0,
+                angle.sin(),
+            ))
+        });
+        let seen: Vec<Vec3> = scene
+            .tree
+            .iter()
+            .flat_map(|placed| {
+                let place = |&point: &Vec3| placed.world_from_tree.transform_point3(point);
+                placed.tree.position.iter().map(place)
+            })
+            .chain(scene.balls.iter().map(|ball| ball.center))
+            .chain(rim)
+            .collect();
+        largest = largest.max(seen.len());
+        for view in &frame.views {
+            let corners = corners.map(|corner| in_view(view, corner));
+            for corner in corners {
+                assert!(
+                    corner.abs().max_element() < 0.99,
+                    "frame {number}: the board's corner is at {corner}"
+                );
+            }
+            for point in seen.iter().map(|&point| in_view(view, point)) {
+                assert!(point.abs().max_element() < 0.99, "frame {number}: {point}");
+                let inside = (0..4).all(|side| {
+                    let edge = corners[(side + 1) % 4] - corners[side];
+                    edge.perp_dot(point - corners[side]) > 0.0
+                });
+                assert!(
+                    !inside,
+                    "frame {number}: the board hides or is hidden at {point}"
+                );
+            }
+        }
+    }
+    assert!(largest > 150, "{largest} points were looked at");
 }

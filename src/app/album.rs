@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
+use glam::Vec3;
 use ramus_xr::{Acquired, Frame, Headset};
 
 use crate::app::export;
@@ -14,12 +15,21 @@ use crate::app::workshop::Workshop;
 /// Called after each frame with the number of frames so far.
 pub type OnFrame<'a> = Box<dyn FnMut(usize) + 'a>;
 
+/// Hands that move less than this in a frame are at rest, metres: 4 cm in a second.
+const STILL: f32 = 0.000_5;
+
 /// Keeps a picture of each growth step, taken when the step has grown whole; a step that is shown again
-/// (after an undo, say) is pictured again, so that the newest stands.
+/// (after an undo, say) is pictured again, so that the newest stands. A picture with hands at work is taken again when
+/// they rest, since they hide what they work at.
 pub struct Album<'a> {
     folder: Option<PathBuf>,
     /// Tree and step of the last picture.
     last: Option<(u64, u32)>,
+    /// Whether hands were at rest in the last picture.
+    last_rested: bool,
+    /// Where hands were in the last frame, and whether they rest now.
+    hands: [Vec3; 2],
+    resting: bool,
     steps: BTreeSet<u32>,
     frames: usize,
     on_frame: OnFrame<'a>,
@@ -38,6 +48,9 @@ impl<'a> Album<'a> {
         Ok(Self {
             folder: folder.map(Path::to_owned),
             last: None,
+            last_rested: false,
+            hands: [Vec3::NAN; 2],
+            resting: false,
             steps: BTreeSet::new(),
             frames: 0,
             on_frame,
@@ -64,7 +77,7 @@ impl<'a> Album<'a> {
 
     fn is_due(&self, workshop: &Workshop) -> bool {
         self.folder.is_some()
-            && self.last != Some(Self::key(workshop))
+            && (self.last != Some(Self::key(workshop)) || self.resting && !self.last_rested)
             && !workshop.world().is_growing()
             && !workshop.is_busy()
     }
@@ -76,7 +89,13 @@ impl<'a> Album<'a> {
 
 impl Watcher for Album<'_> {
     /// A picture is due when something changed and nothing moves by itself any more.
-    fn wants(&mut self, workshop: &Workshop, _frame: &Frame) -> bool {
+    fn wants(&mut self, workshop: &Workshop, frame: &Frame) -> bool {
+        let hands = frame.hands.map(|hand| hand.grip.position);
+        let still = |hand: usize| {
+            !frame.hands[hand].tracked || hands[hand].distance(self.hands[hand]) < STILL
+        };
+        self.resting = still(0) && still(1) && !workshop.world().is_touched();
+        self.hands = hands;
         self.is_due(workshop)
     }
 
@@ -91,6 +110,7 @@ impl Watcher for Album<'_> {
             return Ok(());
         };
         self.last = Some(key);
+        self.last_rested = self.resting;
         let both = side_by_side(&picture.read(acquired)?);
         export::png(&both, &folder.join(Self::file_name(key.1)))?;
         self.steps.insert(key.1);

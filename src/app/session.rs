@@ -98,7 +98,7 @@ fn one_frame(
     // Images that were acquired are released by `end`; with none of the runtime's, ours are drawn into on demand.
     let ready = frame.should_render && (acquired.is_some() || headset.swapchain().is_none());
     let rendered = match picture {
-        Some(picture) if ready && (acquired.is_some() || watcher.wants(workshop, frame)) => {
+        Some(picture) if ready && (watcher.wants(workshop, frame) || acquired.is_some()) => {
             let views = headset.views()?;
             let scene = workshop.scene();
             let report = if acquired.is_none() {

@@ -231,20 +231,65 @@ fn fitted(text: &str, columns: usize) -> String {
     kept.chain(std::iter::once(ELLIPSIS)).collect()
 }
 
-/// The text in rows of a number of characters; the last row says where more was cut off.
+/// The string in rows of a number of characters, broken between modules and never within a number; the last row says
+/// where more was cut off.
 fn wrapped(text: &str, columns: usize, rows: usize) -> Vec<String> {
     let columns = columns.max(1);
-    let mut characters = text.chars().peekable();
-    let mut found = Vec::new();
-    while characters.peek().is_some() && found.len() < rows {
-        let mut row: String = characters.by_ref().take(columns).collect();
-        if found.len() + 1 == rows && characters.peek().is_some() {
-            row.pop();
-            row.push(ELLIPSIS);
+    let mut found: Vec<String> = Vec::new();
+    let mut room = 0;
+    for module in modules(text) {
+        let length = module.chars().count();
+        if length > room {
+            if found.len() == rows {
+                if let Some(last) = found.last_mut() {
+                    mark_cut(last, columns);
+                }
+                break;
+            }
+            found.push(String::new());
+            room = columns;
         }
-        found.push(row);
+        if let Some(row) = found.last_mut() {
+            row.push_str(&fitted(module, columns));
+        }
+        room = room.saturating_sub(length);
     }
     found
+}
+
+/// Puts the sign that there is more behind a row, in the place of its last modules where there is no room.
+fn mark_cut(row: &mut String, columns: usize) {
+    while row.chars().count() >= columns
+        && let Some(last) = modules(row).last()
+    {
+        row.truncate(row.len() - last.len());
+    }
+    row.push(ELLIPSIS);
+}
+
+/// The modules of a string: each a name or sign with its parameters in parentheses.
+fn modules(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        let mut depth = 0_usize;
+        let mut characters = rest.char_indices().skip(1).peekable();
+        rest.chars().next()?;
+        let end = loop {
+            let Some((at, character)) = characters.next() else {
+                break rest.len();
+            };
+            match character {
+                '(' => depth += 1,
+                ')' if depth == 1 => break at + 1,
+                ')' => depth = depth.saturating_sub(1),
+                _ if depth == 0 => break at,
+                _ => {}
+            }
+        };
+        let (module, after) = rest.split_at(end);
+        rest = after;
+        Some(module)
+    })
 }
 
 #[cfg(test)]
@@ -275,7 +320,17 @@ mod tests {
             assert_eq!(fitted(text, columns), expected);
         }
         assert_eq!(wrapped("A(0)A(1)B", 4, 3), ["A(0)", "A(1)", "B"]);
-        assert_eq!(wrapped("A(0)A(1)B", 4, 2), ["A(0)", "A(1…"]);
+        assert_eq!(wrapped("A(0)A(1)B", 4, 2), ["A(0)", "…"]);
+        assert_eq!(wrapped("AA(1)BCD", 5, 2), ["AA(1)", "BCD"]);
+        assert_eq!(
+            wrapped("A[/(137.508)C(0)B]A(1)", 11, 2),
+            ["A[", "/(137.508)…"]
+        );
+        assert_eq!(wrapped("A(1.23456)B", 5, 2), ["A(1.…", "B"]);
+        for odd in ["(", ")", "A(", "A(()", "A)B", "ä(ö)", "[[]]"] {
+            assert_eq!(modules(odd).collect::<String>(), odd);
+            assert_eq!(wrapped(odd, 9, 2).concat(), odd);
+        }
         assert!(wrapped("", 4, 2).is_empty());
     }
 
@@ -340,6 +395,19 @@ mod tests {
             board.follow(&document, &facts, &params);
             assert!(board.revision > last, "{facts:?}");
             last = board.revision;
+        }
+    }
+
+    #[test]
+    fn no_number_is_broken() {
+        let string = "A(0)[/(137.508)C(0)B]".repeat(9);
+        let rows = wrapped(&string, 54, 5);
+        assert_eq!(rows.concat(), string);
+        for row in rows {
+            assert!(
+                row.matches('(').count() == row.matches(')').count(),
+                "{row}"
+            );
         }
     }
 

@@ -287,6 +287,15 @@ impl World {
         self.growth.is_moving()
     }
 
+    /// Whether a hand holds or points at something.
+    #[must_use]
+    pub fn is_touched(&self) -> bool {
+        self.tools
+            .hands
+            .iter()
+            .any(|hand| hand.hold != tools::Hold::Nothing || hand.hover != Hover::Nothing)
+    }
+
     /// Shows a sentence on the board for some seconds.
     pub fn show_message(&mut self, text: String) {
         self.message = Some(Message {

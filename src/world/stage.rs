@@ -64,7 +64,8 @@ impl Default for StageParams {
             foot_radius: 0.17,
             foot_height: 0.03,
             tree: Vec3::new(0.0, 0.0, -6.0),
-            board: Vec3::new(0.98, 1.35, -1.45),
+            // Below the horizon and beside the platform: it hides neither the tree nor what is drawn.
+            board: Vec3::new(0.95, 0.95, -0.85),
             board_faces: Vec3::new(0.0, 1.55, 0.0),
             board_size: [0.92, 0.80],
             node_radius: 0.008,
@@ -245,12 +246,14 @@ pub(super) fn furniture(
     }
 }
 
-/// The board to the stage: upright, its front towards [`StageParams::board_faces`].
+/// The board to the stage: level, tilted so that its front is towards [`StageParams::board_faces`].
 #[must_use]
 pub fn stage_from_board(params: &StageParams) -> Affine3A {
     let facing = params.board_faces - params.board;
     let yaw = facing.x.atan2(facing.z);
-    Affine3A::from_rotation_translation(Quat::from_rotation_y(yaw), params.board)
+    let pitch = facing.y.atan2(facing.x.hypot(facing.z));
+    let turn = Quat::from_rotation_y(yaw) * Quat::from_rotation_x(-pitch);
+    Affine3A::from_rotation_translation(turn, params.board)
 }
 
 #[cfg(test)]
@@ -285,10 +288,19 @@ mod tests {
     #[test]
     fn the_board_faces_the_head() {
         let params = StageParams::default();
-        let front = stage_from_board(&params).transform_vector3(Vec3::Z);
-        let mut wanted = params.board_faces - params.board;
-        wanted.y = 0.0;
-        assert!(front.distance(wanted.normalize()) < 1e-5);
+        let stage = stage_from_board(&params);
+        let wanted = params.board_faces - params.board;
+        assert!(
+            stage
+                .transform_vector3(Vec3::Z)
+                .distance(wanted.normalize())
+                < 1e-5
+        );
+        assert!(
+            stage.transform_vector3(Vec3::X).y.abs() < 1e-5,
+            "its lines are level"
+        );
+        assert!(stage.transform_vector3(Vec3::Y).y > 0.9, "its top is up");
     }
 
     #[test]
