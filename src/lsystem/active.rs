@@ -82,7 +82,7 @@ impl<'g> Chain<'g> {
             ),
         };
         let plain = grammar.literal || !grammar.rules.has_context;
-        let drawn = draws(&grammar.rules) || grammar.decompose.as_ref().is_some_and(draws);
+        let drawn = grammar.rules.draws() || grammar.decompose.as_ref().is_some_and(RuleSet::draws);
         if !plain || drawn || grammar.roles.contains(&Role::Cut) {
             return None;
         }
@@ -394,13 +394,6 @@ impl Modules for Chain<'_> {
         let to = from + arity.map_or(0, |a| usize::from(*a));
         self.parameters.get(from..to).unwrap_or(&[])
     }
-}
-
-/// Whether anything in a set of productions is left to chance.
-fn draws(set: &RuleSet) -> bool {
-    set.rules.iter().any(|rule| {
-        rule.weight.is_some() || rule.arguments.iter().any(super::code::Expression::draws)
-    })
 }
 
 #[cfg(test)]

@@ -147,6 +147,31 @@ impl Modules for Indexed<'_> {
     }
 }
 
+/// A module without neighbours, where no production has a context.
+pub(crate) struct Alone;
+
+impl Modules for Alone {
+    fn symbol(&self, _at: usize) -> Option<Symbol> {
+        None
+    }
+
+    fn before(&self, _at: usize) -> Option<usize> {
+        None
+    }
+
+    fn after(&self, at: usize) -> usize {
+        at
+    }
+
+    fn partner(&self, at: usize) -> usize {
+        at
+    }
+
+    fn parameters(&self, _at: usize, _symbol: Symbol) -> &[f64] {
+        &[]
+    }
+}
+
 /// Matches contexts in one string.
 pub(crate) struct Matcher<'a, M> {
     grammar: &'a Grammar,

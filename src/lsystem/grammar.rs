@@ -165,6 +165,13 @@ impl RuleSet {
             has_context,
         }
     }
+
+    /// Whether anything is left to chance: which production applies, or a parameter.
+    pub(crate) fn draws(&self) -> bool {
+        let drawn =
+            |rule: &Rule| rule.weight.is_some() || rule.arguments.iter().any(Expression::draws);
+        self.rules.iter().any(drawn)
+    }
 }
 
 impl Grammar {

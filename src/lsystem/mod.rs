@@ -17,6 +17,7 @@
 //! `turtle` draws it, `report` says what `ramus derive` prints.
 
 mod active;
+mod blocks;
 mod code;
 mod context;
 mod derive;

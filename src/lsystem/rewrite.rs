@@ -23,7 +23,7 @@ const CHUNK: usize = 8192;
 /// Strings shorter than this are rewritten on the calling thread.
 const PARALLEL_FROM: usize = 4 * CHUNK;
 /// Choice of a module that stays as it is; productions are numbered from 1.
-const STAYS: u16 = 0;
+pub(super) const STAYS: u16 = 0;
 /// Draws of a rewritten module: one stream for the choice of a production, another for its parameters.
 const CHOICE_STREAM: u32 = 1 << 31;
 
@@ -37,6 +37,7 @@ pub(super) enum Births {
 }
 
 /// One round of rewriting.
+#[derive(Clone)]
 pub(super) struct Round<'a> {
     pub(super) grammar: &'a Grammar,
     pub(super) rules: &'a RuleSet,
@@ -267,6 +268,13 @@ impl<'a> Round<'a> {
         Ok(size)
     }
 
+    /// The module of a successor that is the same as the one it replaces: that of its name and parameters.
+    pub(super) fn heir(rule: &Rule, own: &[f64], written: &[f64]) -> Option<usize> {
+        let is_same =
+            |(_, first): &&(usize, usize)| written.get(*first..*first + own.len()) == Some(own);
+        rule.heirs.iter().find(is_same).map(|(module, _)| *module)
+    }
+
     /// Says when the modules of a successor were born, whose parameters are `written`, in place of a module with the
     /// parameters `own`, born in the step `birth`.
     pub(super) fn date(
@@ -282,10 +290,7 @@ impl<'a> Round<'a> {
             return;
         }
         births.fill(self.step);
-        let is_same =
-            |(_, first): &&(usize, usize)| written.get(*first..*first + own.len()) == Some(own);
-        let heir = rule.heirs.iter().find(is_same);
-        if let Some(same) = heir.and_then(|(module, _)| births.get_mut(*module)) {
+        if let Some(same) = Self::heir(rule, own, written).and_then(|h| births.get_mut(h)) {
             *same = birth;
         }
     }
@@ -509,9 +514,8 @@ fn parameter_starts(string: &ModuleString) -> Vec<usize> {
 }
 
 /// A vector of zeros, or nothing where the memory is not there.
-fn zeroed<T: Clone + Default>(length: usize) -> Option<Vec<T>> {
-    let mut values = Vec::new();
-    values.try_reserve_exact(length).ok()?;
-    values.resize(length, T::default());
-    Some(values)
+pub(super) fn zeroed<T: Clone + Default>(length: usize) -> Option<Vec<T>> {
+    // Asked for first, since `vec!` would end the program; its zeros are the system's, not written once more.
+    Vec::<T>::new().try_reserve_exact(length).ok()?;
+    Some(vec![T::default(); length])
 }
