@@ -9,15 +9,16 @@
 )]
 
 mod monado {
+    pub(crate) mod ends;
     pub(crate) mod robbed;
     pub(crate) mod sight;
 }
 
 use std::{
     cell::RefCell,
-    io::{BufRead as _, BufReader, Read as _},
+    io::{BufRead as _, BufReader},
     path::Path,
-    process::{Child, Stdio},
+    process::Stdio,
     rc::Rc,
 };
 
@@ -41,15 +42,13 @@ use ramus_monado::{
 use ramus_xr::{Frame, Hand, HeadsetError, simulated::Simulated};
 
 use monado::{
+    ends,
     robbed::{Beat, Robbed},
     sight::{Seen, Sight},
 };
 
 /// Frames of the recorded session that draw its first three segments; enough where growth does not matter.
 const FIRST_STROKES: usize = 230;
-
-/// Actions after which the runtime is killed under the program: some segments are drawn, most are to come.
-const ACTIONS: u64 = 3;
 
 /// Runs a test where the runtime is, and fails it for whatever the runtime or a layer complained about.
 fn staged(test: &str, body: impl FnOnce()) {
@@ -254,23 +253,6 @@ fn a_killed_runtime_loses_nothing_that_was_made() {
     );
 }
 
-/// A program whose runtime died ends, and says so in one sentence.
-fn says_that_its_work_is_saved(child: &mut Child) {
-    let mut errors = String::new();
-    let mut stderr = child.stderr.take().unwrap();
-    stderr.read_to_string(&mut errors).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(1), "{errors}");
-    let said: Vec<&str> = errors
-        .lines()
-        .filter(|line| line.starts_with("ramus: "))
-        .collect();
-    assert!(
-        said.len() == 1 && said[0].contains("your work is saved"),
-        "{errors}"
-    );
-    assert!(!errors.contains("panicked"), "{errors}");
-}
-
 #[test]
 fn the_program_says_in_one_sentence_that_the_runtime_died() {
     staged(
@@ -298,85 +280,8 @@ fn the_program_says_in_one_sentence_that_the_runtime_died() {
                 );
             }
             service.kill().unwrap();
-            says_that_its_work_is_saved(&mut child);
+            ends::says_once(&mut child, "your work is saved");
             project::from_bytes(&std::fs::read(&file).unwrap()).unwrap();
-        },
-    );
-}
-
-/// What the simulated headset makes of the first frames, for each number of frames, with its number of actions.
-fn prefixes(frames: &[Frame]) -> Vec<(u64, String)> {
-    let mut workshop = workshop();
-    let mut made = |frame: Option<&Frame>| {
-        if let Some(frame) = frame {
-            workshop.update(frame);
-        }
-        (
-            workshop.edits(),
-            String::from_utf8(bytes(&workshop)).unwrap(),
-        )
-    };
-    let mut all = vec![made(None)];
-    all.extend(frames.iter().map(|frame| made(Some(frame))));
-    all
-}
-
-#[test]
-fn the_program_saves_what_was_drawn_when_the_runtime_dies() {
-    staged(
-        "the_program_saves_what_was_drawn_when_the_runtime_dies",
-        || {
-            let frames = demonstration::first_tree().unwrap();
-            let folder = tempfile::tempdir().unwrap();
-            let session = folder.path().join("whole.session");
-            std::fs::write(&session, ramus_xr::session::to_bytes(&frames).unwrap()).unwrap();
-            let file = folder.path().join("killed.ramus");
-            let journal = folder.path().join("killed.ramus.journal");
-            // A journal is a line for what the session began with, and one for each action.
-            let actions = || {
-                let bytes = std::fs::read(&journal).unwrap_or_default();
-                let lines = bytes.iter().filter(|&&byte| byte == b'\n').count();
-                (lines as u64).saturating_sub(1)
-            };
-            let mut service = Service::start(ServiceParams::default()).unwrap();
-            let mut child = service
-                .command(env!("CARGO_BIN_EXE_ramus"))
-                .arg("replay")
-                .arg(&session)
-                .args(["--headset", "openxr", "--project"])
-                .arg(&file)
-                .stdin(Stdio::null())
-                .stdout(Stdio::null())
-                .stderr(Stdio::piped())
-                .spawn()
-                .unwrap();
-            while actions() < ACTIONS {
-                assert!(
-                    child.try_wait().unwrap().is_none(),
-                    "the session ended before it drew {ACTIONS} segments"
-                );
-                std::thread::sleep(std::time::Duration::from_millis(5));
-            }
-            service.kill().unwrap();
-            says_that_its_work_is_saved(&mut child);
-
-            let saved = std::fs::read_to_string(&file).unwrap();
-            let prefixes = prefixes(&frames);
-            let same = prefixes.iter().rposition(|(_, made)| *made == saved);
-            let Some(shown) = same else {
-                panic!("no part of the session makes what was saved:\n{saved}");
-            };
-            let made = prefixes[shown].0;
-            println!("killed after {ACTIONS} actions; {made} are saved, of {shown} frames");
-            assert!(
-                made >= ACTIONS,
-                "{made} actions of the {ACTIONS} before the kill"
-            );
-            assert!(shown < frames.len(), "it was not in mid-session");
-            assert!(
-                !journal.exists(),
-                "all is saved: nothing is to be recovered"
-            );
         },
     );
 }
@@ -417,4 +322,33 @@ fn the_program_replays_a_session_on_the_runtime() {
         );
         service.stop().unwrap();
     });
+}
+
+#[test]
+fn doctor_finds_the_runtime_and_names_its_command_when_it_is_gone() {
+    staged(
+        "doctor_finds_the_runtime_and_names_its_command_when_it_is_gone",
+        || {
+            let mut service = Service::start(ServiceParams::default()).unwrap();
+            let doctor = |service: &Service| {
+                let mut doctor = service.command(env!("CARGO_BIN_EXE_ramus"));
+                // What the layer says about an instance that cannot be made is not ours to judge.
+                let output = doctor
+                    .env_remove("XR_ENABLE_API_LAYERS")
+                    .arg("doctor")
+                    .output();
+                String::from_utf8(output.unwrap().stdout).unwrap()
+            };
+            let said = doctor(&service);
+            assert!(said.contains("Remote HMD"), "{said}");
+            assert!(said.contains("Ramus can start in the headset"), "{said}");
+            service.kill().unwrap();
+            let said = doctor(&service);
+            let commands = ["systemctl --user start monado.socket", "monado-service &"];
+            assert!(
+                commands.iter().any(|command| said.contains(command)),
+                "{said}"
+            );
+        },
+    );
 }

@@ -87,7 +87,11 @@ pub fn play(
 ) -> Result<(), SessionEnd> {
     let opened = connect().map_err(OpenError::from).and_then(Opened::start)?;
     let frames = frames.into_iter().map(Ok);
-    opened
-        .run(|headset| Player::new(headset, frames), workshop, watcher)
-        .1
+    let (player, outcome) = opened.run(|headset| Player::new(headset, frames), workshop, watcher);
+    outcome?;
+    if player.is_over() {
+        Ok(())
+    } else {
+        Err(SessionEnd::Early)
+    }
 }

@@ -23,7 +23,8 @@ enum Images {
     },
 }
 
-type Upload = Result<TreeUpload, RenderError>;
+/// A prepared tree with its revision.
+type Upload = (u64, Result<TreeUpload, RenderError>);
 
 /// Draws the workshop for both eyes.
 pub struct Picture {
@@ -96,7 +97,7 @@ impl Picture {
 
     fn new(gpu: &Gpu, params: RendererParams, images: Images) -> Result<Self, RenderError> {
         let uploads = Worker::start("ramus-upload", |(gpu, placed): &(Gpu, PlacedTree), _| {
-            TreeUpload::new(gpu, placed)
+            (placed.revision, TreeUpload::new(gpu, placed))
         })
         .map_err(|error| RenderError::Unsupported(format!("no thread for uploads: {error}")))?;
         Ok(Self {
@@ -163,9 +164,12 @@ impl Picture {
                 TreeState::Copying => {}
                 TreeState::Wanted(revision) if self.refused == Some(revision) => return Ok(report),
                 TreeState::Wanted(_) => {
-                    if let Some(upload) = self.uploads.wait() {
-                        self.take_upload(upload);
-                    }
+                    let Some(upload) = self.uploads.wait() else {
+                        return Err(RenderError::Unsupported(
+                            "the thread that prepares trees is gone".to_owned(),
+                        ));
+                    };
+                    self.take_upload(upload);
                 }
             }
         }
@@ -186,14 +190,13 @@ impl Picture {
     }
 
     /// A tree that finds no room on the device ends no session: the one before stays in view.
-    fn take_upload(&mut self, upload: Upload) {
+    fn take_upload(&mut self, (revision, upload): Upload) {
+        // A newer one may have been asked for while this one was on its way.
+        self.preparing = self.preparing.filter(|&newest| newest != revision);
         match upload {
-            Ok(upload) => {
-                self.renderer.set_tree(upload);
-                self.preparing = None;
-            }
+            Ok(upload) => self.renderer.set_tree(upload),
             Err(error) => {
-                self.refused = self.preparing.take();
+                self.refused = Some(revision);
                 self.trouble = Some(format!("the tree cannot be shown: {error}"));
             }
         }

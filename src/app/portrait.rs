@@ -57,7 +57,12 @@ pub fn of_tree(tree: Arc<Tree>, pixels: u32) -> Result<RgbaImage> {
         bail!("the tree has no node, so there is nothing to draw");
     };
     let half = ((high - low) * 0.5).max_element();
-    let scale = params.radius / half.max(f32::MIN_POSITIVE);
+    if half < f32::MIN_POSITIVE {
+        bail!(
+            "the tree's nodes all stand in one place, so there is nothing to draw: give its segments a length"
+        );
+    }
+    let scale = params.radius / half;
     let middle = (low + high) * 0.5;
     // What is lowest touches the ground.
     let foot = Vec3::new(middle.x, low.y, middle.z);
@@ -108,5 +113,42 @@ pub fn looking_at(eye: Vec3, target: Vec3, field: f32) -> View {
             up: half,
             down: -half,
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests")]
+    use super::*;
+    use crate::tree::NO_PARENT;
+
+    /// Nodes in a row, so far from each other.
+    fn row(nodes: u16, apart: f32) -> Tree {
+        let count = usize::from(nodes);
+        Tree {
+            parent: (0..u32::from(nodes))
+                .map(|node| node.checked_sub(1).unwrap_or(NO_PARENT))
+                .collect(),
+            position: (0..nodes)
+                .map(|node| Vec3::new(10.0, apart * f32::from(node), 0.0))
+                .collect(),
+            radius: vec![0.01; count],
+            letter: vec![0; count],
+            order: vec![0; count],
+            birth: vec![0; count],
+            letters: vec!["F".to_owned()],
+        }
+    }
+
+    #[test]
+    fn a_tree_without_extent_is_refused_before_any_device_is_asked() {
+        for (what, tree, expected) in [
+            ("nothing", row(0, 0.0), "no segment"),
+            ("the root alone", row(1, 0.0), "no segment"),
+            ("all in one place", row(3, 0.0), "in one place"),
+        ] {
+            let error = of_tree(Arc::new(tree), 16).unwrap_err().to_string();
+            assert!(error.contains(expected), "{what}: {error}");
+        }
     }
 }

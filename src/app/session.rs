@@ -23,6 +23,11 @@ pub enum SessionEnd {
     /// The picture.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The person or the runtime ended a session that was being played.
+    #[error(
+        "the OpenXR runtime ended the session before all of it was played; what was made by then is saved: play it again to see the rest"
+    )]
+    Early,
     /// Whoever watches.
     #[error("{0:#}")]
     Watcher(#[from] anyhow::Error),

@@ -16,7 +16,7 @@ use crate::app::worker::Worker;
 use crate::tree::{TreeError, file::write_atomically};
 use crate::world::document::Document;
 use crate::world::history::{Action, History};
-use crate::world::journal::{self, Decoded, Journal, JournalError};
+use crate::world::journal::{self, Damage, Decoded, Journal, JournalError};
 use crate::world::project::{self, ProjectError};
 
 /// Larger files are no projects or journals; they are not even read.
@@ -301,34 +301,39 @@ impl Store {
             }
             Err(error) => return Ok(fresh(Some(put_aside(&error.to_string())?))),
         };
-        if !decoded.actions.is_empty() && !belongs(&decoded, &base) {
-            let why = "the project is not the one that its journal was kept for";
-            let recovered = journal::recover(&decoded);
-            let aside = free_name(project, ".recovered.ramus");
-            write_atomically(&aside, &project::to_bytes(recovered.history.committed()))?;
-            let message = format!("{why}; the journal's work was saved as {}", aside.display());
-            return Ok(fresh(Some(message)));
-        }
-        if decoded.actions.is_empty() {
-            return Ok(fresh(None));
-        }
         let recovered = journal::recover(&decoded);
-        let message = match recovered.message {
-            Some(why) if matches!(decoded.damage, Some(journal::Damage::Torn { .. })) => Some(why),
-            Some(why) => Some(put_aside(&why)?),
-            None if recovered.actions > 0 => Some(format!(
-                "recovered {} actions of a session that ended abruptly",
-                recovered.actions
-            )),
-            None => None,
-        };
         // Going on in the same journal needs all its actions to have been repeated.
         let whole = recovered.actions == decoded.actions.len();
-        let journal = whole.then_some((decoded.journal, decoded.whole_bytes as u64));
+        let broken = matches!(decoded.damage, Some(Damage::Broken { .. }));
+        let mut message = recovered.message;
+        if let Some(why) = message.take_if(|_| broken || !whole) {
+            message = Some(put_aside(&why)?);
+        }
+        if decoded.actions.is_empty() {
+            // A line that was never finished is no action.
+            return Ok(fresh(message.filter(|_| broken)));
+        }
+        if !belongs(&decoded, &base) {
+            let aside = free_name(project, ".recovered.ramus");
+            write_atomically(&aside, &project::to_bytes(recovered.history.committed()))?;
+            let strange = format!(
+                "the project is not the one that its journal was kept for; the journal's work was saved as {}",
+                aside.display()
+            );
+            return Ok(fresh(Some(match message {
+                Some(damage) => format!("{strange}; {damage}"),
+                None => strange,
+            })));
+        }
+        let actions = recovered.actions;
         Ok(Left {
             history: recovered.history,
-            journal,
-            message,
+            journal: whole.then_some((decoded.journal, decoded.whole_bytes as u64)),
+            message: message.or_else(|| {
+                Some(format!(
+                    "recovered {actions} actions of a session that ended abruptly"
+                ))
+            }),
         })
     }
 

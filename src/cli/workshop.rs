@@ -49,6 +49,13 @@ enum Which {
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
+    if let Some(project) = &args.project {
+        // Before anything starts: a session's end is too late to refuse its files.
+        let made = ["glb", "lsys"].map(|ending| project.with_extension(ending));
+        let looked_at = tree_of(project, &args.out);
+        not_over_each_other(Some(project), made.iter().map(PathBuf::as_path))?;
+        not_over_each_other(Some(project), [looked_at.as_path()])?;
+    }
     if args.headset != Which::Simulated {
         match headset::connect() {
             Ok(system) => return in_headset(Opened::start(system)?, args),
@@ -80,9 +87,6 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     if args.project.is_none() {
         make_folder(&args.out)?;
     }
-    let glb = project.with_extension("glb");
-    let lsys = project.with_extension("lsys");
-    not_over_each_other(Some(&project), [glb.as_path(), &lsys])?;
     tell!("In the headset: {}.", opened.describe());
     let store = Store::open(&project)?;
     if let Some(message) = &store.message {
@@ -108,8 +112,10 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
         take_home::summary(&world)
     );
     if world.document().step > 0 {
+        let glb = project.with_extension("glb");
         take_home::export(&world, &glb)?;
         tell!("The tree is in {}.", glb.display());
+        let lsys = project.with_extension("lsys");
         take_home::grammar(&world, &lsys)?;
         tell!("Its grammar is in {}.", lsys.display());
     }
@@ -188,13 +194,16 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
     Ok(())
 }
 
+/// Where the tree of a project goes that is only looked at.
+fn tree_of(project: &Path, out: &Path) -> PathBuf {
+    out.join(project.file_stem().unwrap_or_default())
+        .with_extension("glb")
+}
+
 /// Without a headset, a project: every growth step pictured, and the tree exported. The project stays as it
 /// is, but for what a killed session left in its journal.
 fn look_at(project: &Path, out: &Path) -> Result<()> {
-    let glb = out
-        .join(project.file_stem().unwrap_or_default())
-        .with_extension("glb");
-    not_over_each_other(Some(project), [glb.as_path()])?;
+    let glb = tree_of(project, out);
     let document = if Store::has_journal(project) {
         let opened = Store::open(project)?;
         if let Some(message) = &opened.message {

@@ -46,7 +46,8 @@ impl Sketch {
     }
 
     /// The grammar without its shapes: all that the string depends on.
-    pub(super) fn rules_text(&self) -> String {
+    #[must_use]
+    pub fn rules_text(&self) -> String {
         let mut text =
             String::from("# A sketch, written by Ramus: A is the trunk, B a growing end.\n");
         if self.is_empty() {

@@ -12,14 +12,14 @@ use crate::world::scene::{Board, BoardContent};
 
 /// How densely boards are laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoardParams {
+pub struct LayoutParams {
     /// Pixels of the panel's image for each metre of the board.
     pub pixels_per_metre: f32,
     /// Pixels for each of egui's points: the size of text.
     pub pixels_per_point: f32,
 }
 
-impl Default for BoardParams {
+impl Default for LayoutParams {
     /// At a metre's distance a line of the board is about 1.2° high (rendering.md §5 asks for 1°–1.5°).
     fn default() -> Self {
         Self {
@@ -46,14 +46,14 @@ pub struct Painted {
 #[derive(Default)]
 pub struct BoardUi {
     context: egui::Context,
-    params: BoardParams,
+    params: LayoutParams,
     shown: Option<(u64, [f32; 2])>,
 }
 
 impl BoardUi {
     /// A board with the given density.
     #[must_use]
-    pub fn new(params: BoardParams) -> Self {
+    pub fn new(params: LayoutParams) -> Self {
         Self {
             context: egui::Context::default(),
             params,
@@ -68,7 +68,7 @@ impl BoardUi {
             return None;
         }
         self.shown = Some(key);
-        let BoardParams {
+        let LayoutParams {
             pixels_per_metre,
             pixels_per_point,
         } = self.params;

@@ -138,8 +138,8 @@ fn compose(document: &Document, facts: &Facts<'_>, params: &BoardParams) -> Boar
         line(&row);
     }
     line("");
-    let grammar = sketch.grammar_text();
-    for row in rules(&grammar, params.columns, params.rule_lines) {
+    // Without the shapes, which no board has room for and which a long sketch takes its time to write.
+    for row in rules(&sketch.rules_text(), params.columns, params.rule_lines) {
         line(&row);
     }
     line("");

@@ -233,21 +233,18 @@ pub enum EditError {
     /// The sketch refused it.
     #[error(transparent)]
     Sketch(#[from] SketchError),
-    /// The step is out of bounds.
-    #[error("growth ends at step {most}: step {found} is too far")]
-    Step {
-        /// The step asked for.
-        found: u32,
-        /// The largest one.
-        most: u32,
-    },
     /// The platform's place is NaN, infinite or far out.
     #[error(
-        "the platform cannot stand there: its place must be finite and within 1000 m of the room's middle"
+        "the platform cannot stand there: its place must be finite and within {} m of the room's middle",
+        PLACEMENT_BOUNDS.position
     )]
     PlatformPlace,
     /// The platform's scale is out of bounds.
-    #[error("the platform's scale must lie between 0.05 and 20")]
+    #[error(
+        "the platform's scale must lie between {} and {}",
+        PLACEMENT_BOUNDS.scale[0],
+        PLACEMENT_BOUNDS.scale[1]
+    )]
     PlatformScale,
     /// Nothing to draw.
     #[error("a stroke needs at least one segment")]
@@ -333,10 +330,11 @@ impl Document {
 
     fn validate_settings(&self) -> Result<(), EditError> {
         if self.step > BOUNDS.step {
-            return Err(EditError::Step {
+            return Err(SketchError::StepTooFar {
                 found: self.step,
                 most: BOUNDS.step,
-            });
+            }
+            .into());
         }
         self.platform.validate()
     }

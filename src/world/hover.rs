@@ -97,9 +97,9 @@ pub fn ball(
 pub struct Ring {
     /// Centre in metres.
     pub center: Vec3,
-    /// Inner and outer radius in metres.
+    /// Inner radius in metres.
     pub inner: f32,
-    /// See `inner`.
+    /// Outer radius in metres.
     pub outer: f32,
 }
 

@@ -89,6 +89,25 @@ fn nothing_is_written_over_what_it_is_made_from() {
     refused(&output, &["would be overwritten"]);
 }
 
+/// A session's end is too late to refuse: the tree of `x.glb` would go to `x.glb`.
+#[test]
+fn a_project_never_has_the_name_of_what_is_made_from_it() {
+    let folder = folder();
+    for name in ["tree.glb", "tree.lsys", "out/tree.glb"] {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        succeed(ramus().args(["replay", FIRST_TREE, "--project"]).arg(&path));
+        let whole = fs::read(&path).unwrap();
+        let output = ramus()
+            .current_dir(folder.path())
+            .args(["--headset", "simulated", "--project", name])
+            .output()
+            .unwrap();
+        refused(&output, &["would be overwritten", name]);
+        assert!(fs::read(&path).unwrap() == whole, "{name}");
+    }
+}
+
 #[test]
 fn two_results_never_share_a_file() {
     let folder = folder();

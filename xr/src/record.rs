@@ -135,6 +135,12 @@ impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Player<H, I> {
         }
     }
 
+    /// Whether every recorded frame was given.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.next.is_none()
+    }
+
     /// Gives the headset back.
     #[must_use]
     pub fn into_inner(self) -> H {
@@ -335,6 +341,14 @@ mod tests {
             })
             .collect();
         assert_eq!(played, expected);
+        assert!(player.is_over());
+        // A device that ends first leaves some of the session unplayed.
+        let mut cut = Player::new(
+            Simulated::new(device(5), EXTENT),
+            session().into_iter().map(Ok),
+        );
+        run(&mut cut);
+        assert!(!cut.is_over());
         let held = seen.iter().filter(|frame| !frame.focused);
         assert_eq!(held.clone().count(), 3);
         assert!(

@@ -152,6 +152,45 @@ fn damage_and_strangers_are_put_aside_and_nothing_is_thrown_away() {
     }
 }
 
+/// Every action of the journal is recovered or lies in the file that is put aside, wherever the damage is and whatever
+/// project is found beside it.
+#[test]
+fn lines_behind_a_damaged_one_are_put_aside() {
+    for (line, another_project) in [(1, false), (2, false), (1, true), (2, true)] {
+        let what = format!("line {line}, another project: {another_project}");
+        let folder = folder();
+        let path = folder.path().join("tree.ramus");
+        let mut opened = Store::open(&path).unwrap();
+        draw(&mut opened, &[0.1, 0.2, 0.3, 0.4]);
+        kill(opened);
+        let journal = beside(&path, ".journal");
+        let text = fs::read_to_string(&journal).unwrap();
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        lines[line] = lines[line].replacen("check", "chock", 1);
+        let damaged = lines.join("\n") + "\n";
+        fs::write(&journal, &damaged).unwrap();
+        if another_project {
+            let other = Document {
+                step: 7,
+                ..Document::default()
+            };
+            fs::write(&path, project::to_bytes(&other)).unwrap();
+        }
+        let opened = Store::open(&path).unwrap();
+        let message = opened.message.unwrap();
+        assert!(message.contains(".journal.damaged"), "{what}: {message}");
+        let aside = fs::read_to_string(beside(&path, ".journal.damaged")).unwrap();
+        assert_eq!(aside, damaged, "{what}");
+        let recovered = match another_project {
+            false => opened.history.committed().clone(),
+            true if line == 1 => Document::default(), // none was recovered
+            true => read_project(&beside(&path, ".recovered.ramus")).unwrap(),
+        };
+        assert_eq!(recovered.sketch.segments().count(), line - 1, "{what}");
+        assert_eq!(opened.history.committed().step == 7, another_project);
+    }
+}
+
 #[test]
 fn beginning_anew_saves_what_a_killed_session_left() {
     let folder = folder();
@@ -369,4 +408,33 @@ fn a_replaced_project_stays_where_its_session_was_killed() {
         assert!(beside(&path, name).exists(), "{name}");
     }
     assert_eq!(read_project(&beside(&path, ".before.ramus")).unwrap(), old);
+}
+
+/// The whole workshop on a disk that is full from the first action on: it goes on, says so on the board, and all is there
+/// once there is room.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_session_on_a_full_disk_goes_on_and_says_so_on_the_board() {
+    use crate::app::workshop::{Workshop, WorkshopParams};
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let mut opened = Store::open(&path).unwrap();
+    swap(&mut opened.store, full());
+    let mut workshop = Workshop::new(opened, WorkshopParams::default()).unwrap();
+    let mut said = None;
+    for frame in crate::app::demonstration::first_tree().unwrap() {
+        workshop.update(&frame);
+        let board = workshop.scene().board.as_ref();
+        said = said.or_else(|| board.and_then(|board| board.content.message.clone()));
+    }
+    workshop.finish_tree();
+    let said = said.unwrap();
+    assert!(
+        said.contains("tree.ramus.journal") && said.contains("kept in memory"),
+        "{said}"
+    );
+    let document = workshop.document().clone();
+    assert_eq!(document.sketch.segments().count(), 7);
+    workshop.close().unwrap();
+    assert_eq!(read_project(&path).unwrap(), document);
 }

@@ -243,23 +243,33 @@ impl Service {
         Ok(())
     }
 
+    /// Asks the runtime to end, as the system does when a person logs out, and waits until it has.
+    ///
+    /// # Errors
+    /// [`ServiceError`] when it does not end.
+    pub fn ask_to_end(&mut self) -> Result<(), ServiceError> {
+        if self.child.try_wait()?.is_some() {
+            return Ok(());
+        }
+        // The standard library sends SIGKILL only; the shell's own `kill` is everywhere.
+        Command::new("sh")
+            .args(["-c", "kill -TERM \"$0\"", &self.child.id().to_string()])
+            .status()?;
+        let began = Instant::now();
+        while self.child.try_wait()?.is_none() {
+            self.in_time(began, self.params.stopped_within, "end")?;
+            thread::sleep(LOOK_AGAIN);
+        }
+        Ok(())
+    }
+
     /// Asks the runtime to end, waits, and reads its log and the layer's: any complaint is an error.
     /// Returns the service's log.
     ///
     /// # Errors
     /// [`ServiceError`] when it does not end, or something was complained about.
     pub fn stop(mut self) -> Result<String, ServiceError> {
-        if self.child.try_wait()?.is_none() {
-            // The standard library sends SIGKILL only; the shell's own `kill` is everywhere.
-            Command::new("sh")
-                .args(["-c", "kill -TERM \"$0\"", &self.child.id().to_string()])
-                .status()?;
-            let began = Instant::now();
-            while self.child.try_wait()?.is_none() {
-                self.in_time(began, self.params.stopped_within, "end")?;
-                thread::sleep(LOOK_AGAIN);
-            }
-        }
+        self.ask_to_end()?;
         let log = self.log();
         let validation = self.validation_log();
         let complaints = [verdict::complaints(&log), verdict::complaints(&validation)]
