@@ -375,12 +375,12 @@ impl Modules for Chain<'_> {
         self.places.get(at).map(|place| place.symbol)
     }
 
-    fn before(&self, at: usize) -> Option<usize> {
+    fn left(&self, at: usize) -> Option<usize> {
         self.places.get(at).map(|place| place.previous as usize)
     }
 
-    fn after(&self, at: usize) -> usize {
-        self.places.get(at).map_or(0, |place| place.next as usize)
+    fn right(&self, at: usize) -> Option<usize> {
+        self.places.get(at).map(|place| place.next as usize)
     }
 
     /// Plain neighbours never step over a branch.

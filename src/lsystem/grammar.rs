@@ -83,6 +83,18 @@ pub(crate) enum Pattern {
     Close,
 }
 
+/// Where a production looks for its contexts.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Looks {
+    pub(crate) left: bool,
+    /// To the right, past branches.
+    pub(crate) right: bool,
+    /// To the right, into branches.
+    pub(crate) into_branches: bool,
+    /// For parameters, too.
+    pub(crate) binds: bool,
+}
+
 /// One production.
 #[derive(Clone, Debug)]
 pub(crate) struct Rule {
@@ -94,6 +106,7 @@ pub(crate) struct Rule {
     /// Nearest module first; no brackets.
     pub(crate) left: Vec<Pattern>,
     pub(crate) right: Vec<Pattern>,
+    pub(crate) looks: Looks,
     /// Modules of both contexts.
     pub(crate) context_length: usize,
     /// Parameters bound by the predecessor and by both contexts.
@@ -126,14 +139,58 @@ impl Rule {
     }
 }
 
+/// What a round does with a symbol's modules.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Plan {
+    /// There is no production.
+    Stay,
+    /// This production applies to every one.
+    Always(u16),
+    /// The symbols of its two neighbours decide.
+    Near,
+    /// It depends.
+    Choose,
+}
+
+/// A production that depends on no more than the symbols of two neighbours.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near {
+    /// The neighbour that it needs; none: any.
+    pub(crate) left: Option<Symbol>,
+    pub(crate) right: Option<Symbol>,
+    pub(crate) number: u16,
+}
+
+impl Near {
+    fn of(rule: &Rule, number: u16) -> Option<Self> {
+        let one = |pattern: &[Pattern]| match pattern {
+            [] => Some(None),
+            [Pattern::Module { symbol, .. }] => Some(Some(*symbol)),
+            _ => None,
+        };
+        let plain = rule.condition.is_none() && rule.weight.is_none();
+        let (left, right) = (one(&rule.left)?, one(&rule.right)?);
+        plain.then_some(Self {
+            left,
+            right,
+            number,
+        })
+    }
+}
+
 /// Productions, found by symbol.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RuleSet {
     pub(crate) rules: Vec<Rule>,
     /// For each symbol its productions, best first.
     pub(crate) by_symbol: Vec<Vec<u16>>,
+    plans: Vec<Plan>,
+    /// For each symbol whose plan is [`Plan::Near`] its productions, best first.
+    near: Vec<Vec<Near>>,
     pub(crate) order: Order,
     pub(crate) has_context: bool,
+    /// What any of them looks for.
+    pub(crate) looks: Looks,
 }
 
 impl RuleSet {
@@ -158,12 +215,52 @@ impl RuleSet {
             }
         }
         let has_context = rules.iter().any(Rule::has_context);
+        let any = |look: fn(&Looks) -> bool| rules.iter().any(|rule| look(&rule.looks));
+        let looks = Looks {
+            left: any(|l| l.left),
+            right: any(|l| l.right),
+            into_branches: any(|l| l.into_branches),
+            binds: any(|l| l.binds),
+        };
+        let rule = |number: &u16| rules.get(usize::from(*number));
+        let near: Vec<Vec<Near>> = by_symbol
+            .iter()
+            .map(|list| {
+                let near = |number: &u16| Near::of(rule(number)?, *number);
+                let all: Option<Vec<Near>> = list.iter().map(near).collect();
+                all.unwrap_or_default()
+            })
+            .collect();
+        let plan = |(list, near): (&Vec<u16>, &Vec<Near>)| match list.first() {
+            None => Plan::Stay,
+            Some(first) if rule(first).is_some_and(Rule::unconditional) => Plan::Always(*first),
+            Some(_) if !near.is_empty() => Plan::Near,
+            Some(_) => Plan::Choose,
+        };
+        let plans = by_symbol.iter().zip(&near).map(plan).collect();
         Self {
             rules,
             by_symbol,
+            plans,
+            near,
             order,
             has_context,
+            looks,
         }
+    }
+
+    #[inline]
+    pub(crate) fn plan(&self, symbol: Symbol) -> Plan {
+        let plan = self.plans.get(usize::from(symbol));
+        plan.copied().unwrap_or(Plan::Stay)
+    }
+
+    /// The productions of a symbol whose plan is [`Plan::Near`].
+    #[inline]
+    pub(crate) fn near(&self, symbol: Symbol) -> &[Near] {
+        self.near
+            .get(usize::from(symbol))
+            .map_or(&[], Vec::as_slice)
     }
 
     /// Whether anything is left to chance: which production applies, or a parameter.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::context::{ContextIndex, Indexed, Matcher, Modules};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, ValueProblem};
-use super::grammar::{Grammar, Order, Rule, RuleSet};
+use super::grammar::{Grammar, Near, Order, Plan, Rule, RuleSet};
 use super::names::Symbol;
 use super::random::{Draws, PassKey};
 use super::string::{ModuleString, string_bytes};
@@ -65,9 +65,32 @@ struct Task<'s> {
     from: usize,
     parameters_from: usize,
     choices: &'s [u16],
+    out: Output<'s>,
+}
+
+/// Places for modules that are written one after the other.
+#[derive(Default)]
+struct Output<'s> {
     symbols: &'s mut [Symbol],
     births: &'s mut [u32],
     parameters: &'s mut [f64],
+}
+
+impl<'s> Output<'s> {
+    /// The next places; fewer where the count was wrong, which cannot be.
+    fn take(&mut self, modules: usize, parameters: usize) -> Self {
+        fn front<'s, T>(rest: &mut &'s mut [T], length: usize) -> &'s mut [T] {
+            let all = std::mem::take(rest);
+            let (taken, left) = all.split_at_mut(length.min(all.len()));
+            *rest = left;
+            taken
+        }
+        Self {
+            symbols: front(&mut self.symbols, modules),
+            births: front(&mut self.births, modules),
+            parameters: front(&mut self.parameters, parameters),
+        }
+    }
 }
 
 impl<'a> Round<'a> {
@@ -104,7 +127,8 @@ impl<'a> Round<'a> {
     pub(super) fn apply(&self, string: &ModuleString) -> Result<Option<ModuleString>, DeriveError> {
         let parallel = string.len() >= PARALLEL_FROM;
         let index = if self.rules.has_context {
-            ContextIndex::new(self.grammar, string, self.cancel).ok_or_else(|| self.cancelled())?
+            ContextIndex::new(self.grammar, self.rules, string, self.cancel)
+                .ok_or_else(|| self.cancelled())?
         } else {
             ContextIndex::default()
         };
@@ -147,30 +171,19 @@ impl<'a> Round<'a> {
         };
         let mut tasks = Vec::with_capacity(sizes.len());
         {
-            let mut symbols = following.symbols.as_mut_slice();
-            let mut births = following.births.as_mut_slice();
-            let mut values = following.parameters.as_mut_slice();
+            let mut out = Output {
+                symbols: &mut following.symbols,
+                births: &mut following.births,
+                parameters: &mut following.parameters,
+            };
             for (chunk, (size, choices)) in sizes.iter().zip(choices.chunks(CHUNK)).enumerate() {
                 // The sums above fit usize, so their parts do.
-                let modules = usize::try_from(size.modules)
-                    .unwrap_or(usize::MAX)
-                    .min(symbols.len());
-                let parameters = usize::try_from(size.parameters)
-                    .unwrap_or(usize::MAX)
-                    .min(values.len());
-                let (own_symbols, rest) = symbols.split_at_mut(modules);
-                symbols = rest;
-                let (own_births, rest) = births.split_at_mut(modules);
-                births = rest;
-                let (own_values, rest) = values.split_at_mut(parameters);
-                values = rest;
+                let fitting = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
                 tasks.push(Task {
                     from: chunk * CHUNK,
                     parameters_from: start_of(chunk),
                     choices,
-                    symbols: own_symbols,
-                    births: own_births,
-                    parameters: own_values,
+                    out: out.take(fitting(size.modules), fitting(size.parameters)),
                 });
             }
         }
@@ -204,7 +217,7 @@ impl<'a> Round<'a> {
         parameters: u64,
     ) -> Result<(), DeriveError> {
         let index = if self.rules.has_context {
-            ContextIndex::bytes(string.len() as u64)
+            ContextIndex::bytes(self.rules, string.len() as u64)
         } else {
             0
         };
@@ -250,17 +263,25 @@ impl<'a> Round<'a> {
         let symbols = string.symbols.get(from..).unwrap_or(&[]);
         for (i, (symbol, choice)) in symbols.iter().zip(choices).enumerate() {
             let arity = string.arity(*symbol);
-            let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
-            *choice = work.choose(*symbol, from + i, own)?;
+            *choice = match self.rules.plan(*symbol) {
+                Plan::Stay => STAYS,
+                Plan::Always(number) => number + 1,
+                Plan::Near => near(indexed, self.rules.near(*symbol), from + i),
+                Plan::Choose => {
+                    let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
+                    work.choose(*symbol, from + i, own)?
+                }
+            };
             offset += arity;
-            if let Some(rule) = self.rule(*choice) {
-                size.modules += rule.successor.len() as u64;
-                size.parameters += rule.arguments.len() as u64;
-                size.changed = true;
-            } else {
-                size.modules += 1;
-                size.parameters += arity as u64;
-            }
+            let (modules, parameters) = match self.rule(*choice) {
+                Some(rule) => {
+                    size.changed = true;
+                    (rule.successor.len(), rule.arguments.len())
+                }
+                None => (1, arity),
+            };
+            size.modules += modules as u64;
+            size.parameters += parameters as u64;
             if !work.matcher.go_on(1) {
                 return Err(self.cancelled());
             }
@@ -302,45 +323,38 @@ impl<'a> Round<'a> {
         }
         let string = indexed.string;
         let mut work = Worker::new(self, indexed);
-        let mut offset = task.parameters_from;
-        let (mut out, mut out_parameter) = (0, 0);
-        let old = string.symbols.iter().zip(&string.births).skip(task.from);
-        for (i, ((symbol, birth), choice)) in old.zip(task.choices).enumerate() {
-            let arity = string.arity(*symbol);
-            let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
-            offset += arity;
-            let Some(rule) = self.rule(*choice) else {
-                if let (Some(s), Some(b)) = (task.symbols.get_mut(out), task.births.get_mut(out)) {
-                    (*s, *b) = (*symbol, *birth);
-                }
-                if let Some(target) = task
-                    .parameters
-                    .get_mut(out_parameter..out_parameter + arity)
-                {
-                    target.copy_from_slice(own);
-                }
-                out += 1;
-                out_parameter += arity;
-                continue;
+        let mut out = task.out;
+        let (mut at, mut offset) = (task.from, task.parameters_from);
+        // What stays is copied in whole stretches.
+        for stretch in task.choices.chunk_by(|a, b| *a == STAYS && *b == STAYS) {
+            let end = at + stretch.len();
+            let symbols = string.symbols.get(at..end).unwrap_or(&[]);
+            let births = string.births.get(at..end).unwrap_or(&[]);
+            let parameters = match string.parameters.is_empty() {
+                true => 0,
+                false => symbols.iter().map(|s| string.arity(*s)).sum(),
             };
-            let (modules, parameters) = (rule.successor.len(), rule.arguments.len());
-            let written = task
-                .parameters
-                .get_mut(out_parameter..out_parameter + parameters)
-                .unwrap_or(&mut []);
-            work.evaluate(rule, task.from + i, own, written)?;
-            if let Some(target) = task.symbols.get_mut(out..out + modules) {
-                target.copy_from_slice(&rule.successor);
-            }
-            if let Some(target) = task.births.get_mut(out..out + modules) {
-                self.date(rule, own, *birth, written, target);
-            }
-            out += modules;
-            out_parameter += parameters;
-            if !work
-                .matcher
-                .go_on(u32::try_from(modules).unwrap_or(u32::MAX))
-            {
+            let own = string.parameters.get(offset..offset + parameters);
+            let own = own.unwrap_or(&[]);
+            let made = match stretch.first().and_then(|choice| self.rule(*choice)) {
+                None => {
+                    let target = out.take(symbols.len(), parameters);
+                    target.symbols.copy_from_slice(symbols);
+                    target.births.copy_from_slice(births);
+                    target.parameters.copy_from_slice(own);
+                    symbols.len()
+                }
+                Some(rule) => {
+                    let target = out.take(rule.successor.len(), rule.arguments.len());
+                    work.evaluate(rule, at, own, target.parameters)?;
+                    target.symbols.copy_from_slice(&rule.successor);
+                    let birth = births.first().copied().unwrap_or(0);
+                    self.date(rule, own, birth, target.parameters, target.births);
+                    rule.successor.len()
+                }
+            };
+            (at, offset) = (end, offset + parameters);
+            if !work.matcher.go_on(u32::try_from(made).unwrap_or(u32::MAX)) {
                 return Err(self.cancelled());
             }
         }
@@ -397,6 +411,7 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
         };
         let mut rank = None;
         self.drawn.clear();
+        self.bind_own(own);
         for number in candidates {
             let Some(rule) = round.rules.rules.get(usize::from(*number)) else {
                 continue;
@@ -414,7 +429,6 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
                     break;
                 }
             }
-            self.bind_own(own);
             if rule.has_context() && !self.matcher.matches(rule, at, &mut self.bound) {
                 if self.matcher.cancelled {
                     return Err(round.cancelled());
@@ -497,6 +511,18 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
         }
         Ok(())
     }
+}
+
+/// The production for a module whose neighbours decide.
+#[inline]
+fn near(modules: &impl Modules, productions: &[Near], at: usize) -> u16 {
+    let symbol = |place: Option<usize>| place.and_then(|place| modules.symbol(place));
+    let (left, right) = (symbol(modules.left(at)), symbol(modules.right(at)));
+    let fits = |wanted: Option<Symbol>, found| wanted.is_none() || wanted == found;
+    productions
+        .iter()
+        .find(|near| fits(near.left, left) && fits(near.right, right))
+        .map_or(STAYS, |near| near.number + 1)
 }
 
 /// Where the parameters of each chunk begin; empty where there are none.
