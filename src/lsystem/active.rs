@@ -12,7 +12,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::context::Modules;
+use super::context::{Base, Modules};
 use super::derive::{Limits, decomposed, productions};
 use super::error::DeriveError;
 use super::grammar::{Grammar, Role, Rule, RuleSet};
@@ -126,9 +126,7 @@ impl<'g> Chain<'g> {
         while let Some(place) = self.module(at) {
             string.symbols.push(place.symbol);
             string.births.push(place.birth);
-            string
-                .parameters
-                .extend_from_slice(self.parameters(at as usize, place.symbol));
+            string.parameters.extend_from_slice(self.own(at));
             at = place.next;
         }
         string
@@ -170,8 +168,8 @@ impl<'g> Chain<'g> {
             let Some(place) = self.module(at) else {
                 continue;
             };
-            let own = self.parameters(at as usize, place.symbol);
-            let choice = work.choose(place.symbol, at as usize, own)?;
+            let own = self.own(at);
+            let choice = work.choose(place.symbol, at as usize, 0, own)?;
             if let Some(rule) = round.rule(choice) {
                 chosen.push((at, rule));
             }
@@ -187,12 +185,12 @@ impl<'g> Chain<'g> {
             let Some(place) = self.module(at) else {
                 continue;
             };
-            let own = self.parameters(at as usize, place.symbol);
+            let own = self.own(at);
             let (symbols, parameters) = (made.symbols.len(), made.parameters.len());
             made.parameters
                 .resize(parameters + rule.arguments.len(), 0.0);
             let written = made.parameters.get_mut(parameters..).unwrap_or(&mut []);
-            work.evaluate(rule, at as usize, own, written)?;
+            work.evaluate(rule, at as usize, 0, own, written)?;
             made.symbols.extend_from_slice(&rule.successor);
             made.births.resize(made.symbols.len(), 0);
             if let Some(births) = made.births.get_mut(symbols..) {
@@ -285,7 +283,7 @@ impl<'g> Chain<'g> {
             // No more places than before, whose numbers fit.
             let here = u32::try_from(places.len()).unwrap_or(u32::MAX);
             let start = u32::try_from(parameters.len()).unwrap_or(u32::MAX);
-            parameters.extend_from_slice(self.parameters(at as usize, place.symbol));
+            parameters.extend_from_slice(self.own(at));
             places.push(Place {
                 previous: here.saturating_sub(1),
                 next: here.saturating_add(1),
@@ -355,6 +353,12 @@ impl<'g> Chain<'g> {
             .filter(|place| place.symbol != SEAM)
     }
 
+    /// The parameters of the module at a place.
+    fn own(&self, at: u32) -> &[f64] {
+        let symbol = self.module(at).map_or(SEAM, |place| place.symbol);
+        Modules::parameters(self, at as usize, symbol, Base::default())
+    }
+
     fn next(&self, at: u32) -> u32 {
         self.places.get(at as usize).map_or(ENDS, |p| p.next)
     }
@@ -388,7 +392,7 @@ impl Modules for Chain<'_> {
         at
     }
 
-    fn parameters(&self, at: usize, symbol: Symbol) -> &[f64] {
+    fn parameters(&self, at: usize, symbol: Symbol, _base: Base) -> &[f64] {
         let arity = self.grammar.arity.get(usize::from(symbol));
         let from = self.places.get(at).map_or(0, |p| p.parameters as usize);
         let to = from + arity.map_or(0, |a| usize::from(*a));

@@ -264,7 +264,7 @@ impl Making<'_> {
                 let rule = round.rule(one.choice).ok_or(Unfit)?;
                 written.clear();
                 written.resize(rule.arguments.len(), 0.0);
-                work.evaluate(rule, 0, &one.parameters, &mut written)?;
+                work.evaluate(rule, 0, 0, &one.parameters, &mut written)?;
                 let first = self.graph.pieces.len();
                 let mut rest = written.as_slice();
                 for symbol in &rule.successor {
@@ -300,7 +300,7 @@ impl Making<'_> {
     ) -> Result<(), Unfit> {
         // The last string is only read: its productions are not looked for.
         let choice = if step < self.steps {
-            work.choose(symbol, 0, parameters)?
+            work.choose(symbol, 0, 0, parameters)?
         } else {
             STAYS
         };

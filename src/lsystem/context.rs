@@ -180,7 +180,25 @@ pub(crate) trait Modules {
     /// For a bracket the place of its partner, where productions look into branches.
     fn partner(&self, at: usize) -> usize;
     /// The parameters of the module at a place, whose symbol this is.
-    fn parameters(&self, at: usize, symbol: Symbol) -> &[f64];
+    fn parameters(&self, at: usize, symbol: Symbol, base: Base) -> &[f64];
+}
+
+/// A place whose parameters are known to begin there, to find those of its neighbours.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Base {
+    pub(crate) at: usize,
+    pub(crate) offset: usize,
+}
+
+/// Copies parameters into the slots from `slot` on.
+#[inline]
+pub(crate) fn bind(bound: &mut [f64], slot: usize, source: &[f64]) {
+    match (bound.get_mut(slot..slot + source.len()), source) {
+        // The commonest length needs no call.
+        (Some([target]), [value]) => *target = *value,
+        (Some(target), _) => target.copy_from_slice(source),
+        (None, _) => {}
+    }
 }
 
 /// A packed string with its index: places are positions.
@@ -228,12 +246,19 @@ impl Modules for Indexed<'_> {
         self.index.partner.get(at).map_or(at, |p| *p as usize)
     }
 
-    fn parameters(&self, at: usize, symbol: Symbol) -> &[f64] {
+    fn parameters(&self, at: usize, symbol: Symbol, base: Base) -> &[f64] {
         let arity = self.string.arity(symbol);
         if arity == 0 {
             return &[];
         }
-        let from = self.offset(at);
+        let from = if at + 1 == base.at {
+            base.offset.saturating_sub(arity)
+        } else if at == base.at + 1 {
+            let own = self.symbol(base.at);
+            base.offset + own.map_or(0, |own| self.string.arity(own))
+        } else {
+            self.offset(at)
+        };
         self.string
             .parameters
             .get(from..from + arity)
@@ -261,7 +286,7 @@ impl Modules for Alone {
         at
     }
 
-    fn parameters(&self, _at: usize, _symbol: Symbol) -> &[f64] {
+    fn parameters(&self, _at: usize, _symbol: Symbol, _base: Base) -> &[f64] {
         &[]
     }
 }
@@ -273,6 +298,8 @@ pub(crate) struct Matcher<'a, M> {
     cancel: &'a AtomicBool,
     /// Modules visited since the last look at the cancel flag.
     visits: u32,
+    /// The module whose contexts are searched.
+    pub(crate) base: Base,
     /// Set once the flag was seen: every search then fails, and the caller asks why.
     pub(crate) cancelled: bool,
 }
@@ -284,6 +311,7 @@ impl<'a, M: Modules> Matcher<'a, M> {
             modules,
             cancel,
             visits: 0,
+            base: Base::default(),
             cancelled: false,
         }
     }
@@ -301,11 +329,8 @@ impl<'a, M: Modules> Matcher<'a, M> {
 
     /// Copies the parameters of the module at `at` into the slots from `slot` on.
     fn bind(&self, at: usize, symbol: Symbol, slot: u16, bound: &mut [f64]) {
-        let source = self.modules.parameters(at, symbol);
-        let slot = usize::from(slot);
-        if let Some(target) = bound.get_mut(slot..slot + source.len()) {
-            target.copy_from_slice(source);
-        }
+        let source = self.modules.parameters(at, symbol, self.base);
+        bind(bound, usize::from(slot), source);
     }
 
     /// Whether both contexts of `rule` match the module at `at`; binds their parameters.

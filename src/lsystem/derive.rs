@@ -13,7 +13,7 @@ use super::active::Chain;
 use super::blocks::{Blocks, Size};
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, Role};
-use super::rewrite::{Births, Round};
+use super::rewrite::{Births, Round, Spare};
 use super::string::{ModuleString, string_bytes};
 
 /// How large a derivation may become.
@@ -48,6 +48,7 @@ pub(crate) fn derive(
     if let Some(problem) = past(Size::of(&string), 0, limits) {
         return Err(problem.into());
     }
+    let mut spare = Spare::default();
     string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
     if steps > 0
         && let Ok(graph) = Blocks::new(grammar, steps, limits, cancel)
@@ -71,8 +72,8 @@ pub(crate) fn derive(
                 continue;
             }
         }
-        match next(grammar, &string, step, limits, cancel) {
-            Ok(following) => string = following,
+        match next(grammar, &string, step, &mut spare, limits, cancel) {
+            Ok(following) => spare.string = std::mem::replace(&mut string, following),
             Err(mut error) => {
                 error.last = Some(Box::new((step - 1, string)));
                 return Err(error);
@@ -147,6 +148,7 @@ pub(crate) fn next(
     grammar: &Grammar,
     string: &ModuleString,
     step: u32,
+    spare: &mut Spare,
     limits: &Limits,
     cancel: &AtomicBool,
 ) -> Result<ModuleString, DeriveError> {
@@ -154,7 +156,7 @@ pub(crate) fn next(
         return Err(DeriveProblem::Cancelled { step }.into());
     }
     let round = productions(grammar, step, limits, cancel);
-    let following = match round.apply(string)? {
+    let following = match round.apply(string, spare)? {
         Some(following) => following,
         None => string.clone(),
     };
@@ -192,6 +194,7 @@ pub(crate) fn decomposed(
     let Some(rules) = &grammar.decompose else {
         return Ok(string);
     };
+    let mut spare = Spare::default();
     for number in 1..=grammar.decompose_depth.saturating_add(1) {
         let round = Round {
             grammar,
@@ -215,8 +218,8 @@ pub(crate) fn decomposed(
             }
             .into());
         }
-        match round.apply(&string)? {
-            Some(following) => string = following,
+        match round.apply(&string, &mut spare)? {
+            Some(following) => spare.string = std::mem::replace(&mut string, following),
             None => break,
         }
     }
@@ -247,7 +250,7 @@ pub(crate) fn interpreted(
             limits,
             cancel,
         };
-        match round.apply(shown.as_ref().unwrap_or(string))? {
+        match round.apply(shown.as_ref().unwrap_or(string), &mut Spare::default())? {
             Some(following) => shown = Some(following),
             None => break,
         }

@@ -10,6 +10,7 @@ use super::derive::{self, Limits};
 use super::error::{DeriveError, GrammarErrors};
 use super::names::{Names, Symbol};
 use super::parse;
+use super::rewrite::Spare;
 use super::shape::Shape;
 use super::string::ModuleString;
 
@@ -129,6 +130,18 @@ impl Rule {
             && self.weight.is_none()
     }
 
+    /// Its weight, where that alone decides and is a number above 0.
+    fn constant_weight(&self) -> Option<f64> {
+        match self.weight {
+            Some(Expression::Constant(weight))
+                if weight > 0.0 && self.condition.is_none() && !self.has_context() =>
+            {
+                Some(weight)
+            }
+            _ => None,
+        }
+    }
+
     pub(crate) fn has_context(&self) -> bool {
         !(self.left.is_empty() && self.right.is_empty())
     }
@@ -148,6 +161,8 @@ pub(crate) enum Plan {
     Always(u16),
     /// The symbols of its two neighbours decide.
     Near,
+    /// Chance decides, by weights that never change.
+    Draw,
     /// It depends.
     Choose,
 }
@@ -187,6 +202,8 @@ pub(crate) struct RuleSet {
     plans: Vec<Plan>,
     /// For each symbol whose plan is [`Plan::Near`] its productions, best first.
     near: Vec<Vec<Near>>,
+    /// For each symbol whose plan is [`Plan::Draw`] its productions with their weights.
+    weighted: Vec<Vec<(u16, f64)>>,
     pub(crate) order: Order,
     pub(crate) has_context: bool,
     /// What any of them looks for.
@@ -231,18 +248,28 @@ impl RuleSet {
                 all.unwrap_or_default()
             })
             .collect();
-        let plan = |(list, near): (&Vec<u16>, &Vec<Near>)| match list.first() {
+        let weighted: Vec<Vec<(u16, f64)>> = by_symbol
+            .iter()
+            .map(|list| {
+                let weighted = |number: &u16| Some((number + 1, rule(number)?.constant_weight()?));
+                let all: Option<Vec<(u16, f64)>> = list.iter().map(weighted).collect();
+                all.unwrap_or_default()
+            })
+            .collect();
+        let plan = |(index, list): (usize, &Vec<u16>)| match list.first() {
             None => Plan::Stay,
             Some(first) if rule(first).is_some_and(Rule::unconditional) => Plan::Always(*first),
-            Some(_) if !near.is_empty() => Plan::Near,
+            Some(_) if near.get(index).is_some_and(|n| !n.is_empty()) => Plan::Near,
+            Some(_) if weighted.get(index).is_some_and(|w| !w.is_empty()) => Plan::Draw,
             Some(_) => Plan::Choose,
         };
-        let plans = by_symbol.iter().zip(&near).map(plan).collect();
+        let plans = by_symbol.iter().enumerate().map(plan).collect();
         Self {
             rules,
             by_symbol,
             plans,
             near,
+            weighted,
             order,
             has_context,
             looks,
@@ -253,6 +280,14 @@ impl RuleSet {
     pub(crate) fn plan(&self, symbol: Symbol) -> Plan {
         let plan = self.plans.get(usize::from(symbol));
         plan.copied().unwrap_or(Plan::Stay)
+    }
+
+    /// Choices and weights of a symbol whose plan is [`Plan::Draw`].
+    #[inline]
+    pub(crate) fn weighted(&self, symbol: Symbol) -> &[(u16, f64)] {
+        self.weighted
+            .get(usize::from(symbol))
+            .map_or(&[], Vec::as_slice)
     }
 
     /// The productions of a symbol whose plan is [`Plan::Near`].
@@ -305,7 +340,7 @@ impl Grammar {
         limits: &Limits,
         cancel: &AtomicBool,
     ) -> Result<ModuleString, DeriveError> {
-        derive::next(self, string, step, limits, cancel)
+        derive::next(self, string, step, &mut Spare::default(), limits, cancel)
     }
 
     /// The number of steps that the file states.

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::context::{ContextIndex, Indexed, Matcher, Modules};
+use super::context::{Base, ContextIndex, Indexed, Matcher, Modules, bind};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, ValueProblem};
 use super::grammar::{Grammar, Near, Order, Plan, Rule, RuleSet};
@@ -124,7 +124,11 @@ impl<'a> Round<'a> {
     }
 
     /// The string after this round; `None` where no production applied.
-    pub(super) fn apply(&self, string: &ModuleString) -> Result<Option<ModuleString>, DeriveError> {
+    pub(super) fn apply(
+        &self,
+        string: &ModuleString,
+        spare: &mut Spare,
+    ) -> Result<Option<ModuleString>, DeriveError> {
         let parallel = string.len() >= PARALLEL_FROM;
         let index = if self.rules.has_context {
             ContextIndex::new(self.grammar, self.rules, string, self.cancel)
@@ -136,12 +140,13 @@ impl<'a> Round<'a> {
         let parameter_starts = parameter_starts(string);
         let start_of = |chunk: usize| parameter_starts.get(chunk).copied().unwrap_or(0);
 
-        let mut choices = vec![STAYS; string.len()];
+        let mut choices = spare.choices(string.len());
         let chunks: Vec<(usize, &mut [u16])> = choices.chunks_mut(CHUNK).enumerate().collect();
         let sizes = Self::each(parallel, chunks, |(chunk, choices)| {
             self.count(&indexed, chunk * CHUNK, start_of(chunk), choices)
         })?;
         if !sizes.iter().any(|s| s.changed) {
+            spare.choices = choices;
             return Ok(None);
         }
         let modules = sizes
@@ -163,10 +168,11 @@ impl<'a> Round<'a> {
         else {
             return Err(memory());
         };
+        let old = std::mem::take(&mut spare.string);
         let mut following = ModuleString {
-            symbols: zeroed(modules).ok_or_else(memory)?,
-            births: zeroed(modules).ok_or_else(memory)?,
-            parameters: zeroed(parameters).ok_or_else(memory)?,
+            symbols: reused(old.symbols, modules).ok_or_else(memory)?,
+            births: reused(old.births, modules).ok_or_else(memory)?,
+            parameters: reused(old.parameters, parameters).ok_or_else(memory)?,
             arity: Arc::clone(&string.arity),
         };
         let mut tasks = Vec::with_capacity(sizes.len());
@@ -187,9 +193,11 @@ impl<'a> Round<'a> {
                 });
             }
         }
+        let templates = self.templates(string);
         Self::each(parallel || modules >= PARALLEL_FROM, tasks, |task| {
-            self.fill(&indexed, task)
+            self.fill(&indexed, templates.as_deref(), task)
         })?;
+        spare.choices = choices;
         Ok(Some(following))
     }
 
@@ -267,9 +275,10 @@ impl<'a> Round<'a> {
                 Plan::Stay => STAYS,
                 Plan::Always(number) => number + 1,
                 Plan::Near => near(indexed, self.rules.near(*symbol), from + i),
+                Plan::Draw => work.pick(self.rules.weighted(*symbol), from + i),
                 Plan::Choose => {
                     let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
-                    work.choose(*symbol, from + i, own)?
+                    work.choose(*symbol, from + i, offset, own)?
                 }
             };
             offset += arity;
@@ -317,11 +326,20 @@ impl<'a> Round<'a> {
     }
 
     /// Writes what the chosen productions make of a chunk.
-    fn fill(&self, indexed: &Indexed<'_>, task: Task<'_>) -> Result<(), DeriveError> {
+    fn fill(
+        &self,
+        indexed: &Indexed<'_>,
+        templates: Option<&[Template]>,
+        task: Task<'_>,
+    ) -> Result<(), DeriveError> {
         if self.cancel.load(Ordering::Relaxed) {
             return Err(self.cancelled());
         }
         let string = indexed.string;
+        if let Some(templates) = templates {
+            self.fill_plain(string, templates, task);
+            return Ok(());
+        }
         let mut work = Worker::new(self, indexed);
         let mut out = task.out;
         let (mut at, mut offset) = (task.from, task.parameters_from);
@@ -346,7 +364,7 @@ impl<'a> Round<'a> {
                 }
                 Some(rule) => {
                     let target = out.take(rule.successor.len(), rule.arguments.len());
-                    work.evaluate(rule, at, own, target.parameters)?;
+                    work.evaluate(rule, at, offset, own, target.parameters)?;
                     target.symbols.copy_from_slice(&rule.successor);
                     let birth = births.first().copied().unwrap_or(0);
                     self.date(rule, own, birth, target.parameters, target.births);
@@ -360,6 +378,115 @@ impl<'a> Round<'a> {
         }
         Ok(())
     }
+}
+
+impl Round<'_> {
+    /// The productions' successors for [`Self::fill_plain`]; none where modules have parameters.
+    fn templates(&self, string: &ModuleString) -> Option<Vec<Template>> {
+        let rules = &self.rules.rules;
+        let plain = rules.len() <= MOST_TEMPLATES
+            && self.births == Births::Step
+            && string.parameters.is_empty()
+            && rules.iter().all(|rule| rule.arguments.is_empty());
+        plain.then(|| rules.iter().map(Template::of).collect())
+    }
+
+    /// [`Self::fill`] where no module has parameters. A short successor is written as a whole template, whose excess
+    /// the next module overwrites: a copy of fixed length costs next to nothing.
+    fn fill_plain(&self, string: &ModuleString, templates: &[Template], task: Task<'_>) {
+        let Output {
+            symbols, births, ..
+        } = task.out;
+        let mut out = 0;
+        let old = string.symbols.iter().zip(&string.births).skip(task.from);
+        for ((symbol, birth), choice) in old.zip(task.choices) {
+            let template = match choice.checked_sub(1) {
+                None => {
+                    if let (Some(s), Some(b)) = (symbols.get_mut(out), births.get_mut(out)) {
+                        (*s, *b) = (*symbol, *birth);
+                    }
+                    out += 1;
+                    continue;
+                }
+                Some(rule) => templates.get(usize::from(rule)),
+            };
+            let Some(template) = template else { continue };
+            let length = template.length;
+            if let (Some(s), Some(b)) = (
+                symbols.get_mut(out..out + TEMPLATE),
+                births.get_mut(out..out + TEMPLATE),
+            ) && length <= TEMPLATE
+            {
+                s.copy_from_slice(&template.symbols);
+                b.fill(self.step);
+            } else if let (Some(s), Some(b), Some(rule)) = (
+                symbols.get_mut(out..out + length),
+                births.get_mut(out..out + length),
+                self.rule(*choice),
+            ) {
+                s.copy_from_slice(&rule.successor);
+                b.fill(self.step);
+            }
+            if let Some(same) = template.heir.and_then(|heir| births.get_mut(out + heir)) {
+                *same = *birth;
+            }
+            out += length;
+        }
+    }
+}
+
+/// Modules of a template.
+const TEMPLATE: usize = 16;
+/// Grammars with more productions do without templates.
+const MOST_TEMPLATES: usize = 256;
+
+/// A successor without parameters, to be written at once.
+struct Template {
+    /// Its first modules, then zeros.
+    symbols: [Symbol; TEMPLATE],
+    length: usize,
+    heir: Option<usize>,
+}
+
+impl Template {
+    fn of(rule: &Rule) -> Self {
+        let mut symbols = [0; TEMPLATE];
+        for (place, symbol) in symbols.iter_mut().zip(&rule.successor) {
+            *place = *symbol;
+        }
+        Self {
+            symbols,
+            length: rule.successor.len(),
+            heir: Round::heir(rule, &[], &[]),
+        }
+    }
+}
+
+/// Memory of earlier rounds for the next one: fresh memory costs more than filling it.
+#[derive(Default)]
+pub(super) struct Spare {
+    /// A string that is no longer needed.
+    pub(super) string: ModuleString,
+    choices: Vec<u16>,
+}
+
+impl Spare {
+    fn choices(&mut self, length: usize) -> Vec<u16> {
+        let mut choices = std::mem::take(&mut self.choices);
+        choices.clear();
+        choices.resize(length, STAYS);
+        choices
+    }
+}
+
+/// A vector of this length whose values will all be written; `None` where the memory is not there.
+fn reused<T: Clone + Default>(mut old: Vec<T>, length: usize) -> Option<Vec<T>> {
+    // Never much more than is needed: a string may shrink.
+    if old.capacity() < length || old.capacity() / 2 > length {
+        return zeroed(length);
+    }
+    old.resize(length, T::default());
+    Some(old)
 }
 
 /// What one thread needs for a stretch of the string.
@@ -392,9 +519,7 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
     }
 
     fn bind_own(&mut self, own: &[f64]) {
-        if let Some(target) = self.bound.get_mut(..own.len()) {
-            target.copy_from_slice(own);
-        }
+        bind(&mut self.bound, 0, own);
     }
 
     /// The production for a module: its number, or `STAYS`.
@@ -403,9 +528,11 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
         &mut self,
         symbol: Symbol,
         at: usize,
+        offset: usize,
         own: &[f64],
     ) -> Result<u16, DeriveError> {
         let round = self.round;
+        self.matcher.base = Base { at, offset };
         let Some(candidates) = round.rules.by_symbol.get(usize::from(symbol)) else {
             return Ok(STAYS);
         };
@@ -471,9 +598,16 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
                 Err(round.failed(rule, at, ValueProblem::BadWeight))
             });
         }
+        Ok(self.pick(&self.drawn, at))
+    }
+
+    /// One of the choices, whose weights are finite and some above 0.
+    #[inline]
+    fn pick(&self, weighted: &[(u16, f64)], at: usize) -> u16 {
+        let total: f64 = weighted.iter().map(|w| w.1).sum();
         let mut left = self.choice_key.at(at).unit() * total;
         let mut chosen = STAYS;
-        for (choice, weight) in &self.drawn {
+        for (choice, weight) in weighted {
             if *weight > 0.0 {
                 chosen = *choice; // the last one takes what rounding leaves
                 if left < *weight {
@@ -482,7 +616,7 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
             }
             left -= weight;
         }
-        Ok(chosen)
+        chosen
     }
 
     /// Computes the parameters of a successor.
@@ -490,12 +624,14 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
         &mut self,
         rule: &Rule,
         at: usize,
+        offset: usize,
         own: &[f64],
         out: &mut [f64],
     ) -> Result<(), DeriveError> {
         if rule.arguments.is_empty() {
             return Ok(());
         }
+        self.matcher.base = Base { at, offset };
         self.bind_own(own);
         if rule.slots > own.len()
             && !self.matcher.matches(rule, at, &mut self.bound)
