@@ -110,22 +110,12 @@ fn install(package: Package, system: System) -> String {
             return "scripts/setup.sh run  (adds Debian's backports and installs Mesa 25 from them)"
                 .to_owned();
         }
-        // Debian 12 has no Monado of its own; WiVRn's flatpak runs everywhere.
-        (S::Bookworm | S::Suse | S::Other, P::OpenXrRuntime) => {
-            ("flatpak install", "flathub io.github.wivrn.wivrn")
-        }
         (S::Debian, P::OpenXrRuntime) => (
             "sudo apt-get install",
             "libopenxr1-monado monado-service && systemctl --user start monado.socket",
         ),
-        (S::Fedora, P::OpenXrRuntime) => (
-            "sudo dnf install",
-            "monado && systemctl --user start monado.socket",
-        ),
-        (S::Arch, P::OpenXrRuntime) => (
-            "sudo pacman -S",
-            "monado && systemctl --user start monado.socket",
-        ),
+        // Debian 12 and others have no runtime of their own; this one runs everywhere.
+        (_, P::OpenXrRuntime) => ("flatpak install", "flathub io.github.wivrn.wivrn"),
         (S::Bookworm | S::Debian, P::VulkanLoader) => ("sudo apt-get install", "libvulkan1"),
         (S::Debian, P::Driver) => ("sudo apt-get install", "mesa-vulkan-drivers"),
         (S::Bookworm | S::Debian, P::Validation) => {
