@@ -12,12 +12,13 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::choice::Worker;
 use super::context::{Base, Modules};
 use super::derive::{Limits, decomposed, productions};
 use super::error::DeriveError;
 use super::grammar::{Grammar, Role, Rule, RuleSet};
 use super::names::Symbol;
-use super::rewrite::{Round, Worker};
+use super::rewrite::Round;
 use super::string::ModuleString;
 
 /// No module: before the first and behind the last one, and between the successors of a step.

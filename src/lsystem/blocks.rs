@@ -15,12 +15,14 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::choice::Worker;
 use super::context::Alone;
 use super::derive::{Limits, productions};
 use super::error::DeriveError;
 use super::grammar::{Grammar, Role};
 use super::names::Symbol;
-use super::rewrite::{Round, STAYS, Worker, zeroed};
+use super::output::zeroed;
+use super::rewrite::{Round, STAYS};
 use super::string::ModuleString;
 
 /// Where a step rewrites more distinct modules than this,

@@ -13,7 +13,8 @@ use super::active::Chain;
 use super::blocks::{Blocks, Size};
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, Role};
-use super::rewrite::{Births, Round, Spare};
+use super::output::Spare;
+use super::rewrite::{Births, Round};
 use super::string::{ModuleString, string_bytes};
 
 /// How large a derivation may become.

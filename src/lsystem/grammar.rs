@@ -9,8 +9,8 @@ use super::code::Expression;
 use super::derive::{self, Limits};
 use super::error::{DeriveError, GrammarErrors};
 use super::names::{Names, Symbol};
+use super::output::Spare;
 use super::parse;
-use super::rewrite::Spare;
 use super::shape::Shape;
 use super::string::ModuleString;
 
@@ -202,8 +202,8 @@ pub(crate) struct RuleSet {
     plans: Vec<Plan>,
     /// For each symbol whose plan is [`Plan::Near`] its productions, best first.
     near: Vec<Vec<Near>>,
-    /// For each symbol whose plan is [`Plan::Draw`] its productions with their weights.
-    weighted: Vec<Vec<(u16, f64)>>,
+    /// For each symbol whose plan is [`Plan::Draw`] its choices with their weights, and the sum of these.
+    weighted: Vec<(f64, Vec<(u16, f64)>)>,
     pub(crate) order: Order,
     pub(crate) has_context: bool,
     /// What any of them looks for.
@@ -248,19 +248,26 @@ impl RuleSet {
                 all.unwrap_or_default()
             })
             .collect();
-        let weighted: Vec<Vec<(u16, f64)>> = by_symbol
+        let weighted: Vec<(f64, Vec<(u16, f64)>)> = by_symbol
             .iter()
             .map(|list| {
                 let weighted = |number: &u16| Some((number + 1, rule(number)?.constant_weight()?));
                 let all: Option<Vec<(u16, f64)>> = list.iter().map(weighted).collect();
-                all.unwrap_or_default()
+                let all = all.unwrap_or_default();
+                (all.iter().map(|one| one.1).sum(), all)
             })
             .collect();
         let plan = |(index, list): (usize, &Vec<u16>)| match list.first() {
             None => Plan::Stay,
             Some(first) if rule(first).is_some_and(Rule::unconditional) => Plan::Always(*first),
             Some(_) if near.get(index).is_some_and(|n| !n.is_empty()) => Plan::Near,
-            Some(_) if weighted.get(index).is_some_and(|w| !w.is_empty()) => Plan::Draw,
+            Some(_)
+                if weighted
+                    .get(index)
+                    .is_some_and(|w| w.0 > 0.0 && w.0.is_finite()) =>
+            {
+                Plan::Draw
+            }
             Some(_) => Plan::Choose,
         };
         let plans = by_symbol.iter().enumerate().map(plan).collect();
@@ -284,10 +291,10 @@ impl RuleSet {
 
     /// Choices and weights of a symbol whose plan is [`Plan::Draw`].
     #[inline]
-    pub(crate) fn weighted(&self, symbol: Symbol) -> &[(u16, f64)] {
+    pub(crate) fn weighted(&self, symbol: Symbol) -> (f64, &[(u16, f64)]) {
         self.weighted
             .get(usize::from(symbol))
-            .map_or(&[], Vec::as_slice)
+            .map_or((0.0, &[]), |(total, all)| (*total, all))
     }
 
     /// The productions of a symbol whose plan is [`Plan::Near`].

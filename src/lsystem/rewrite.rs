@@ -10,12 +10,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::context::{Base, ContextIndex, Indexed, Matcher, Modules, bind};
+use super::choice::{Worker, near};
+use super::context::{ContextIndex, Indexed};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, ValueProblem};
-use super::grammar::{Grammar, Near, Order, Plan, Rule, RuleSet};
-use super::names::Symbol;
-use super::random::{Draws, PassKey};
+use super::grammar::{Grammar, Plan, Rule, RuleSet};
+use super::output::{MOST_TEMPLATES, Output, Spare, TEMPLATE, Template, reused};
 use super::string::{ModuleString, string_bytes};
 
 /// Modules of a chunk.
@@ -24,9 +24,6 @@ const CHUNK: usize = 8192;
 const PARALLEL_FROM: usize = 4 * CHUNK;
 /// Choice of a module that stays as it is; productions are numbered from 1.
 pub(super) const STAYS: u16 = 0;
-/// Draws of a rewritten module: one stream for the choice of a production, another for its parameters.
-const CHOICE_STREAM: u32 = 1 << 31;
-
 /// How old the modules of a successor are.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Births {
@@ -68,37 +65,17 @@ struct Task<'s> {
     out: Output<'s>,
 }
 
-/// Places for modules that are written one after the other.
-#[derive(Default)]
-struct Output<'s> {
-    symbols: &'s mut [Symbol],
-    births: &'s mut [u32],
-    parameters: &'s mut [f64],
-}
-
-impl<'s> Output<'s> {
-    /// The next places; fewer where the count was wrong, which cannot be.
-    fn take(&mut self, modules: usize, parameters: usize) -> Self {
-        fn front<'s, T>(rest: &mut &'s mut [T], length: usize) -> &'s mut [T] {
-            let all = std::mem::take(rest);
-            let (taken, left) = all.split_at_mut(length.min(all.len()));
-            *rest = left;
-            taken
-        }
-        Self {
-            symbols: front(&mut self.symbols, modules),
-            births: front(&mut self.births, modules),
-            parameters: front(&mut self.parameters, parameters),
-        }
-    }
-}
-
 impl<'a> Round<'a> {
-    fn cancelled(&self) -> DeriveError {
+    pub(super) fn cancelled(&self) -> DeriveError {
         DeriveProblem::Cancelled { step: self.step }.into()
     }
 
-    fn failed(&self, rule: &Rule, position: usize, problem: ValueProblem) -> DeriveError {
+    pub(super) fn failed(
+        &self,
+        rule: &Rule,
+        position: usize,
+        problem: ValueProblem,
+    ) -> DeriveError {
         DeriveProblem::Value {
             step: self.step,
             production: rule.text.clone(),
@@ -140,7 +117,12 @@ impl<'a> Round<'a> {
         let parameter_starts = parameter_starts(string);
         let start_of = |chunk: usize| parameter_starts.get(chunk).copied().unwrap_or(0);
 
-        let mut choices = spare.choices(string.len());
+        // Each is written before it is read.
+        let old = std::mem::take(&mut spare.choices);
+        let mut choices = reused(old, string.len()).ok_or_else(|| DeriveProblem::Memory {
+            step: self.step,
+            bytes: 2 * string.len() as u64,
+        })?;
         let chunks: Vec<(usize, &mut [u16])> = choices.chunks_mut(CHUNK).enumerate().collect();
         let sizes = Self::each(parallel, chunks, |(chunk, choices)| {
             self.count(&indexed, chunk * CHUNK, start_of(chunk), choices)
@@ -269,32 +251,30 @@ impl<'a> Round<'a> {
         let mut size = Size::default();
         let mut offset = parameters_from;
         let symbols = string.symbols.get(from..).unwrap_or(&[]);
-        for (i, (symbol, choice)) in symbols.iter().zip(choices).enumerate() {
+        let mut rewritten = 0;
+        for (at, (symbol, choice)) in (from..).zip(symbols.iter().zip(choices.iter_mut())) {
             let arity = string.arity(*symbol);
             *choice = match self.rules.plan(*symbol) {
                 Plan::Stay => STAYS,
                 Plan::Always(number) => number + 1,
-                Plan::Near => near(indexed, self.rules.near(*symbol), from + i),
-                Plan::Draw => work.pick(self.rules.weighted(*symbol), from + i),
+                Plan::Near => near(indexed, self.rules.near(*symbol), at),
+                Plan::Draw => work.pick(self.rules.weighted(*symbol), at),
                 Plan::Choose => {
                     let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
-                    work.choose(*symbol, from + i, offset, own)?
+                    work.choose(*symbol, at, offset, own)?
                 }
             };
             offset += arity;
-            let (modules, parameters) = match self.rule(*choice) {
-                Some(rule) => {
-                    size.changed = true;
-                    (rule.successor.len(), rule.arguments.len())
-                }
-                None => (1, arity),
-            };
-            size.modules += modules as u64;
-            size.parameters += parameters as u64;
-            if !work.matcher.go_on(1) {
-                return Err(self.cancelled());
+            if let Some(rule) = self.rule(*choice) {
+                rewritten += 1;
+                size.modules += rule.successor.len() as u64;
+                size.parameters += rule.arguments.len() as u64;
+            } else {
+                size.parameters += arity as u64;
             }
         }
+        size.changed = rewritten > 0;
+        size.modules += (choices.len() - rewritten) as u64;
         Ok(size)
     }
 
@@ -337,8 +317,7 @@ impl<'a> Round<'a> {
         }
         let string = indexed.string;
         if let Some(templates) = templates {
-            self.fill_plain(string, templates, task);
-            return Ok(());
+            return self.fill_plain(string, templates, task);
         }
         let mut work = Worker::new(self, indexed);
         let mut out = task.out;
@@ -393,11 +372,16 @@ impl Round<'_> {
 
     /// [`Self::fill`] where no module has parameters. A short successor is written as a whole template, whose excess
     /// the next module overwrites: a copy of fixed length costs next to nothing.
-    fn fill_plain(&self, string: &ModuleString, templates: &[Template], task: Task<'_>) {
+    fn fill_plain(
+        &self,
+        string: &ModuleString,
+        templates: &[Template],
+        task: Task<'_>,
+    ) -> Result<(), DeriveError> {
         let Output {
             symbols, births, ..
         } = task.out;
-        let mut out = 0;
+        let (mut out, mut checked) = (0, 0);
         let old = string.symbols.iter().zip(&string.births).skip(task.from);
         for ((symbol, birth), choice) in old.zip(task.choices) {
             let template = match choice.checked_sub(1) {
@@ -426,241 +410,24 @@ impl Round<'_> {
             ) {
                 s.copy_from_slice(&rule.successor);
                 b.fill(self.step);
+                if out - checked > WRITTEN_AT_ONCE {
+                    checked = out;
+                    if self.cancel.load(Ordering::Relaxed) {
+                        return Err(self.cancelled());
+                    }
+                }
             }
             if let Some(same) = template.heir.and_then(|heir| births.get_mut(out + heir)) {
                 *same = *birth;
             }
             out += length;
         }
-    }
-}
-
-/// Modules of a template.
-const TEMPLATE: usize = 16;
-/// Grammars with more productions do without templates.
-const MOST_TEMPLATES: usize = 256;
-
-/// A successor without parameters, to be written at once.
-struct Template {
-    /// Its first modules, then zeros.
-    symbols: [Symbol; TEMPLATE],
-    length: usize,
-    heir: Option<usize>,
-}
-
-impl Template {
-    fn of(rule: &Rule) -> Self {
-        let mut symbols = [0; TEMPLATE];
-        for (place, symbol) in symbols.iter_mut().zip(&rule.successor) {
-            *place = *symbol;
-        }
-        Self {
-            symbols,
-            length: rule.successor.len(),
-            heir: Round::heir(rule, &[], &[]),
-        }
-    }
-}
-
-/// Memory of earlier rounds for the next one: fresh memory costs more than filling it.
-#[derive(Default)]
-pub(super) struct Spare {
-    /// A string that is no longer needed.
-    pub(super) string: ModuleString,
-    choices: Vec<u16>,
-}
-
-impl Spare {
-    fn choices(&mut self, length: usize) -> Vec<u16> {
-        let mut choices = std::mem::take(&mut self.choices);
-        choices.clear();
-        choices.resize(length, STAYS);
-        choices
-    }
-}
-
-/// A vector of this length whose values will all be written; `None` where the memory is not there.
-fn reused<T: Clone + Default>(mut old: Vec<T>, length: usize) -> Option<Vec<T>> {
-    // Never much more than is needed: a string may shrink.
-    if old.capacity() < length || old.capacity() / 2 > length {
-        return zeroed(length);
-    }
-    old.resize(length, T::default());
-    Some(old)
-}
-
-/// What one thread needs for a stretch of the string.
-pub(super) struct Worker<'r, 'a, M> {
-    round: &'r Round<'a>,
-    pub(super) matcher: Matcher<'r, M>,
-    key: PassKey,
-    choice_key: PassKey,
-    /// Parameters bound by the production that is tried.
-    bound: Vec<f64>,
-    /// Productions that matched, with their weights.
-    drawn: Vec<(u16, f64)>,
-}
-
-impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
-    pub(super) fn new(round: &'r Round<'a>, modules: &'r M) -> Self {
-        let slots = round.rules.rules.iter().map(|r| r.slots).max().unwrap_or(0);
-        Self {
-            round,
-            matcher: Matcher::new(round.grammar, modules, round.cancel),
-            key: PassKey::new(round.grammar.seed, round.stream, round.number),
-            choice_key: PassKey::new(
-                round.grammar.seed,
-                round.stream,
-                round.number | CHOICE_STREAM,
-            ),
-            bound: vec![0.0; slots],
-            drawn: Vec::new(),
-        }
-    }
-
-    fn bind_own(&mut self, own: &[f64]) {
-        bind(&mut self.bound, 0, own);
-    }
-
-    /// The production for a module: its number, or `STAYS`.
-    #[inline]
-    pub(super) fn choose(
-        &mut self,
-        symbol: Symbol,
-        at: usize,
-        offset: usize,
-        own: &[f64],
-    ) -> Result<u16, DeriveError> {
-        let round = self.round;
-        self.matcher.base = Base { at, offset };
-        let Some(candidates) = round.rules.by_symbol.get(usize::from(symbol)) else {
-            return Ok(STAYS);
-        };
-        let mut rank = None;
-        self.drawn.clear();
-        self.bind_own(own);
-        for number in candidates {
-            let Some(rule) = round.rules.rules.get(usize::from(*number)) else {
-                continue;
-            };
-            let choice = number + 1;
-            if rule.unconditional() && rank.is_none() {
-                return Ok(choice);
-            }
-            if let Some(rank) = rank {
-                // A production with a weight was found: only its equals are of interest now.
-                if rule.weight.is_none() {
-                    continue;
-                }
-                if round.rules.order == Order::Specific && rule.rank() != rank {
-                    break;
-                }
-            }
-            if rule.has_context() && !self.matcher.matches(rule, at, &mut self.bound) {
-                if self.matcher.cancelled {
-                    return Err(round.cancelled());
-                }
-                continue;
-            }
-            let mut draws = self.choice_key.at(at);
-            if let Some(condition) = &rule.condition {
-                let holds = condition
-                    .value(&self.bound, &mut draws)
-                    .map_err(|problem| round.failed(rule, at, problem))?;
-                if holds == 0.0 {
-                    continue;
-                }
-            }
-            let Some(weight) = &rule.weight else {
-                return Ok(choice);
-            };
-            let weight = weight
-                .finite(&self.bound, &mut draws)
-                .map_err(|problem| round.failed(rule, at, problem))?;
-            if weight < 0.0 {
-                return Err(round.failed(rule, at, ValueProblem::BadWeight));
-            }
-            rank.get_or_insert(rule.rank());
-            self.drawn.push((choice, weight));
-        }
-        self.draw(at)
-    }
-
-    /// One of the weighted productions.
-    fn draw(&mut self, at: usize) -> Result<u16, DeriveError> {
-        let Some((first, _)) = self.drawn.first().copied() else {
-            return Ok(STAYS);
-        };
-        let total: f64 = self.drawn.iter().map(|d| d.1).sum();
-        if total.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) || !total.is_finite() {
-            let round = self.round;
-            return round.rule(first).map_or(Ok(STAYS), |rule| {
-                Err(round.failed(rule, at, ValueProblem::BadWeight))
-            });
-        }
-        Ok(self.pick(&self.drawn, at))
-    }
-
-    /// One of the choices, whose weights are finite and some above 0.
-    #[inline]
-    fn pick(&self, weighted: &[(u16, f64)], at: usize) -> u16 {
-        let total: f64 = weighted.iter().map(|w| w.1).sum();
-        let mut left = self.choice_key.at(at).unit() * total;
-        let mut chosen = STAYS;
-        for (choice, weight) in weighted {
-            if *weight > 0.0 {
-                chosen = *choice; // the last one takes what rounding leaves
-                if left < *weight {
-                    break;
-                }
-            }
-            left -= weight;
-        }
-        chosen
-    }
-
-    /// Computes the parameters of a successor.
-    pub(super) fn evaluate(
-        &mut self,
-        rule: &Rule,
-        at: usize,
-        offset: usize,
-        own: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), DeriveError> {
-        if rule.arguments.is_empty() {
-            return Ok(());
-        }
-        self.matcher.base = Base { at, offset };
-        self.bind_own(own);
-        if rule.slots > own.len()
-            && !self.matcher.matches(rule, at, &mut self.bound)
-            && self.matcher.cancelled
-        {
-            return Err(self.round.cancelled());
-        }
-        let mut draws: Draws = self.key.at(at);
-        for (argument, value) in rule.arguments.iter().zip(out) {
-            *value = argument
-                .finite(&self.bound, &mut draws)
-                .map_err(|problem| self.round.failed(rule, at, problem))?;
-        }
         Ok(())
     }
 }
 
-/// The production for a module whose neighbours decide.
-#[inline]
-fn near(modules: &impl Modules, productions: &[Near], at: usize) -> u16 {
-    let symbol = |place: Option<usize>| place.and_then(|place| modules.symbol(place));
-    let (left, right) = (symbol(modules.left(at)), symbol(modules.right(at)));
-    let fits = |wanted: Option<Symbol>, found| wanted.is_none() || wanted == found;
-    productions
-        .iter()
-        .find(|near| fits(near.left, left) && fits(near.right, right))
-        .map_or(STAYS, |near| near.number + 1)
-}
-
+/// Modules written between two looks at the cancel flag where successors are long.
+const WRITTEN_AT_ONCE: usize = 1 << 20;
 /// Where the parameters of each chunk begin; empty where there are none.
 fn parameter_starts(string: &ModuleString) -> Vec<usize> {
     if string.parameters.is_empty() {
@@ -673,11 +440,4 @@ fn parameter_starts(string: &ModuleString) -> Vec<usize> {
         offset += chunk.iter().map(|s| string.arity(*s)).sum::<usize>();
     }
     starts
-}
-
-/// A vector of zeros, or nothing where the memory is not there.
-pub(super) fn zeroed<T: Clone + Default>(length: usize) -> Option<Vec<T>> {
-    // Asked for first, since `vec!` would end the program; its zeros are the system's, not written once more.
-    Vec::<T>::new().try_reserve_exact(length).ok()?;
-    Some(vec![T::default(); length])
 }
