@@ -12,12 +12,13 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::context::Modules;
+use super::choice::Worker;
+use super::context::{Base, Modules};
 use super::derive::{Limits, decomposed, productions};
 use super::error::DeriveError;
 use super::grammar::{Grammar, Role, Rule, RuleSet};
 use super::names::Symbol;
-use super::rewrite::{Round, Worker};
+use super::rewrite::Round;
 use super::string::ModuleString;
 
 /// No module: before the first and behind the last one, and between the successors of a step.
@@ -82,7 +83,7 @@ impl<'g> Chain<'g> {
             ),
         };
         let plain = grammar.literal || !grammar.rules.has_context;
-        let drawn = draws(&grammar.rules) || grammar.decompose.as_ref().is_some_and(draws);
+        let drawn = grammar.rules.draws() || grammar.decompose.as_ref().is_some_and(RuleSet::draws);
         if !plain || drawn || grammar.roles.contains(&Role::Cut) {
             return None;
         }
@@ -126,9 +127,7 @@ impl<'g> Chain<'g> {
         while let Some(place) = self.module(at) {
             string.symbols.push(place.symbol);
             string.births.push(place.birth);
-            string
-                .parameters
-                .extend_from_slice(self.parameters(at as usize, place.symbol));
+            string.parameters.extend_from_slice(self.own(at));
             at = place.next;
         }
         string
@@ -170,8 +169,8 @@ impl<'g> Chain<'g> {
             let Some(place) = self.module(at) else {
                 continue;
             };
-            let own = self.parameters(at as usize, place.symbol);
-            let choice = work.choose(place.symbol, at as usize, own)?;
+            let own = self.own(at);
+            let choice = work.choose(place.symbol, at as usize, 0, own)?;
             if let Some(rule) = round.rule(choice) {
                 chosen.push((at, rule));
             }
@@ -187,12 +186,12 @@ impl<'g> Chain<'g> {
             let Some(place) = self.module(at) else {
                 continue;
             };
-            let own = self.parameters(at as usize, place.symbol);
+            let own = self.own(at);
             let (symbols, parameters) = (made.symbols.len(), made.parameters.len());
             made.parameters
                 .resize(parameters + rule.arguments.len(), 0.0);
             let written = made.parameters.get_mut(parameters..).unwrap_or(&mut []);
-            work.evaluate(rule, at as usize, own, written)?;
+            work.evaluate(rule, at as usize, 0, own, written)?;
             made.symbols.extend_from_slice(&rule.successor);
             made.births.resize(made.symbols.len(), 0);
             if let Some(births) = made.births.get_mut(symbols..) {
@@ -285,7 +284,7 @@ impl<'g> Chain<'g> {
             // No more places than before, whose numbers fit.
             let here = u32::try_from(places.len()).unwrap_or(u32::MAX);
             let start = u32::try_from(parameters.len()).unwrap_or(u32::MAX);
-            parameters.extend_from_slice(self.parameters(at as usize, place.symbol));
+            parameters.extend_from_slice(self.own(at));
             places.push(Place {
                 previous: here.saturating_sub(1),
                 next: here.saturating_add(1),
@@ -355,6 +354,12 @@ impl<'g> Chain<'g> {
             .filter(|place| place.symbol != SEAM)
     }
 
+    /// The parameters of the module at a place.
+    fn own(&self, at: u32) -> &[f64] {
+        let symbol = self.module(at).map_or(SEAM, |place| place.symbol);
+        Modules::parameters(self, at as usize, symbol, Base::default())
+    }
+
     fn next(&self, at: u32) -> u32 {
         self.places.get(at as usize).map_or(ENDS, |p| p.next)
     }
@@ -375,12 +380,12 @@ impl Modules for Chain<'_> {
         self.places.get(at).map(|place| place.symbol)
     }
 
-    fn before(&self, at: usize) -> Option<usize> {
+    fn left(&self, at: usize) -> Option<usize> {
         self.places.get(at).map(|place| place.previous as usize)
     }
 
-    fn after(&self, at: usize) -> usize {
-        self.places.get(at).map_or(0, |place| place.next as usize)
+    fn right(&self, at: usize) -> Option<usize> {
+        self.places.get(at).map(|place| place.next as usize)
     }
 
     /// Plain neighbours never step over a branch.
@@ -388,19 +393,12 @@ impl Modules for Chain<'_> {
         at
     }
 
-    fn parameters(&self, at: usize, symbol: Symbol) -> &[f64] {
+    fn parameters(&self, at: usize, symbol: Symbol, _base: Base) -> &[f64] {
         let arity = self.grammar.arity.get(usize::from(symbol));
         let from = self.places.get(at).map_or(0, |p| p.parameters as usize);
         let to = from + arity.map_or(0, |a| usize::from(*a));
         self.parameters.get(from..to).unwrap_or(&[])
     }
-}
-
-/// Whether anything in a set of productions is left to chance.
-fn draws(set: &RuleSet) -> bool {
-    set.rules.iter().any(|rule| {
-        rule.weight.is_some() || rule.arguments.iter().any(super::code::Expression::draws)
-    })
 }
 
 #[cfg(test)]
