@@ -464,7 +464,7 @@ mod tests {
     #[test]
     fn what_it_is_not_for() {
         for text in [
-            "axiom A\nA < B -> A\n",
+            "axiom A[B]\nA < B -> A\n",
             "axiom A\nA -> A%\n",
             "axiom A\nA : weight 1 -> A\n",
             "axiom A\nA -> A(uniform(0,1))\n",
