@@ -74,7 +74,12 @@ pub(crate) fn derive(
             }
         }
         match next(grammar, &string, step, &mut spare, limits, cancel) {
-            Ok(following) => spare.string = std::mem::replace(&mut string, following),
+            Ok(following) => {
+                spare.string = std::mem::replace(&mut string, following);
+                if Chain::would_pay(string.len(), spare.rewritten) {
+                    chain = Chain::new(grammar, &string);
+                }
+            }
             Err(mut error) => {
                 error.last = Some(Box::new((step - 1, string)));
                 return Err(error);
