@@ -51,7 +51,9 @@ pub fn open_gpu() -> Result<Gpu> {
 pub fn of_tree(tree: Arc<Tree>, pixels: u32) -> Result<RgbaImage> {
     let params = PortraitParams::default();
     if tree.segment_count() == 0 {
-        bail!("the tree has no segment yet, so there is nothing to draw: derive more steps");
+        bail!(
+            "the tree has no segment, so there is nothing to draw: segments are drawn by `F` and by the letters of shapes"
+        );
     }
     let Some((low, high)) = tree.bounds() else {
         bail!("the tree has no node, so there is nothing to draw");

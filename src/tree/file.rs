@@ -5,10 +5,13 @@
 //! either the old file or the new one, and no litter stays behind.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Write as _};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::TreeError;
+
+/// Bytes that go to the system at a time.
+const BUFFER: usize = 1 << 18;
 
 /// Writes `bytes` to `path`, replacing a file that is there only once the new one is whole.
 ///
@@ -18,13 +21,24 @@ use super::TreeError;
 /// # Errors
 /// [`TreeError::Write`], which says what to do; the old file is unchanged then.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), TreeError> {
-    try_write(path, bytes).map_err(|error| TreeError::Write {
+    write_atomically_with(path, |out| out.write_all(bytes))
+}
+
+/// The same for what is written part by part, so that it need not lie in memory whole.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn write_atomically_with(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), TreeError> {
+    try_write(path, write).map_err(|error| TreeError::Write {
         problem: explain(path, &error),
         path: path.to_owned(),
     })
 }
 
-fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn try_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     if path.is_dir() {
         return Err(ErrorKind::IsADirectory.into());
@@ -42,7 +56,10 @@ fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     #[cfg(unix)]
     builder.permissions(ordinary);
     let mut file = builder.tempfile_in(&folder)?;
-    file.write_all(bytes)?;
+    let mut out = BufWriter::with_capacity(BUFFER, file.as_file_mut());
+    write(&mut out)?;
+    out.flush()?;
+    drop(out);
     if let Some(old) = old {
         if old.readonly() {
             return Err(io::Error::new(

@@ -114,7 +114,14 @@ fn two_results_never_share_a_file() {
     for args in [
         &["replay", FIRST_TREE, "--project", "same", "--glb", "./same"][..],
         &["replay", FIRST_TREE, "--lsys", "same", "--glb", "same"],
-        &["derive", HONDA, "--export", "same.obj", "--png", "same.obj"],
+        &[
+            "derive",
+            HONDA,
+            "--export",
+            "same.obj",
+            "--export",
+            "./same.obj",
+        ],
     ] {
         let output = ramus()
             .current_dir(folder.path())

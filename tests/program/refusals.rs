@@ -48,7 +48,22 @@ fn bad_grammars_and_options_get_one_clear_sentence() {
         (
             file("explode.lsys", b"axiom F\nF -> FFFFFFFFFFFFFFFF\n"),
             &["--steps", "60", "--memory", "64"],
-            &["step", "limit"],
+            &["step", "limit", "--memory"],
+        ),
+        (
+            file("picture.lsys", b"axiom F\n"),
+            &["--steps", "1", "--png", "tree.jpg"],
+            &["tree.jpg", ".png"],
+        ),
+        (
+            file("leaf.lsys", b"axiom A\nA -> [{.+f.-f.}]A\n"),
+            &["--steps", "6", "--export", "leaf.glb"],
+            &["after 6 steps draws no segment", "outlines"],
+        ),
+        (
+            file("bare.lsys", b"axiom A\n"),
+            &["--steps", "6", "--png", "bare.png"],
+            &["after 6 steps draws no segment", "`F`"],
         ),
         (file("nosteps.lsys", b"axiom A\n"), &[], &["--steps"]),
         (
