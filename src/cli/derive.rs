@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{Read as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -10,8 +10,9 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
+use super::outputs::{check_places, not_over_each_other, tree_file};
+use super::print_result;
 use super::progress::Progress;
-use super::{not_over_each_other, print_result};
 use crate::app::{export, portrait};
 use crate::lsystem::report::Report;
 use crate::lsystem::{Grammar, Limits, TurtleParams, interpret};
@@ -35,13 +36,13 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
     /// Write the tree; the ending tells the format: .glb, .obj or .swc (may be given more than once)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = tree_file())]
     export: Vec<PathBuf>,
     /// Draw the tree into a PNG picture
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
     /// Width and height of the picture in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 1024)]
+    #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     size: u32,
     /// How the grammar's widths are meant in exports and pictures
     #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
@@ -50,7 +51,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
     /// Most memory that the strings may take, in MiB
-    #[arg(long, value_name = "MIB", default_value_t = 4096)]
+    #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u64).range(1..))]
     memory: u64,
 }
 
@@ -71,12 +72,10 @@ enum Widths {
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
-    for path in &args.export {
-        export::Format::of(path)?;
-    }
-    let outputs = args.export.iter().chain(&args.png).map(PathBuf::as_path);
-    not_over_each_other(Some(Path::new(&args.file)), outputs)?;
+    let outputs = || args.export.iter().chain(&args.png);
+    not_over_each_other(Some(&args.file), outputs().map(PathBuf::as_path), None)?;
     let grammar = read(args)?;
+    check_places(outputs())?;
     let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
         anyhow!(
             "{} states no number of steps: give one with --steps N",
