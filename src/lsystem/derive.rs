@@ -132,7 +132,7 @@ fn bytes_of(size: Size) -> u64 {
 }
 
 /// What is wrong with a string of this size.
-fn past(size: Size, step: u32, limits: &Limits) -> Option<DeriveProblem> {
+pub(super) fn past(size: Size, step: u32, limits: &Limits) -> Option<DeriveProblem> {
     let modules = u64::try_from(size.modules).unwrap_or(u64::MAX);
     let bytes = bytes_of(size);
     let most = limits.modules.min(u64::from(u32::MAX));
