@@ -91,13 +91,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let began = Instant::now();
     let mut progress = Progress::new("deriving");
     let named = || args.file.display().to_string();
-    let mut string = grammar.derive(0, &limits, &never).with_context(named)?;
-    for step in 1..=steps {
-        progress.show((step - 1) as usize, steps as usize);
-        string = grammar
-            .derive_next(&string, step, &limits, &never)
-            .with_context(named)?;
-    }
+    let string = grammar
+        .derive_watched(steps, &limits, &never, &mut |done| {
+            progress.show(done as usize, steps as usize);
+        })
+        .with_context(named)?;
     drop(progress);
     let derive_ms = began.elapsed().as_secs_f64() * 1e3;
 

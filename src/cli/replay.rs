@@ -67,7 +67,6 @@ pub(super) fn run(args: &Args) -> Result<()> {
         outputs.into_iter().flatten().map(PathBuf::as_path),
         args.png.as_deref(),
     )?;
-    check_places(args.glb.iter().chain(&args.lsys))?;
     // Whatever may be missing is asked for before the project is touched.
     let stage = Stage::open(args)?;
     let mut progress = Progress::new("playing");
@@ -75,6 +74,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
         args.png.as_deref(),
         Box::new(|frame| progress.show(frame, total)),
     )?;
+    // Behind the pictures' folder, which is made and may hold them.
+    check_places(args.glb.iter().chain(&args.lsys))?;
     let mut workshop = open(args.project.as_deref())?;
     let outcome = match stage {
         Stage::Simulated(mut picture) => {

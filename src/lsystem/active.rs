@@ -27,8 +27,12 @@ const SEAM: Symbol = Symbol::MAX;
 const ENDS: u32 = 0;
 /// Strings longer than this are worth the list only while most modules rest:
 const SHORT: usize = 256;
-/// one of so many may be active.
-const RESTING: usize = 3;
+/// one of so many may be active. Visiting one in the list takes as long as a round takes for so many.
+const RESTING: usize = 4;
+/// Active modules for each one that a step rewrites: it, its successors, what stands before it.
+const WOKEN: usize = 3;
+/// Strings longer than this would take too much memory as a list.
+const LONG: usize = 1 << 20;
 /// Places that are no longer in the list, for each that is, beyond which the list is packed.
 const WASTE: usize = 2;
 
@@ -70,6 +74,9 @@ impl From<DeriveError> for Unfit {
 impl<'g> Chain<'g> {
     /// The list of a string, all of it active; `None` where the grammar is not one of those.
     pub(crate) fn new(grammar: &'g Grammar, string: &ModuleString) -> Option<Self> {
+        if !Self::fits(grammar) || string.len() > LONG {
+            return None;
+        }
         let reads = |side: fn(&Rule) -> usize| grammar.rules.rules.iter().map(side).max();
         let mut chain = Self {
             grammar,
@@ -82,11 +89,6 @@ impl<'g> Chain<'g> {
                 reads(|rule| rule.right.len()).unwrap_or(0),
             ),
         };
-        let plain = grammar.literal || !grammar.rules.has_context;
-        let drawn = grammar.rules.draws() || grammar.decompose.as_ref().is_some_and(RuleSet::draws);
-        if !plain || drawn || grammar.roles.contains(&Role::Cut) {
-            return None;
-        }
         chain.places.push(Place {
             next: ENDS,
             previous: ENDS,
@@ -105,9 +107,25 @@ impl<'g> Chain<'g> {
         Some(chain)
     }
 
-    /// Whether too little of the string rests for the list to pay.
+    /// Whether contexts are plain neighbours and nothing is drawn or cut.
+    fn fits(grammar: &Grammar) -> bool {
+        let plain = grammar.literal
+            || !grammar.rules.has_context
+            || grammar.roles.iter().all(|role| *role == Role::Module);
+        let drawn = grammar.rules.draws() || grammar.decompose.as_ref().is_some_and(RuleSet::draws);
+        plain && !drawn && !grammar.roles.contains(&Role::Cut)
+    }
+
+    /// Whether too little of the string rests for the list to pay, or it is too long.
     pub(crate) fn is_busy(&self) -> bool {
-        self.live > SHORT && self.active.len() > self.live / RESTING
+        let busy = self.live > SHORT && self.active.len() > self.live / RESTING;
+        busy || self.live > LONG
+    }
+
+    /// Whether the list would pay for a string of so many modules, of which the last step rewrote so many. Half of what would make
+    /// it busy, so that it is not made in vain.
+    pub(crate) fn would_pay(modules: usize, rewritten: usize) -> bool {
+        (SHORT..LONG).contains(&modules) && rewritten < modules / (2 * RESTING * WOKEN)
     }
 
     /// Whether no further step would change anything.
@@ -446,7 +464,7 @@ mod tests {
     #[test]
     fn what_it_is_not_for() {
         for text in [
-            "axiom A\nA < B -> A\n",
+            "axiom A[B]\nA < B -> A\n",
             "axiom A\nA -> A%\n",
             "axiom A\nA : weight 1 -> A\n",
             "axiom A\nA -> A(uniform(0,1))\n",

@@ -63,6 +63,8 @@ pub(super) struct Spare {
     /// A string that is no longer needed.
     pub(super) string: ModuleString,
     pub(super) choices: Vec<u16>,
+    /// Modules that the last round rewrote.
+    pub(super) rewritten: usize,
 }
 
 /// A vector of this length whose values will all be written; `None` where the memory is not there.

@@ -54,7 +54,7 @@ pub(super) struct Round<'a> {
 struct Size {
     modules: u64,
     parameters: u64,
-    changed: bool,
+    rewritten: usize,
 }
 
 /// A stretch of the string to read and the stretch of the next to write.
@@ -127,7 +127,8 @@ impl<'a> Round<'a> {
         let sizes = Self::each(parallel, chunks, |(chunk, choices)| {
             self.count(&indexed, chunk * CHUNK, start_of(chunk), choices)
         })?;
-        if !sizes.iter().any(|s| s.changed) {
+        spare.rewritten = sizes.iter().map(|s| s.rewritten).sum();
+        if spare.rewritten == 0 {
             spare.choices = choices;
             return Ok(None);
         }
@@ -251,7 +252,6 @@ impl<'a> Round<'a> {
         let mut size = Size::default();
         let mut offset = parameters_from;
         let symbols = string.symbols.get(from..).unwrap_or(&[]);
-        let mut rewritten = 0;
         for (at, (symbol, choice)) in (from..).zip(symbols.iter().zip(choices.iter_mut())) {
             let arity = string.arity(*symbol);
             *choice = match self.rules.plan(*symbol) {
@@ -266,15 +266,14 @@ impl<'a> Round<'a> {
             };
             offset += arity;
             if let Some(rule) = self.rule(*choice) {
-                rewritten += 1;
+                size.rewritten += 1;
                 size.modules += rule.successor.len() as u64;
                 size.parameters += rule.arguments.len() as u64;
             } else {
                 size.parameters += arity as u64;
             }
         }
-        size.changed = rewritten > 0;
-        size.modules += (choices.len() - rewritten) as u64;
+        size.modules += (choices.len() - size.rewritten) as u64;
         Ok(size)
     }
 

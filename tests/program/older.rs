@@ -101,11 +101,14 @@ fn a_session_that_fails_leaves_the_older_project_and_keeps_what_was_made() {
         session::to_bytes(&frames[..3]).unwrap(),
     )
     .unwrap();
-    succeed(
-        ramus()
-            .current_dir(here.path())
-            .args(["replay", "still.session", "--png", "one"]),
-    );
+    succeed(ramus().current_dir(here.path()).args([
+        "replay",
+        "still.session",
+        "--png",
+        "one",
+        "--lsys",
+        "one/still.lsys",
+    ]));
     let bytes = fs::metadata(at("one/step-00.png")).unwrap().len();
     let project = at("tree.ramus");
     let older = changed(&project);
