@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{Read as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -10,8 +10,9 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
+use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
+use super::print_result;
 use super::progress::Progress;
-use super::{not_over_each_other, print_result};
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
 use crate::lsystem::{
@@ -39,26 +40,37 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
     /// Write the tree; the ending tells the format: .glb, .obj or .swc (may be given more than once)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = tree_file())]
     export: Vec<PathBuf>,
     /// Draw the tree into a PNG picture
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = picture_file())]
     png: Option<PathBuf>,
     /// Width and height of the picture in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 1024)]
+    #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     size: u32,
     /// How the grammar's widths are meant in exports and pictures
     #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
     widths: Widths,
     /// Radius of the tips in metres, for `--widths da-vinci`
-    #[arg(long, value_name = "METRES", default_value_t = Sketch::default().tip_radius)]
+    #[arg(long, value_name = "METRES", default_value_t = Sketch::default().tip_radius, value_parser = tip)]
     tip: f32,
     /// Seed of the random draws, in place of the file's
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
     /// Most memory that strings, tree and surface may take, in MiB; never more than the machine has free
-    #[arg(long, value_name = "MIB", default_value_t = 4096)]
+    #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u64).range(1..))]
     memory: u64,
+}
+
+/// A radius of tips that the rule admits.
+fn tip(text: &str) -> Result<f32, String> {
+    let tip_radius = text.parse().map_err(|_| "no number".to_owned())?;
+    let params = RadiusParams {
+        tip_radius,
+        ..RadiusParams::default()
+    };
+    params.validate().map_err(|error| error.to_string())?;
+    Ok(tip_radius)
 }
 
 /// Bytes of a node of the tree itself.
@@ -153,20 +165,14 @@ enum Widths {
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
-    for path in &args.export {
-        export::Format::of(path)?;
-    }
-    let outputs = args.export.iter().chain(&args.png).map(PathBuf::as_path);
-    not_over_each_other(Some(Path::new(&args.file)), outputs)?;
-    if let Some(path) = &args.png {
-        export::check_picture(path)?;
-    }
+    let outputs = || args.export.iter().chain(&args.png);
+    not_over_each_other(Some(&args.file), outputs().map(PathBuf::as_path), None)?;
     let radii = RadiusParams {
         tip_radius: args.tip,
         exponent: Sketch::default().radius_exponent,
     };
-    radii.validate()?;
     let grammar = read(args)?;
+    check_places(outputs())?;
     let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
         anyhow!(
             "{} states no number of steps: give one with --steps N",
@@ -184,13 +190,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let mut progress = Progress::new("deriving");
     let named = || args.file.display().to_string();
     let explain = |error| budget.explain(error, &named());
-    let mut string = grammar.derive(0, &limits, &never).map_err(explain)?;
-    for step in 1..=steps {
-        progress.show((step - 1) as usize, steps as usize);
-        string = grammar
-            .derive_next(&string, step, &limits, &never)
-            .map_err(explain)?;
-    }
+    let string = grammar
+        .derive_watched(steps, &limits, &never, &mut |done| {
+            progress.show(done as usize, steps as usize);
+        })
+        .map_err(explain)?;
     drop(progress);
     let derive_ms = began.elapsed().as_secs_f64() * 1e3;
 

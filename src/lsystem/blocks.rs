@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::choice::Worker;
 use super::context::Alone;
-use super::derive::{Limits, productions};
+use super::derive::{Limits, past, productions};
 use super::error::DeriveError;
 use super::grammar::{Grammar, Role};
 use super::names::Symbol;
@@ -29,6 +29,8 @@ use super::string::ModuleString;
 const MANY: usize = 1 << 12;
 /// there must be so many times as many modules: else nearly each is a stranger, and the rounds are quicker.
 const SHARED: u128 = 8;
+/// The graph may take so much of what the strings may.
+const SHARE_OF_BYTES: u64 = 4;
 /// Modules worked on between two looks at the cancel flag,
 const BETWEEN_CHECKS: usize = 1 << 10;
 /// and modules copied.
@@ -136,10 +138,12 @@ impl Blocks {
             found: HashMap::new(),
             next: Vec::new(),
             staying: Size::default(),
+            added: 0,
         };
         let mut growing = making.axiom(&grammar.axiom)?;
         for step in 1..=steps {
-            if growing.is_empty() {
+            // Beyond a string that is too large nothing is asked for.
+            if growing.is_empty() || past(making.graph.size(step - 1), step - 1, limits).is_some() {
                 break;
             }
             growing = making.step(step, &growing)?;
@@ -158,6 +162,12 @@ impl Blocks {
     pub(crate) fn size(&self, step: u32) -> Size {
         let at = usize::try_from(step).ok().and_then(|s| self.sizes.get(s));
         at.or(self.sizes.last()).copied().unwrap_or_default()
+    }
+
+    fn bytes(&self) -> u64 {
+        let blocks = self.blocks.len() * size_of::<Block>();
+        let pieces = self.pieces.len() * size_of::<Piece>();
+        (blocks + pieces + self.parameters.len() * size_of::<f64>()) as u64
     }
 
     /// Adds up the blocks, those of the last step first.
@@ -234,6 +244,8 @@ struct Making<'a> {
     next: Vec<Growing>,
     /// What no step rewrites.
     staying: Size,
+    /// Modules so far.
+    added: usize,
 }
 
 impl Making<'_> {
@@ -258,29 +270,24 @@ impl Making<'_> {
         let round = self.round.clone();
         let mut work = Worker::new(&round, &Alone);
         let mut written = Vec::new();
-        for chunk in growing.chunks(BETWEEN_CHECKS) {
-            if round.cancel.load(Ordering::Relaxed) {
-                return Err(Unfit);
+        for one in growing {
+            let rule = round.rule(one.choice).ok_or(Unfit)?;
+            written.clear();
+            written.resize(rule.arguments.len(), 0.0);
+            work.evaluate(rule, 0, 0, &one.parameters, &mut written)?;
+            let first = self.graph.pieces.len();
+            let mut rest = written.as_slice();
+            for symbol in &rule.successor {
+                let arity = self.graph.arity(*symbol).min(rest.len());
+                let (own, after) = rest.split_at(arity);
+                self.add(&mut work, *symbol, own, step, one.times)?;
+                rest = after;
             }
-            for one in chunk {
-                let rule = round.rule(one.choice).ok_or(Unfit)?;
-                written.clear();
-                written.resize(rule.arguments.len(), 0.0);
-                work.evaluate(rule, 0, 0, &one.parameters, &mut written)?;
-                let first = self.graph.pieces.len();
-                let mut rest = written.as_slice();
-                for symbol in &rule.successor {
-                    let arity = self.graph.arity(*symbol).min(rest.len());
-                    let (own, after) = rest.split_at(arity);
-                    self.add(&mut work, *symbol, own, step, one.times)?;
-                    rest = after;
-                }
-                let pieces = first..self.graph.pieces.len();
-                if let Some(block) = self.graph.blocks.get_mut(one.block) {
-                    block.pieces = pieces;
-                    block.step = step;
-                    block.heir = Round::heir(rule, &one.parameters, &written).map(|h| h as u128);
-                }
+            let pieces = first..self.graph.pieces.len();
+            if let Some(block) = self.graph.blocks.get_mut(one.block) {
+                block.pieces = pieces;
+                block.step = step;
+                block.heir = Round::heir(rule, &one.parameters, &written).map(|h| h as u128);
             }
         }
         let next = self.turn();
@@ -300,6 +307,14 @@ impl Making<'_> {
         step: u32,
         times: u128,
     ) -> Result<(), Unfit> {
+        self.added += 1;
+        let stops = || {
+            self.round.cancel.load(Ordering::Relaxed)
+                || self.graph.bytes() > self.round.limits.bytes / SHARE_OF_BYTES
+        };
+        if self.added.is_multiple_of(BETWEEN_CHECKS) && stops() {
+            return Err(Unfit);
+        }
         // The last string is only read: its productions are not looked for.
         let choice = if step < self.steps {
             work.choose(symbol, 0, 0, parameters)?
@@ -475,4 +490,68 @@ fn repeat<T: Copy>(
         copy.copy_from_slice(part);
     }
     Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+
+    fn graph(text: &str, steps: u32, limits: &Limits) -> Option<Blocks> {
+        let grammar = Grammar::parse(text, "test").unwrap();
+        Blocks::new(&grammar, steps, limits, &AtomicBool::new(false)).ok()
+    }
+
+    #[test]
+    fn the_growth_function_needs_no_string() {
+        let algae = graph("axiom b\na -> ab\nb -> a\n", 40, &Limits::default()).unwrap();
+        let (mut last, mut size) = (1, 1);
+        for step in 0..=40 {
+            assert_eq!(algae.size(step).modules, size, "step {step}");
+            if step > 0 {
+                (last, size) = (size, last + size);
+            }
+        }
+        assert!(algae.blocks.len() <= 2 * 40 + 1);
+    }
+
+    #[test]
+    fn a_tree_of_literature_has_few_blocks() {
+        let honda = include_str!("../../assets/grammars/honda.lsys");
+        let tree = graph(honda, 18, &Limits::default()).unwrap();
+        assert_eq!(tree.size(18).modules, 1_835_002);
+        assert!(tree.blocks.len() < 1500, "{}", tree.blocks.len());
+    }
+
+    #[test]
+    fn what_it_is_not_for() {
+        for text in [
+            "axiom A\nA < B -> A\n",
+            "axiom A\nA -> A%\n",
+            "axiom A\nA : weight 1 -> A\n",
+            "axiom A\nA -> A(uniform(0,1))\n",
+            "axiom A\nA -> B\ndecompose {\nB -> A\n}\n",
+            // Each is another.
+            "axiom A(1)\nA(x) -> A(2*x) A(2*x+1)\n",
+        ] {
+            assert!(graph(text, 20, &Limits::default()).is_none(), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_graph_is_bounded_too() {
+        let eight = "A(2*x)".repeat(8) + &"A(2*x+1)".repeat(8);
+        let text = format!("axiom A(1)\nA(x) -> {eight}\n");
+        let limits = Limits {
+            modules: u64::MAX,
+            bytes: 1 << 20,
+        };
+        // It ends at the first string that is too large, or where the graph itself is.
+        let made = graph(&text, 1000, &limits);
+        assert!(made.is_none_or(|graph| graph.steps() < 10));
+    }
 }

@@ -44,6 +44,7 @@ pub(crate) fn derive(
     steps: u32,
     limits: &Limits,
     cancel: &AtomicBool,
+    progress: &mut dyn FnMut(u32),
 ) -> Result<ModuleString, DeriveError> {
     let mut string = cut(grammar, &grammar.axiom);
     if let Some(problem) = past(Size::of(&string), 0, limits) {
@@ -58,6 +59,7 @@ pub(crate) fn derive(
     }
     let mut chain = Chain::new(grammar, &string);
     for step in 1..=steps {
+        progress(step - 1);
         if let Some(list) = &mut chain {
             if list.rests() {
                 break;
@@ -130,7 +132,7 @@ fn bytes_of(size: Size) -> u64 {
 }
 
 /// What is wrong with a string of this size.
-fn past(size: Size, step: u32, limits: &Limits) -> Option<DeriveProblem> {
+pub(super) fn past(size: Size, step: u32, limits: &Limits) -> Option<DeriveProblem> {
     let modules = u64::try_from(size.modules).unwrap_or(u64::MAX);
     let bytes = bytes_of(size);
     let most = limits.modules.min(u64::from(u32::MAX));

@@ -333,7 +333,22 @@ impl Grammar {
         limits: &Limits,
         cancel: &AtomicBool,
     ) -> Result<ModuleString, DeriveError> {
-        derive::derive(self, steps, limits, cancel)
+        self.derive_watched(steps, limits, cancel, &mut |_| {})
+    }
+
+    /// [`Grammar::derive`], which calls `progress` with the number of steps made, before each further one where the
+    /// steps are made one after the other.
+    ///
+    /// # Errors
+    /// As [`Grammar::derive`].
+    pub fn derive_watched(
+        &self,
+        steps: u32,
+        limits: &Limits,
+        cancel: &AtomicBool,
+        progress: &mut dyn FnMut(u32),
+    ) -> Result<ModuleString, DeriveError> {
+        derive::derive(self, steps, limits, cancel, progress)
     }
 
     /// One step on: the string of step `step` from that of step `step − 1`.

@@ -17,6 +17,7 @@ use tempfile::TempDir;
 mod disk;
 mod doctor;
 mod memory;
+mod older;
 mod outputs;
 mod refusals;
 
@@ -246,13 +247,6 @@ fn derive_draws_a_picture() {
         (100..20_000).contains(&dark),
         "{dark} dark pixels in the upper half"
     );
-    refused(
-        &ramus()
-            .args(["derive", HONDA, "--size", "0", "--png", "x.png"])
-            .output()
-            .unwrap(),
-        &["0 × 0"],
-    );
 }
 
 /// The size is what is too large, not the tree. A graphics card may be able to.
@@ -342,7 +336,7 @@ fn help_teaches_every_command() {
         ),
         (
             &["replay", "--help"],
-            &["--headset", "--png", "--glb", "session"],
+            &["--headset", "--png", "--glb", ".obj or .swc", "session"],
         ),
         (
             &["derive", "--help"],
