@@ -98,7 +98,7 @@ fn wrong_usage_is_refused_before_any_work() {
         (&derive, &["--size", "0", "--png", "x.png"], "--size"),
         (&derive, &["--memory", "0"], "--memory"),
         (&derive, &["--png", "tree.jpg"], "use the ending .png"),
-        (&derive, &["--widths", "da-vinci", "--tip", "-1"], "--tip"),
+        (&derive, &["--widths", "da-vinci", "--tip", "0"], "--tip"),
         (&replay, &["--glb", "tree.txt"], ".glb, .obj or .swc"),
         (&replay, &["--glb", "glb"], ".glb, .obj or .swc"),
     ];
