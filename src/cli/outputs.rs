@@ -121,6 +121,22 @@ mod tests {
     use crate::app::store::{Store, read_project};
     use crate::app::workshop::WorkshopParams;
 
+    #[test]
+    fn a_failed_session_that_keeps_nothing_does_not_say_that_it_does() {
+        let world = crate::world::World::new(crate::world::history::History::default());
+        let mut workshop = Workshop::unsaved(world).unwrap();
+        for frame in &demonstration::first_tree().unwrap()[..230] {
+            workshop.update(frame);
+        }
+        let lost = ramus_xr::HeadsetError::Lost("it is gone".to_owned());
+        let said = set_aside(workshop, None, &SessionEnd::from(lost).into()).to_string();
+        assert!(said.contains("it is gone"), "{said}");
+        assert!(
+            !said.contains("saved") && !said.contains("made by then"),
+            "{said}"
+        );
+    }
+
     /// A runtime that ends the session after `frames`.
     fn ended_early(project: &Path, frames: usize) -> String {
         let opened = Store::begin(project).unwrap();

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use clap::{Args as ClapArgs, ValueEnum};
 use ramus_xr::Headset;
 use ramus_xr::record::Recorder;
@@ -138,7 +138,11 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     // However the session and its recording ended, the work is saved first.
     workshop.finish_tree();
     let kept = take_home_all(workshop, &project);
-    both(kept, both(outcome.map_err(Into::into), recorded))
+    let outcome = outcome.map_err(|error| match kept {
+        Ok(()) => anyhow!("{error}; your work is saved in {}", project.display()),
+        Err(_) => error.into(),
+    });
+    both(kept, both(outcome, recorded))
 }
 
 fn take_home_all(workshop: Workshop, project: &Path) -> Result<()> {
