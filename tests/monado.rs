@@ -39,7 +39,7 @@ use ramus_monado::{
     service::{Service, ServiceParams},
     stage, verdict,
 };
-use ramus_xr::{Frame, Hand, HeadsetError, simulated::Simulated};
+use ramus_xr::{Frame, Hand, HeadsetError, record::Recorder, simulated::Simulated};
 
 use monado::{
     ends,
@@ -282,6 +282,42 @@ fn the_program_says_in_one_sentence_that_the_runtime_died() {
             service.kill().unwrap();
             ends::says_once(&mut child, "your work is saved");
             project::from_bytes(&std::fs::read(&file).unwrap()).unwrap();
+        },
+    );
+}
+
+#[test]
+fn a_session_recorded_on_the_runtime_replays_to_the_same_project() {
+    staged(
+        "a_session_recorded_on_the_runtime_replays_to_the_same_project",
+        || {
+            let frames = demonstration::first_tree().unwrap()[..FIRST_STROKES].to_vec();
+            let service = runtime();
+            let remote = Remote::connect(service.port()).unwrap();
+            let opened = Opened::start(connect().unwrap()).unwrap();
+            let mut workshop = workshop();
+            let (recorder, outcome) = opened.run(
+                |headset| {
+                    let fed = Fed::new(headset, remote, frames.into_iter());
+                    Recorder::new(fed, Vec::new())
+                },
+                &mut workshop,
+                &mut Nobody,
+            );
+            outcome.unwrap();
+            let recorded = recorder.finish().1.unwrap();
+            let folder = tempfile::tempdir().unwrap();
+            let file = folder.path().join("recorded.session");
+            std::fs::write(&file, recorded).unwrap();
+            let played = ramus_xr::session::read_file(&file).unwrap();
+            assert!(played.len() >= FIRST_STROKES, "{} frames", played.len());
+            assert!(workshop.edits() > 0, "something was drawn");
+            assert_eq!(
+                String::from_utf8(bytes(&workshop)),
+                String::from_utf8(simulated(&played)),
+                "left: on the runtime, right: its recording"
+            );
+            service.stop().unwrap();
         },
     );
 }

@@ -1,6 +1,7 @@
 //! Stereo pictures of every growth step of a session, as PNG files.
 
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
@@ -11,6 +12,7 @@ use crate::app::export;
 use crate::app::picture::{Picture, side_by_side};
 use crate::app::session::Watcher;
 use crate::app::workshop::Workshop;
+use crate::tree::file::check_place;
 
 /// Called after each frame with the number of frames so far.
 pub type OnFrame<'a> = Box<dyn FnMut(usize) + 'a>;
@@ -39,11 +41,12 @@ impl<'a> Album<'a> {
     /// Pictures go to `folder`, which is made; without one nothing is drawn.
     ///
     /// # Errors
-    /// Where the folder cannot be made.
+    /// Where the folder cannot be made or takes no pictures.
     pub fn new(folder: Option<&Path>, on_frame: OnFrame<'a>) -> Result<Self> {
         if let Some(folder) = folder {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+            check_place(&folder.join(Self::file_name(0)))?;
         }
         Ok(Self {
             folder: folder.map(Path::to_owned),
@@ -73,6 +76,15 @@ impl<'a> Album<'a> {
     #[must_use]
     pub fn file_name(step: u32) -> String {
         format!("step-{step:02}.png")
+    }
+
+    /// Whether [`Self::file_name`] gives this name to some step's picture.
+    #[must_use]
+    pub fn is_file_name(name: &OsStr) -> bool {
+        name.to_str()
+            .and_then(|name| name.strip_prefix("step-")?.strip_suffix(".png"))
+            .and_then(|step| step.parse().ok())
+            .is_some_and(|step| name == Self::file_name(step).as_str())
     }
 
     fn is_due(&self, workshop: &Workshop) -> bool {

@@ -101,75 +101,255 @@ fn system(os_release: &str) -> System {
     }
 }
 
-/// The command that installs a package.
-fn install(package: Package, system: System) -> String {
+/// A line that mends something: it runs as it stands when it is pasted into a shell in any folder.
+fn line(command: &str, remark: &str) -> String {
+    match (command, remark) {
+        (command, "") => command.to_owned(),
+        ("", remark) => format!("# {remark}"),
+        (command, remark) => format!("{command} # {remark}"),
+    }
+}
+
+/// Whether a program of this name is on the path.
+fn on_path(name: &str) -> bool {
+    std::env::var_os("PATH")
+        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(name).is_file()))
+}
+
+/// A word as a shell takes it.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "/._-+".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+/// How this user becomes the one who may install.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Root {
+    /// Is it already.
+    Already,
+    /// By `sudo`.
+    Sudo,
+    /// By `su`, which every system has.
+    Su,
+}
+
+impl Root {
+    fn look() -> Self {
+        use std::os::unix::fs::MetadataExt as _;
+        if std::fs::metadata("/proc/self").is_ok_and(|process| process.uid() == 0) {
+            Self::Already
+        } else if on_path("sudo") {
+            Self::Sudo
+        } else {
+            Self::Su
+        }
+    }
+
+    /// The command as root runs it.
+    fn runs(self, command: &str) -> String {
+        let simple = !command.contains("&&") && !command.contains('|');
+        match self {
+            Self::Already => command.to_owned(),
+            Self::Sudo if simple => format!("sudo {command}"),
+            Self::Sudo => format!("sudo sh -c {}", quoted(command)),
+            Self::Su => format!("su -c {}", quoted(command)),
+        }
+    }
+}
+
+/// The WiVRn streaming runtime from Flathub, where the system has no runtime of its own: `flatpak` is there by then.
+const WIVRN: &str = "flatpak remote-add --user --if-not-exists flathub https://dl.flathub.org/repo/flathub.flatpakrepo \
+     && flatpak install --user -y flathub io.github.wivrn.wivrn && flatpak run io.github.wivrn.wivrn";
+
+/// Mesa 25 for Debian 12. The source is added only where no other one brings the backports: apt refuses to read one
+/// source with two keys.
+const BACKPORTS: &str = "grep -rqs bookworm-backports /etc/apt/sources.list /etc/apt/sources.list.d \
+     || echo \"deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian bookworm-backports main\" \
+     > /etc/apt/sources.list.d/bookworm-backports.list; \
+     apt-get update && apt-get install -y -t bookworm-backports mesa-vulkan-drivers";
+
+/// The line that installs a package, from nothing.
+fn install(package: Package, system: System, root: Root) -> String {
     use Package as P;
     use System as S;
-    let (tool, name) = match (system, package) {
-        (S::Bookworm, P::Driver) => {
-            return "scripts/setup.sh run  (adds Debian's backports and installs Mesa 25 from them)"
-                .to_owned();
+    let name = match (system, package) {
+        (S::Bookworm, P::Driver) => return root.runs(BACKPORTS),
+        (S::Debian, P::OpenXrRuntime) => "libopenxr1-monado monado-service",
+        (S::Other, P::OpenXrRuntime) => {
+            return line(
+                "",
+                "install an OpenXR runtime: Monado (https://monado.dev) or WiVRn (https://github.com/WiVRn/WiVRn)",
+            );
         }
-        (S::Debian, P::OpenXrRuntime) => (
-            "sudo apt-get install",
-            "libopenxr1-monado monado-service && systemctl --user start monado.socket",
-        ),
-        // Debian 12 and others have no runtime of their own; this one runs everywhere.
-        (_, P::OpenXrRuntime) => ("flatpak install", "flathub io.github.wivrn.wivrn"),
-        (S::Bookworm | S::Debian, P::VulkanLoader) => ("sudo apt-get install", "libvulkan1"),
-        (S::Debian, P::Driver) => ("sudo apt-get install", "mesa-vulkan-drivers"),
-        (S::Bookworm | S::Debian, P::Validation) => {
-            ("sudo apt-get install", "vulkan-validationlayers")
+        (_, P::OpenXrRuntime) => "flatpak",
+        (S::Bookworm | S::Debian | S::Suse, P::VulkanLoader) => "libvulkan1",
+        (S::Debian | S::Fedora, P::Driver) => "mesa-vulkan-drivers",
+        (S::Bookworm | S::Debian | S::Suse, P::Validation) => "vulkan-validationlayers",
+        (S::Bookworm | S::Debian, P::OpenXrLoader) => "libopenxr-loader1",
+        (S::Fedora, P::VulkanLoader) => "vulkan-loader",
+        (S::Fedora | S::Arch, P::Validation) => "vulkan-validation-layers",
+        (S::Fedora, P::OpenXrLoader) => "openxr-libs",
+        (S::Arch, P::VulkanLoader) => "vulkan-icd-loader",
+        (S::Arch, P::Driver) => "vulkan-swrast",
+        (S::Arch, P::OpenXrLoader) => "openxr",
+        (S::Suse, P::Driver) => "libvulkan_lvp",
+        (S::Suse, P::OpenXrLoader) => "libopenxr_loader1",
+        (S::Other, P::VulkanLoader) => {
+            return line("", "install the Vulkan loader (libvulkan.so.1)");
         }
-        (S::Bookworm | S::Debian, P::OpenXrLoader) => ("sudo apt-get install", "libopenxr-loader1"),
-        (S::Fedora, P::VulkanLoader) => ("sudo dnf install", "vulkan-loader"),
-        (S::Fedora, P::Driver) => ("sudo dnf install", "mesa-vulkan-drivers"),
-        (S::Fedora, P::Validation) => ("sudo dnf install", "vulkan-validation-layers"),
-        (S::Fedora, P::OpenXrLoader) => ("sudo dnf install", "openxr-libs"),
-        (S::Arch, P::VulkanLoader) => ("sudo pacman -S", "vulkan-icd-loader"),
-        (S::Arch, P::Driver) => ("sudo pacman -S", "vulkan-swrast"),
-        (S::Arch, P::Validation) => ("sudo pacman -S", "vulkan-validation-layers"),
-        (S::Arch, P::OpenXrLoader) => ("sudo pacman -S", "openxr"),
-        (S::Suse, P::VulkanLoader) => ("sudo zypper install", "libvulkan1"),
-        (S::Suse, P::Driver) => ("sudo zypper install", "libvulkan_lvp"),
-        (S::Suse, P::Validation) => ("sudo zypper install", "vulkan-validationlayers"),
-        (S::Suse, P::OpenXrLoader) => ("sudo zypper install", "libopenxr_loader1"),
-        (S::Other, P::VulkanLoader) => ("install", "the Vulkan loader (libvulkan.so.1)"),
-        (S::Other, P::Driver) => (
-            "install",
-            "the Vulkan driver of your graphics card, or Mesa 25's lavapipe",
-        ),
-        (S::Other, P::Validation) => ("install", "the Khronos Vulkan validation layer"),
-        (S::Other, P::OpenXrLoader) => ("install", "the OpenXR loader (libopenxr_loader.so.1)"),
+        (S::Other, P::Driver) => {
+            return line(
+                "",
+                "install the Vulkan driver of your graphics card, or Mesa 25's lavapipe",
+            );
+        }
+        (S::Other, P::Validation) => {
+            return line("", "install the Khronos Vulkan validation layer");
+        }
+        (S::Other, P::OpenXrLoader) => {
+            return line("", "install the OpenXR loader (libopenxr_loader.so.1)");
+        }
     };
-    format!("{tool} {name}")
+    let tool = match system {
+        S::Bookworm | S::Debian | S::Other => "apt-get update && apt-get install -y",
+        S::Fedora => "dnf install -y",
+        S::Arch => "pacman -S --needed --noconfirm",
+        S::Suse => "zypper --non-interactive install",
+    };
+    let installed = root.runs(&format!("{tool} {name}"));
+    match (system, package) {
+        (S::Debian, P::OpenXrRuntime) => {
+            format!("{installed} && systemctl --user start monado.socket")
+        }
+        (_, P::OpenXrRuntime) => format!("{installed} && {WIVRN}"),
+        _ => installed,
+    }
+}
+
+/// Whom the commands are for.
+#[derive(Clone, Debug)]
+struct Machine {
+    system: System,
+    root: Root,
+    /// How this program is started from any folder, quoted.
+    program: String,
+}
+
+impl Machine {
+    fn look() -> Self {
+        let os_release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+        let program = std::env::current_exe().unwrap_or_else(|_| "ramus".into());
+        Self {
+            system: system(&os_release),
+            root: Root::look(),
+            program: quoted(&program.display().to_string()),
+        }
+    }
+
+    fn install(&self, package: Package) -> String {
+        install(package, self.system, self.root)
+    }
 }
 
 /// Looks at the machine.
 #[must_use]
 pub fn examine() -> Vec<Finding> {
-    let os_release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
-    let system = system(&os_release);
+    let machine = Machine::look();
     let mut findings = vec![Finding::good("Ramus", env!("CARGO_PKG_VERSION"))];
-    findings.extend(vulkan(system));
-    findings.extend(openxr(system));
+    findings.extend(vulkan(&machine));
+    findings.extend(openxr(&machine));
     findings
 }
 
-fn vulkan(system: System) -> Vec<Finding> {
+/// Variables by which the Vulkan loader is kept from the drivers that are installed.
+const DRIVER_VARIABLES: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
+
+/// Why the loader finds no device.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct NoDevice {
+    /// The variables of [`DRIVER_VARIABLES`] that are set, with their values.
+    variables: Vec<(&'static str, String)>,
+    /// A driver's manifest lies where the loader looks.
+    driver: bool,
+}
+
+impl NoDevice {
+    fn look() -> Self {
+        let value = |name| std::env::var(name).ok().filter(|value| !value.is_empty());
+        let variables = DRIVER_VARIABLES
+            .into_iter()
+            .filter_map(|name| Some((name, value(name)?)))
+            .collect();
+        let driver = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d"]
+            .iter()
+            .filter_map(|folder| std::fs::read_dir(folder).ok())
+            .flatten()
+            .flatten()
+            .any(|file| {
+                file.path()
+                    .extension()
+                    .is_some_and(|ending| ending == "json")
+            });
+        Self { variables, driver }
+    }
+
+    /// What to add to the finding, and the line that mends it.
+    fn mend(&self, machine: &Machine) -> (String, String) {
+        if self.variables.is_empty() {
+            return match self.driver {
+                false => (String::new(), machine.install(Package::Driver)),
+                true => (
+                    "; a driver is installed and does not answer".to_owned(),
+                    line(
+                        &format!(
+                            "VK_LOADER_DEBUG=error,warn,driver {} doctor",
+                            machine.program
+                        ),
+                        "says why",
+                    ),
+                ),
+            };
+        }
+        let said: Vec<String> = self
+            .variables
+            .iter()
+            .map(|(name, value)| format!("{name}={value}"))
+            .collect();
+        let names: Vec<&str> = self.variables.iter().map(|(name, _)| *name).collect();
+        (
+            format!(
+                "; {} keeps the loader from the drivers that are installed",
+                said.join(" and ")
+            ),
+            format!("unset {}", names.join(" ")),
+        )
+    }
+}
+
+fn vulkan(machine: &Machine) -> Vec<Finding> {
     let gpu = match portrait::open_gpu() {
         Ok(gpu) => gpu,
         Err(error) => {
-            let (part, package) = match error.downcast_ref() {
-                Some(RenderError::NoLoader(_)) => ("Vulkan loader", Package::VulkanLoader),
-                _ => ("Vulkan device", Package::Driver),
+            let found = first_clause(&error.to_string());
+            let (part, found, mend) = match error.downcast_ref() {
+                Some(RenderError::NoLoader(_)) => {
+                    let mend = machine.install(Package::VulkanLoader);
+                    ("Vulkan loader", found, mend)
+                }
+                Some(RenderError::NoDevice(_)) => {
+                    let (why, mend) = NoDevice::look().mend(machine);
+                    ("Vulkan device", found + &why, mend)
+                }
+                _ => {
+                    let mend = machine.install(Package::Driver);
+                    ("Vulkan device", error.to_string(), mend)
+                }
             };
-            return vec![Finding::bad(
-                part,
-                Health::Missing,
-                error.to_string(),
-                install(package, system),
-            )];
+            return vec![Finding::bad(part, Health::Missing, found, mend)];
         }
     };
     let info = gpu.info();
@@ -191,21 +371,21 @@ fn vulkan(system: System) -> Vec<Finding> {
             "multiview",
             Health::Lacking,
             "broken in this driver: each eye is drawn in a pass of its own, which is slower",
-            install(Package::Driver, system),
+            machine.install(Package::Driver),
         ),
         Err(error) => Finding::bad(
             "multiview",
             Health::Missing,
             error.to_string(),
-            install(Package::Driver, system),
+            machine.install(Package::Driver),
         ),
     });
-    findings.push(validation(system));
+    findings.push(validation(machine));
     findings
 }
 
 /// Only developers need the validation layer, but they should know.
-fn validation(system: System) -> Finding {
+fn validation(machine: &Machine) -> Finding {
     let checked = Gpu::new(
         &Headless::default(),
         &GpuParams {
@@ -220,17 +400,18 @@ fn validation(system: System) -> Finding {
             "validation layer",
             Health::Lacking,
             "not installed (only the tests use it)",
-            install(Package::Validation, system),
+            machine.install(Package::Validation),
         )
     }
 }
 
-fn openxr(system: System) -> Vec<Finding> {
+fn openxr(machine: &Machine) -> Vec<Finding> {
     const LOADER: &str = "OpenXR loader";
     const RUNTIME: &str = "OpenXR runtime";
     const HEADSET: &str = "headset";
     let loader = || Finding::good(LOADER, "installed");
-    let mend = |fault| Runtimes::look().mend(fault, system);
+    let runtimes = Runtimes::look();
+    let mend = |fault| runtimes.mend(fault, machine);
     match headset::connect() {
         Ok(found) => {
             let extent = found.extent();
@@ -249,11 +430,11 @@ fn openxr(system: System) -> Vec<Finding> {
             ]
         }
         Err(error) => {
-            let found = one_clause(&error);
+            let found = first_clause(&error.to_string());
             let lacks = |part, found, mend| Finding::bad(part, Health::Lacking, found, mend);
             match &error {
                 ConnectError::NoLoader => {
-                    vec![lacks(LOADER, found, install(Package::OpenXrLoader, system))]
+                    vec![lacks(LOADER, found, machine.install(Package::OpenXrLoader))]
                 }
                 ConnectError::NoHeadset(name) | ConnectError::NoStereo(name) => vec![
                     loader(),
@@ -267,23 +448,34 @@ fn openxr(system: System) -> Vec<Finding> {
                 // Starting it again gives it nothing; another one has it.
                 ConnectError::NoVulkan(_) => vec![
                     loader(),
-                    lacks(RUNTIME, found, install(Package::OpenXrRuntime, system)),
+                    lacks(RUNTIME, found, machine.install(Package::OpenXrRuntime)),
                 ],
-                _ => vec![loader(), lacks(RUNTIME, found, mend(Fault::Silent))],
+                _ => {
+                    let found = match runtimes.misled() {
+                        Some(path) => {
+                            format!("{found}: XR_RUNTIME_JSON names {path}, which is not there")
+                        }
+                        None => found,
+                    };
+                    vec![loader(), lacks(RUNTIME, found, mend(Fault::Silent))]
+                }
             }
         }
     }
 }
 
 /// What happened, without the advice that an error's sentence ends with: the advice has a line of its own here.
-fn one_clause(error: &ConnectError) -> String {
-    let text = error.to_string();
-    text.split([';', ':']).next().unwrap_or(&text).to_owned()
+fn first_clause(text: &str) -> String {
+    text.split([';', ':']).next().unwrap_or(text).to_owned()
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::missing_assert_message, reason = "the table says it")]
+    #![allow(
+        clippy::missing_assert_message,
+        clippy::unwrap_used,
+        reason = "the table says it"
+    )]
     use super::*;
 
     #[test]
@@ -308,17 +500,76 @@ mod tests {
         }
     }
 
-    #[test]
-    fn every_package_has_one_command_everywhere() {
-        use {Package as P, System as S};
-        for system in [
+    /// A machine of each system, for each way to become root.
+    pub(super) fn machines() -> Vec<Machine> {
+        use System as S;
+        [
             S::Bookworm,
             S::Debian,
             S::Fedora,
             S::Arch,
             S::Suse,
             S::Other,
-        ] {
+        ]
+        .into_iter()
+        .flat_map(|system| {
+            [Root::Already, Root::Sudo, Root::Su].map(|root| Machine {
+                system,
+                root,
+                program: "'/opt/my tools/ramus'".to_owned(),
+            })
+        })
+        .collect()
+    }
+
+    /// Fails unless a shell would take the line in any folder and on a bare system.
+    pub(super) fn runs_as_it_is(line: &str, machine: &Machine) {
+        let shell = std::process::Command::new("bash")
+            .args(["-n", "-c", line])
+            .output()
+            .unwrap();
+        assert!(shell.status.success(), "{machine:?}: {line}");
+        assert!(!line.contains('\n') && !line.is_empty(), "{line}");
+        let command = line.split(" # ").next().unwrap();
+        // Everything that is called by a path is called by a whole one.
+        let quoted = |part: &&str| part.starts_with('/');
+        let parts: Vec<&str> = command.split('\'').collect();
+        let bare: String = parts
+            .iter()
+            .map(|part| if quoted(part) { "/quoted" } else { part })
+            .collect();
+        for word in bare.split([' ', '=', '"']) {
+            let relative = word.contains('/') && !word.starts_with('/') && !word.contains("://");
+            assert!(!relative, "{word} in {line}");
+        }
+        if command.starts_with('#') {
+            assert_eq!(machine.system, System::Other, "no command: {line}");
+            return;
+        }
+        let first = bare
+            .split_whitespace()
+            .find(|word| !word.contains('='))
+            .unwrap();
+        let everywhere = [
+            "unset",
+            "grep",
+            "su",
+            "sudo",
+            "systemctl",
+            "pkill",
+            "/quoted",
+        ];
+        let tools = ["apt-get", "dnf", "pacman", "zypper"];
+        // Of the runtime that is there.
+        let runtimes = ["monado-service", "wivrn-dashboard", "flatpak", "steam"];
+        let known = [&everywhere[..], &tools, &runtimes].concat();
+        assert!(known.contains(&first), "{first} in {line}");
+    }
+
+    #[test]
+    fn every_package_has_one_line_that_runs_as_it_is() {
+        use Package as P;
+        for machine in machines() {
             for package in [
                 P::VulkanLoader,
                 P::Driver,
@@ -326,12 +577,56 @@ mod tests {
                 P::OpenXrLoader,
                 P::OpenXrRuntime,
             ] {
-                let command = install(package, system);
+                let line = machine.install(package);
+                runs_as_it_is(&line, &machine);
+                // What is called is installed by the same line.
+                if let Some((before, _)) = line.split_once("flatpak remote-add") {
+                    assert!(before.contains(" flatpak"), "{line}");
+                    assert!(line.contains("https://dl.flathub.org/"), "{line}");
+                }
                 assert!(
-                    !command.is_empty() && !command.contains('\n'),
-                    "{system:?} {package:?}"
+                    machine.root != Root::Already || !line.contains("sudo"),
+                    "{line}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn no_device_has_its_cause_named() {
+        let set = |variables: &[&'static str], driver| NoDevice {
+            variables: variables
+                .iter()
+                .map(|name| (*name, "/nonexistent".to_owned()))
+                .collect(),
+            driver,
+        };
+        for machine in machines() {
+            for (cause, found, mend) in [
+                (set(&[], true), "does not answer", "VK_LOADER_DEBUG="),
+                (
+                    set(&["VK_DRIVER_FILES"], true),
+                    "VK_DRIVER_FILES=/nonexistent",
+                    "unset VK_DRIVER_FILES",
+                ),
+                (
+                    set(&DRIVER_VARIABLES, false),
+                    "VK_ICD_FILENAMES=/nonexistent",
+                    "unset VK_DRIVER_FILES VK_ICD_FILENAMES",
+                ),
+            ] {
+                let (why, line) = cause.mend(&machine);
+                assert!(
+                    why.contains(found) && line.starts_with(mend),
+                    "{why}: {line}"
+                );
+                runs_as_it_is(&line, &machine);
+            }
+            let (why, line) = set(&[], false).mend(&machine);
+            assert_eq!(
+                (why, line),
+                (String::new(), machine.install(Package::Driver))
+            );
         }
     }
 

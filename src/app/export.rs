@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use image::{ImageFormat, RgbaImage};
 
 use crate::tree::export::{self, ExportParams};
-use crate::tree::file::write_atomically;
+use crate::tree::file::{write_atomically, write_atomically_with};
 use crate::tree::{Tree, TreeError};
 
 /// Why nothing was exported.
@@ -14,6 +14,12 @@ pub enum ExportError {
     /// The ending tells no format.
     #[error("{path}: the ending tells no format; use .glb, .obj or .swc", path = path.display())]
     Format {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The ending tells another format than the only one for pictures.
+    #[error("{path}: pictures are written as PNG; use the ending .png", path = path.display())]
+    PictureFormat {
         /// The path asked for.
         path: PathBuf,
     },
@@ -68,12 +74,34 @@ impl Format {
 /// [`ExportError`].
 pub fn tree(tree: &Tree, path: &Path) -> Result<(), ExportError> {
     let params = ExportParams::default();
-    let bytes = match Format::of(path)? {
-        Format::Glb => export::glb(tree, &params)?,
-        Format::Obj => export::obj(tree, &params)?,
-        Format::Swc => export::swc(tree)?,
-    };
-    Ok(write_atomically(path, &bytes)?)
+    match Format::of(path)? {
+        Format::Glb => {
+            let file = export::Glb::new(tree, &params)?;
+            write_atomically_with(path, |out| file.write(out))?;
+        }
+        Format::Obj => {
+            let file = export::Obj::new(tree, &params)?;
+            write_atomically_with(path, |out| file.write(out))?;
+        }
+        Format::Swc => {
+            let file = export::Swc::new(tree)?;
+            write_atomically_with(path, |out| file.write(out))?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a path for a picture whose ending tells another format.
+///
+/// # Errors
+/// [`ExportError::PictureFormat`].
+pub fn check_picture(path: &Path) -> Result<(), ExportError> {
+    match path.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("png") => Ok(()),
+        _ => Err(ExportError::PictureFormat {
+            path: path.to_owned(),
+        }),
+    }
 }
 
 /// Writes a picture as PNG, whole or not at all.

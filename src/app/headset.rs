@@ -39,6 +39,14 @@ pub fn connect() -> Result<System, ConnectError> {
 }
 
 impl Opened {
+    /// Reaches the headset and starts a session on it.
+    ///
+    /// # Errors
+    /// [`OpenError`].
+    pub fn connect() -> Result<Self, OpenError> {
+        Self::start(connect()?)
+    }
+
     /// Makes Vulkan's device through the runtime and starts a session on it.
     ///
     /// # Errors
@@ -79,13 +87,13 @@ impl Opened {
 /// Plays a session's head and hands on the headset.
 ///
 /// # Errors
-/// Where there is no headset, or the session ended before its end.
+/// Where the session ended before its end.
 pub fn play(
+    opened: Opened,
     frames: Vec<Frame>,
     workshop: &mut Workshop,
     watcher: &mut dyn Watcher,
 ) -> Result<(), SessionEnd> {
-    let opened = connect().map_err(OpenError::from).and_then(Opened::start)?;
     let frames = frames.into_iter().map(Ok);
     let (player, outcome) = opened.run(|headset| Player::new(headset, frames), workshop, watcher);
     outcome?;

@@ -11,6 +11,7 @@ pub mod demonstration;
 pub mod doctor;
 pub mod export;
 pub mod headset;
+pub mod memory;
 pub mod picture;
 pub mod portrait;
 pub mod session;

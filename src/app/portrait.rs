@@ -55,7 +55,9 @@ const FINEST_PX: f32 = 0.9;
 pub fn of_tree(mut tree: Tree, pixels: u32, set_widths: bool) -> Result<RgbaImage> {
     let params = PortraitParams::default();
     if tree.segment_count() == 0 {
-        bail!("the tree has no segment yet, so there is nothing to draw: derive more steps");
+        bail!(
+            "the tree has no segment, so there is nothing to draw: segments are drawn by `F` and by the letters of shapes"
+        );
     }
     let Some((low, high)) = tree.bounds() else {
         bail!("the tree has no node, so there is nothing to draw");

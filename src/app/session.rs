@@ -17,15 +17,12 @@ pub enum SessionEnd {
     /// The headset.
     #[error(transparent)]
     Headset(#[from] HeadsetError),
-    /// The headset could not be opened.
-    #[error(transparent)]
-    Open(#[from] crate::app::headset::OpenError),
     /// The picture.
     #[error(transparent)]
     Render(#[from] RenderError),
     /// The person or the runtime ended a session that was being played.
     #[error(
-        "the OpenXR runtime ended the session before all of it was played; what was made by then is saved: play it again to see the rest"
+        "the OpenXR runtime ended the session before all of it was played: play it again to see the rest"
     )]
     Early,
     /// Whoever watches.

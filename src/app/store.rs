@@ -13,7 +13,8 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::app::worker::Worker;
-use crate::tree::{TreeError, file::write_atomically};
+use crate::tree::TreeError;
+use crate::tree::file::{check_place, write_atomically};
 use crate::world::document::Document;
 use crate::world::history::{Action, History};
 use crate::world::journal::{self, Damage, Decoded, Journal, JournalError};
@@ -99,8 +100,8 @@ pub struct Store {
     sync: Worker<Arc<File>, ()>,
     /// What forcing the journal to the disk failed in, until it was told.
     fault: Arc<Mutex<Option<io::Error>>>,
-    /// Where the older project is kept that this session replaces.
-    before: Option<PathBuf>,
+    /// Whether the session began empty, whatever lies at the path.
+    begun: bool,
 }
 
 /// `tree.ramus` → `tree.ramus.journal`, and the like.
@@ -110,15 +111,54 @@ fn beside(project: &Path, suffix: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// The first of `tree.ramus.SUFFIX`, `tree.ramus.SUFFIX.2`, … that is not there yet.
-fn free_name(project: &Path, suffix: &str) -> PathBuf {
+/// The first of `tree.ramus.SUFFIX`, `tree.ramus.SUFFIX.2`, … that is not there yet, and the last one that is.
+fn names(project: &Path, suffix: &str) -> (PathBuf, Option<PathBuf>) {
     let mut path = beside(project, suffix);
+    let mut last = None;
     let mut number = 2;
     while path.exists() {
-        path = beside(project, &format!("{suffix}.{number}"));
+        let next = beside(project, &format!("{suffix}.{number}"));
+        last = Some(std::mem::replace(&mut path, next));
         number += 1;
     }
-    path
+    (path, last)
+}
+
+fn free_name(project: &Path, suffix: &str) -> PathBuf {
+    names(project, suffix).0
+}
+
+/// What a project is called that had to make room for a newer one.
+const BEFORE: &str = ".before.ramus";
+
+/// A sentence for whoever opens an empty project beside which an older one lies.
+#[must_use]
+pub fn older_one(project: &Path, document: &Document) -> Option<String> {
+    if !document.sketch.is_empty() {
+        return None;
+    }
+    names(project, BEFORE).1.map(|older| {
+        format!(
+            "nothing is in {}, and an older project lies beside it: {}",
+            project.display(),
+            older.display()
+        )
+    })
+}
+
+/// Keeps a project beside itself if the document, which is to be written there, differs from it; gives its new name.
+///
+/// # Errors
+/// Where the older project cannot be read or kept: it must not be written over then.
+pub fn keep_older(project: &Path, document: &Document) -> Result<Option<PathBuf>, StoreError> {
+    match read(project)? {
+        Some(older) if older != project::to_bytes(document) => {
+            let kept = free_name(project, BEFORE);
+            write_atomically(&kept, &older)?;
+            Ok(Some(kept))
+        }
+        _ => Ok(None),
+    }
 }
 
 fn read(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
@@ -192,7 +232,9 @@ impl Store {
         };
         let journal_path = Self::journal_of(project);
         let file = Self::lock(project, &journal_path)?;
-        let left = Self::recover(project, &journal_path, document)?;
+        let mut left = Self::recover(project, &journal_path, document)?;
+        let older = || older_one(project, left.history.committed());
+        left.message = left.message.or_else(older);
         Self::keep(project, journal_path, file, left)
     }
 
@@ -208,12 +250,15 @@ impl Store {
         std::fs::metadata(Self::journal_of(project)).is_ok_and(|data| data.len() > 0)
     }
 
-    /// Begins a new project whatever is at `project`: an older file is kept beside it until the session is closed in
-    /// good order. Work that a killed session left in its journal is saved beside it too.
+    /// Begins a new project whatever is at `project`: an older file lies there unchanged until the session is closed.
+    /// Work that a killed session left in its journal is saved beside it.
     ///
     /// # Errors
     /// [`StoreError`]; no file is changed then.
     pub fn begin(project: &Path) -> Result<Opened, StoreError> {
+        if project.exists() {
+            check_place(project)?;
+        }
         let journal_path = Self::journal_of(project);
         let file = Self::lock(project, &journal_path)?;
         let mut message = None;
@@ -235,22 +280,9 @@ impl Store {
             journal: None,
             message,
         };
-        let before = Self::put_before(project)?;
         let mut opened = Self::keep(project, journal_path, file, left)?;
-        opened.store.before = before;
+        opened.store.begun = true;
         Ok(opened)
-    }
-
-    /// Puts an empty project in the place of an older one, which is kept: so the journal of the new session belongs to
-    /// what lies there, and a killed session is recovered on it.
-    fn put_before(project: &Path) -> Result<Option<PathBuf>, StoreError> {
-        let Some(bytes) = read(project)? else {
-            return Ok(None);
-        };
-        let before = free_name(project, ".before.ramus");
-        write_atomically(&before, &bytes)?;
-        write_atomically(project, &project::to_bytes(&Document::default()))?;
-        Ok(Some(before))
     }
 
     fn lock(project: &Path, journal_path: &Path) -> Result<File, StoreError> {
@@ -317,7 +349,7 @@ impl Store {
             let aside = free_name(project, ".recovered.ramus");
             write_atomically(&aside, &project::to_bytes(recovered.history.committed()))?;
             let strange = format!(
-                "the project is not the one that its journal was kept for; the journal's work was saved as {}",
+                "a session that ended abruptly did not start from the project as it is; its work was saved as {}",
                 aside.display()
             );
             return Ok(fresh(Some(match message {
@@ -370,7 +402,7 @@ impl Store {
             unwritten: Vec::new(),
             sync,
             fault,
-            before: None,
+            begun: false,
         };
         if whole_bytes == 0 {
             // What could not be repeated lies in a file of its own; what could is saved before the journal starts anew.
@@ -456,17 +488,42 @@ impl Store {
         }
         // A journal that cannot be removed repeats what is saved already.
         let _ = std::fs::remove_file(&self.journal_path);
-        if let Some(before) = &self.before {
-            let _ = std::fs::remove_file(before);
-        }
         Ok(())
+    }
+
+    /// Ends a session that failed after [`Self::begin`]: an older project stays as it is, and what was made is saved
+    /// beside it, or as the project where there is none. Gives the file in which it is; nothing made needs none.
+    ///
+    /// # Errors
+    /// As [`Self::close`].
+    pub fn set_aside(mut self, document: &Document) -> Result<Option<PathBuf>, StoreError> {
+        let mut saved = None;
+        if *document != Document::default() {
+            let bytes = project::to_bytes(document);
+            let path = match read(&self.project) {
+                Ok(None) => self.project.clone(),
+                Ok(Some(older)) if older == bytes => self.project.clone(),
+                _ => free_name(&self.project, ".unfinished.ramus"),
+            };
+            if let Err(source) = write_atomically(&path, &bytes) {
+                let kept = self.rescue(document);
+                return Err(StoreError::Unsaved { source, kept });
+            }
+            saved = Some(path);
+        }
+        let _ = std::fs::remove_file(&self.journal_path);
+        Ok(saved)
     }
 
     /// Keeps the work where the project cannot be saved; says where.
     fn rescue(&mut self, document: &Document) -> String {
         if self.unwritten.is_empty() || self.write_out().is_ok() {
+            let next = match self.begun && self.project.is_file() {
+                true => "saves it beside the older one",
+                false => "goes on from there",
+            };
             return format!(
-                "all of the work is in {}, and the next start on this project goes on from there",
+                "all of the work is in {}, and the next start on this project {next}",
                 self.journal_path.display()
             );
         }

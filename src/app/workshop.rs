@@ -4,6 +4,7 @@
 //! [`Grower`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -165,6 +166,17 @@ impl Workshop {
             store.close(self.world.document())?;
         }
         Ok(self.world)
+    }
+
+    /// Ends a session that failed; gives the file that what was made is saved in. See [`Store::set_aside`].
+    ///
+    /// # Errors
+    /// As [`Self::close`].
+    pub fn set_aside(mut self) -> Result<Option<PathBuf>, StoreError> {
+        match self.store.take() {
+            Some(store) => store.set_aside(self.world.document()),
+            None => Ok(None),
+        }
     }
 
     fn keep_journal(&mut self) {

@@ -2,20 +2,25 @@
 
 use std::fs::File;
 use std::io::{Read as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
+use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
+use super::print_result;
 use super::progress::Progress;
-use super::{not_over_each_other, print_result};
-use crate::app::{export, portrait};
+use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
-use crate::lsystem::{Grammar, Limits, TurtleParams, interpret};
-use crate::tree::Tree;
-use crate::tree::radii::{self, FitParams};
+use crate::lsystem::{
+    DeriveError, DeriveProblem, Grammar, Limits, ModuleString, TurtleParams, interpret,
+};
+use crate::render::RenderError;
+use crate::sketch::Sketch;
+use crate::tree::radii::{self, FitParams, RadiusParams};
+use crate::tree::{Tree, tubes};
 
 /// Larger files are no grammars.
 const MAX_GRAMMAR_BYTES: u64 = 64 << 20;
@@ -34,23 +39,110 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
     /// Write the tree; the ending tells the format: .glb, .obj or .swc (may be given more than once)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = tree_file())]
     export: Vec<PathBuf>,
     /// Draw the tree into a PNG picture
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = picture_file())]
     png: Option<PathBuf>,
     /// Width and height of the picture in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 1024)]
+    #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     size: u32,
     /// How the grammar's widths are meant in exports and pictures
     #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
     widths: Widths,
+    /// Radius of the tips in metres, for `--widths da-vinci`
+    #[arg(long, value_name = "METRES", default_value_t = Sketch::default().tip_radius, value_parser = tip)]
+    tip: f32,
     /// Seed of the random draws, in place of the file's
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
-    /// Most memory that the strings may take, in MiB
-    #[arg(long, value_name = "MIB", default_value_t = 4096)]
+    /// Most memory that strings, tree and surface may take, in MiB; never more than the machine has free
+    #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u64).range(1..))]
     memory: u64,
+}
+
+/// A radius of tips that the rule admits.
+fn tip(text: &str) -> Result<f32, String> {
+    let tip_radius = text.parse().map_err(|_| "no number".to_owned())?;
+    let params = RadiusParams {
+        tip_radius,
+        ..RadiusParams::default()
+    };
+    params.validate().map_err(|error| error.to_string())?;
+    Ok(tip_radius)
+}
+
+/// Bytes of a node of the tree itself.
+const NODE_BYTES: u64 = 28;
+
+/// Bytes of a mebibyte.
+const MIB: u64 = 1 << 20;
+
+/// The memory that a run may take, and where that comes from.
+#[derive(Clone, Copy, Debug)]
+struct Budget {
+    bytes: u64,
+    /// `--memory` was more than the machine has.
+    by_machine: bool,
+}
+
+impl Budget {
+    /// An eighth of what is free is left to threads, libraries and everybody else.
+    fn new(args: &Args, room: Option<u64>) -> Self {
+        let asked = args.memory.saturating_mul(MIB);
+        match room.map(|room| room / 8 * 7) {
+            Some(room) if room < asked => Self {
+                bytes: room,
+                by_machine: true,
+            },
+            _ => Self {
+                bytes: asked,
+                by_machine: false,
+            },
+        }
+    }
+
+    /// What makes it larger, as the end of a sentence.
+    fn advice(self) -> String {
+        let mib = self.bytes / MIB;
+        if self.by_machine {
+            format!(
+                "close other programs or raise the process's limit: there are {mib} MiB free for it"
+            )
+        } else {
+            format!("give more memory than {mib} MiB with --memory")
+        }
+    }
+
+    /// The problem of a derivation or drawing, with what this command line can do about it.
+    fn explain(self, error: DeriveError, file: &str) -> anyhow::Error {
+        match *error.problem {
+            DeriveProblem::Limit { .. }
+            | DeriveProblem::Memory { .. }
+            | DeriveProblem::DrawingMemory { .. }
+            | DeriveProblem::TooManyNodes { .. } => {
+                anyhow!("{file}: {error}, or {}", self.advice())
+            }
+            _ => anyhow!("{file}: {error}"),
+        }
+    }
+
+    /// Refuses what a file or a picture of the tree takes beside the tree itself.
+    fn check(self, what: &str, tree: &Tree, node_bytes: usize) -> Result<()> {
+        let nodes = tree.len() as u64;
+        // What the machine has free is told without the tree, `--memory` is meant with it.
+        let own = if self.by_machine { 0 } else { NODE_BYTES };
+        let needed = nodes.saturating_mul(node_bytes as u64 + own);
+        if needed <= self.bytes {
+            return Ok(());
+        }
+        bail!(
+            "{what} of {} segments needs {} MiB; take fewer steps, or {}",
+            tree.segment_count(),
+            needed.div_ceil(MIB),
+            self.advice()
+        )
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -68,23 +160,28 @@ enum Widths {
     Auto,
     /// In metres, whatever comes of it
     Metres,
+    /// By da Vinci's rule in place of the grammar's, as the workshop does: tips as --tip says, each cross-section the sum of those it carries
+    DaVinci,
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
-    for path in &args.export {
-        export::Format::of(path)?;
-    }
-    let outputs = args.export.iter().chain(&args.png).map(PathBuf::as_path);
-    not_over_each_other(Some(Path::new(&args.file)), outputs)?;
+    let outputs = || args.export.iter().chain(&args.png);
+    not_over_each_other(Some(&args.file), outputs().map(PathBuf::as_path), None)?;
+    let radii = RadiusParams {
+        tip_radius: args.tip,
+        exponent: Sketch::default().radius_exponent,
+    };
     let grammar = read(args)?;
+    check_places(outputs())?;
     let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
         anyhow!(
             "{} states no number of steps: give one with --steps N",
             args.file.display()
         )
     })?;
+    let budget = Budget::new(args, memory::room());
     let limits = Limits {
-        bytes: args.memory.saturating_mul(1 << 20),
+        bytes: budget.bytes,
         ..Limits::default()
     };
     let never = AtomicBool::new(false);
@@ -92,13 +189,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let began = Instant::now();
     let mut progress = Progress::new("deriving");
     let named = || args.file.display().to_string();
-    let mut string = grammar.derive(0, &limits, &never).with_context(named)?;
-    for step in 1..=steps {
-        progress.show((step - 1) as usize, steps as usize);
-        string = grammar
-            .derive_next(&string, step, &limits, &never)
-            .with_context(named)?;
-    }
+    let explain = |error| budget.explain(error, &named());
+    let string = grammar
+        .derive_watched(steps, &limits, &never, &mut |done| {
+            progress.show(done as usize, steps as usize);
+        })
+        .map_err(explain)?;
     drop(progress);
     let derive_ms = began.elapsed().as_secs_f64() * 1e3;
 
@@ -114,18 +210,21 @@ pub(super) fn run(args: &Args) -> Result<()> {
         }
     }
     let began = Instant::now();
-    let tree = interpret(
-        &grammar,
-        &string,
-        &TurtleParams {
-            limits,
-            ..TurtleParams::default()
+    // The string stays until it is counted, so the tree has the rest.
+    let turtle = TurtleParams {
+        limits: Limits {
+            bytes: budget.bytes.saturating_sub(string.bytes()),
+            ..limits
         },
-        &never,
-    )
-    .with_context(named)?;
+        ..TurtleParams::default()
+    };
+    let tree = Progress::during("drawing with the turtle", || {
+        interpret(&grammar, &string, &turtle, &never)
+    })
+    .map_err(explain)?;
     let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
     let report = Report::new(&grammar, &string, &tree, steps, derive_ms, turtle_ms);
+    let outlines = has_outlines(&grammar, &string);
     drop(string);
     if args.print == Some(Print::Counts) {
         let counts = report.counts_text();
@@ -145,8 +244,29 @@ pub(super) fn run(args: &Args) -> Result<()> {
             report.segments
         );
     }
-    write_files(args, tree)?;
+    if tree.segment_count() == 0 && (args.png.is_some() || !args.export.is_empty()) {
+        printed?;
+        let why = if outlines {
+            ": it has outlines ({ . }) only, which are not drawn yet"
+        } else {
+            "; segments are drawn by `F` and by the letters of shapes"
+        };
+        bail!(
+            "{}: the string after {steps} steps draws no segment, so there is no file to write{why}",
+            args.file.display()
+        );
+    }
+    // What the tree itself takes is taken.
+    write_files(args, tree, &radii, Budget::new(args, memory::room()))?;
     printed
+}
+
+/// Whether a string draws polygons.
+fn has_outlines(grammar: &Grammar, string: &ModuleString) -> bool {
+    string
+        .symbols()
+        .iter()
+        .any(|symbol| grammar.name(*symbol) == "{")
 }
 
 fn read(args: &Args) -> Result<Grammar> {
@@ -172,20 +292,47 @@ fn read(args: &Args) -> Result<Grammar> {
     })
 }
 
-fn write_files(args: &Args, mut tree: Tree) -> Result<()> {
+/// Bytes for each node while a picture is made: segments, and their copies on the way to the device and on it.
+const PICTURE_BYTES: usize = tubes::NODE_BYTES + 2 * size_of::<tubes::TubeSegment>();
+
+/// Bytes for each node of da Vinci's radii: two counts of tips, a base and an older radius.
+const RADII_BYTES: usize = 16;
+
+fn write_files(
+    args: &Args,
+    mut tree: Tree,
+    radius_params: &RadiusParams,
+    budget: Budget,
+) -> Result<()> {
     if args.export.is_empty() && args.png.is_none() {
         return Ok(());
     }
     let factor = match args.widths {
         Widths::Auto => radii::fit(&mut tree, &FitParams::default()),
         Widths::Metres => None,
+        Widths::DaVinci => {
+            budget.check("the radii", &tree, RADII_BYTES)?;
+            radii::da_vinci(&mut tree, radius_params, u32::MAX);
+            None
+        }
     };
     for path in &args.export {
-        export::tree(&tree, path)?;
+        if export::Format::of(path)? != export::Format::Swc {
+            budget.check(&path.display().to_string(), &tree, tubes::NODE_BYTES)?;
+        }
+        Progress::during("writing", || export::tree(&tree, path))?;
     }
     if let Some(path) = &args.png {
-        let picture = portrait::of_tree(tree, args.size, args.widths == Widths::Auto)?;
-        export::png(&picture, path)?;
+        budget.check(&path.display().to_string(), &tree, PICTURE_BYTES)?;
+        let picture = Progress::during("drawing", || portrait::of_tree(tree, args.size, args.widths == Widths::Auto))
+            .map_err(|error| match error.downcast_ref() {
+                Some(RenderError::OutOfMemory(_)) => anyhow!(
+                    "the graphics memory does not hold a picture of {0} × {0} pixels: choose a smaller --size, or close other programs that draw",
+                    args.size
+                ),
+                _ => error,
+            })?;
+        Progress::during("writing", || export::png(&picture, path))?;
     }
     if let Some(factor) = factor {
         whisper!(

@@ -18,13 +18,12 @@ macro_rules! whisper {
 
 mod derive;
 mod doctor;
+mod outputs;
 mod progress;
 mod replay;
 mod workshop;
 
-use std::collections::HashSet;
 use std::io::{BufWriter, ErrorKind, IsTerminal as _, StdoutLock, Write as _};
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -38,7 +37,7 @@ use clap::{Parser, Subcommand};
     about = "The VR workshop for branching structures: sketch a tree, watch it grow as an L-system, take it home.",
     after_help = "Without a subcommand the workshop starts: in the headset where an OpenXR runtime answers,\n\
         else on the built-in simulated headset, which plays a recorded session and leaves pictures,\n\
-        the project file and a GLB in out/.\n\n\
+        the project file, its grammar and a GLB in out/. A project there that differs is kept beside the new one.\n\n\
         Examples:\n  \
         ramus                                         start the workshop\n  \
         ramus --project oak.ramus                     go on with a project\n  \
@@ -83,41 +82,6 @@ pub fn run() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// Refuses results that would be written over what they are made from, or over each other, however their paths are
-/// spelled. (Another hard link to the input is no danger: files are replaced whole, and the input keeps its name.)
-fn not_over_each_other<'a>(
-    input: Option<&Path>,
-    outputs: impl IntoIterator<Item = &'a Path>,
-) -> anyhow::Result<()> {
-    let input = input.and_then(place);
-    let mut taken = HashSet::new();
-    for output in outputs {
-        let place = place(output);
-        anyhow::ensure!(
-            place.is_none() || place != input,
-            "{} would be overwritten by what is made from it: choose another name",
-            output.display()
-        );
-        anyhow::ensure!(
-            place.is_none_or(|place| taken.insert(place)),
-            "two results would be written to {}: choose another name for one of them",
-            output.display()
-        );
-    }
-    Ok(())
-}
-
-/// Where a path leads: links followed, and the file itself need not exist.
-fn place(path: &Path) -> Option<PathBuf> {
-    path.canonicalize().ok().or_else(|| {
-        let folder = match path.parent()? {
-            folder if folder.as_os_str().is_empty() => Path::new("."),
-            folder => folder,
-        };
-        Some(folder.canonicalize().ok()?.join(path.file_name()?))
-    })
 }
 
 /// Prints what was asked for on standard output. That nobody reads on (a closed pipe, as `head` leaves it) is no fault.

@@ -1,6 +1,7 @@
 //! Progress on standard error for whatever takes longer than a second.
 
 use std::io::{IsTerminal as _, Write as _};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 /// Nothing is said before this long: short work stays silent.
@@ -30,6 +31,31 @@ impl Progress {
 
     /// Says that `done` of `total` is done, if it is time to.
     pub(super) fn show(&mut self, done: usize, total: usize) {
+        let percent = done * 100 / total.max(1);
+        self.say(|_| format!("{percent} % ({done} of {total})"));
+    }
+
+    /// Does work whose parts cannot be counted, and says now and then how long it has taken.
+    pub(super) fn during<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
+        let (done, waiting) = mpsc::channel::<()>();
+        std::thread::scope(|scope| {
+            // Without a thread for it the work goes on in silence.
+            let _ = std::thread::Builder::new()
+                .name("ramus-progress".to_owned())
+                .spawn_scoped(scope, move || {
+                    let mut progress = Self::new(what);
+                    while waiting.recv_timeout(TERMINAL_PAUSE) == Err(RecvTimeoutError::Timeout) {
+                        progress.say(|taken| format!("{} s so far", taken.as_secs()));
+                    }
+                });
+            let result = work();
+            drop(done);
+            result
+        })
+    }
+
+    /// Shows a line, if it is time to; says whether it was.
+    fn say(&mut self, line: impl FnOnce(Duration) -> String) -> bool {
         let now = Instant::now();
         let pause = if self.terminal {
             TERMINAL_PAUSE
@@ -38,12 +64,12 @@ impl Progress {
         };
         let due = self.last.is_none_or(|last| now - last >= pause);
         if now - self.started < PATIENCE || !due {
-            return;
+            return false;
         }
         self.last = Some(now);
-        let percent = done * 100 / total.max(1);
-        let line = format!("{}: {percent} % ({done} of {total})", self.what);
-        self.write(&line);
+        let line = line(now - self.started);
+        self.write(&format!("{}: {line}", self.what));
+        true
     }
 
     fn write(&self, line: &str) {
@@ -64,5 +90,28 @@ impl Drop for Progress {
         if self.terminal && self.last.is_some() {
             self.write("");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "the names say it")]
+    use super::*;
+
+    #[test]
+    fn short_work_is_silent_and_long_work_is_told_now_and_then() {
+        let line = |_| "half of it".to_owned();
+        let mut progress = Progress::new("testing");
+        assert!(!progress.say(line), "too early");
+        progress.started -= 2 * PATIENCE;
+        assert!(progress.say(line), "late enough");
+        assert!(!progress.say(line), "too soon after the last line");
+        progress.last = Some(Instant::now() - 2 * LOG_PAUSE);
+        assert!(progress.say(line));
+    }
+
+    #[test]
+    fn work_that_cannot_be_counted_gives_its_result() {
+        assert_eq!(Progress::during("testing", || 7), 7);
     }
 }

@@ -7,13 +7,14 @@ use ash::vk;
 use clap::{Args as ClapArgs, ValueEnum};
 use ramus_xr::simulated::Simulated;
 
-use super::not_over_each_other;
+use super::outputs::{check_places, not_over_each_other, set_aside, tree_file};
 use super::progress::Progress;
 use crate::app::album::Album;
+use crate::app::headset::{self, Opened};
 use crate::app::picture::Picture;
 use crate::app::store::Store;
 use crate::app::workshop::{Workshop, WorkshopParams};
-use crate::app::{headset, portrait, take_home};
+use crate::app::{portrait, session, take_home};
 use crate::world::World;
 use crate::world::history::History;
 
@@ -30,7 +31,7 @@ pub(super) struct Args {
     /// Which headset plays it: the simulated one, or the one behind the OpenXR runtime (head and hands come from the session)
     #[arg(long, value_enum, default_value_t = Which::Simulated, value_name = "WHICH")]
     headset: Which,
-    /// Write the project that the session made (a new one, whatever is there)
+    /// Write the project that the session made; an older one there is replaced when the session is over, and stays where it fails
     #[arg(long, value_name = "FILE.ramus")]
     project: Option<PathBuf>,
     /// Write a stereo picture of every growth step into this folder
@@ -39,8 +40,8 @@ pub(super) struct Args {
     /// Write the grammar that the sketch became
     #[arg(long, value_name = "FILE.lsys")]
     lsys: Option<PathBuf>,
-    /// Write the tree that the session ended with
-    #[arg(long, value_name = "FILE.glb")]
+    /// Write the tree that the session ended with; the ending tells the format: .glb, .obj or .swc
+    #[arg(long, value_name = "FILE", value_parser = tree_file())]
     glb: Option<PathBuf>,
 }
 
@@ -64,35 +65,39 @@ pub(super) fn run(args: &Args) -> Result<()> {
     not_over_each_other(
         Some(path),
         outputs.into_iter().flatten().map(PathBuf::as_path),
+        args.png.as_deref(),
     )?;
-    let mut workshop = open(args.project.as_deref())?;
+    // Whatever may be missing is asked for before the project is touched.
+    let stage = Stage::open(args)?;
     let mut progress = Progress::new("playing");
     let mut album = Album::new(
         args.png.as_deref(),
         Box::new(|frame| progress.show(frame, total)),
     )?;
-    let outcome = match args.headset {
-        Which::Simulated => {
+    // Behind the pictures' folder, which is made and may hold them.
+    check_places(args.glb.iter().chain(&args.lsys))?;
+    let mut workshop = open(args.project.as_deref())?;
+    let outcome = match stage {
+        Stage::Simulated(mut picture) => {
             let mut simulated = Simulated::new(frames, EXTENT);
-            let mut picture = match args.png {
-                Some(_) => {
-                    let gpu = portrait::open_gpu()?;
-                    Some(Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?)
-                }
-                None => None,
-            };
-            crate::app::session::run(&mut simulated, &mut workshop, picture.as_mut(), &mut album)
+            session::run(
+                &mut simulated,
+                &mut workshop,
+                picture.as_deref_mut(),
+                &mut album,
+            )
         }
-        Which::Openxr => headset::play(frames, &mut workshop, &mut album),
+        Stage::Openxr(opened) => headset::play(*opened, frames, &mut workshop, &mut album),
     };
     let steps = album.steps().len();
     let played = album.frames();
     drop(album);
-    // Whatever ended the session, what was made is kept.
+    drop(progress);
+    if let Err(error) = outcome {
+        return Err(set_aside(workshop, args.project.as_deref(), &error.into()));
+    }
     workshop.finish_tree();
     let world = workshop.close()?;
-    outcome?;
-    drop(progress);
     tell!(
         "played {played} frames of {name}: {}",
         take_home::summary(&world)
@@ -121,6 +126,26 @@ pub(super) fn run(args: &Args) -> Result<()> {
         tell!("  tree      {}", glb.display());
     }
     Ok(())
+}
+
+/// What plays the session and draws it.
+enum Stage {
+    Simulated(Option<Box<Picture>>),
+    Openxr(Box<Opened>),
+}
+
+impl Stage {
+    fn open(args: &Args) -> Result<Self> {
+        Ok(match (args.headset, &args.png) {
+            (Which::Openxr, _) => Self::Openxr(Box::new(Opened::connect()?)),
+            (Which::Simulated, None) => Self::Simulated(None),
+            (Which::Simulated, Some(_)) => {
+                let gpu = portrait::open_gpu()?;
+                let picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
+                Self::Simulated(Some(Box::new(picture)))
+            }
+        })
+    }
 }
 
 fn open(project: Option<&Path>) -> Result<Workshop> {

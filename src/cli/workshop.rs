@@ -4,33 +4,34 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use clap::{Args as ClapArgs, ValueEnum};
 use ramus_xr::Headset;
 use ramus_xr::record::Recorder;
+use ramus_xr::session::SessionError;
 use ramus_xr::simulated::Simulated;
 
-use super::not_over_each_other;
+use super::outputs::{both, check_places, not_over_each_other, set_aside};
 use super::progress::Progress;
 use super::replay::EXTENT;
 use crate::app::album::Album;
 use crate::app::headset::{self, Opened};
 use crate::app::picture::Picture;
 use crate::app::session::{self, Nobody};
-use crate::app::store::{Store, read_project};
+use crate::app::store::{Store, keep_older, older_one, read_project};
 use crate::app::workshop::{Workshop, WorkshopParams};
 use crate::app::{demonstration, portrait, take_home};
 use crate::world::World;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
-    /// The project to go on with, or to begin
+    /// The project to go on with, or to begin (which takes a headset)
     #[arg(long, value_name = "FILE.ramus")]
     project: Option<PathBuf>,
     /// Where pictures and exports go
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// Record the session into this file, to be played by `ramus replay`
+    /// Record the session into this new file, to be played by `ramus replay`
     #[arg(long, value_name = "FILE.session")]
     record: Option<PathBuf>,
     /// Which headset to use
@@ -49,13 +50,7 @@ enum Which {
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
-    if let Some(project) = &args.project {
-        // Before anything starts: a session's end is too late to refuse its files.
-        let made = ["glb", "lsys"].map(|ending| project.with_extension(ending));
-        let looked_at = tree_of(project, &args.out);
-        not_over_each_other(Some(project), made.iter().map(PathBuf::as_path))?;
-        not_over_each_other(Some(project), [looked_at.as_path()])?;
-    }
+    keep_apart(args)?;
     if args.headset != Which::Simulated {
         match headset::connect() {
             Ok(system) => return in_headset(Opened::start(system)?, args),
@@ -63,7 +58,6 @@ pub(super) fn run(args: &Args) -> Result<()> {
             Err(error) => tell!("No headset: {error}."),
         }
     }
-    make_folder(&args.out)?;
     match &args.project {
         Some(_) if args.record.is_some() => {
             bail!(
@@ -75,6 +69,39 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
 }
 
+/// Refuses names that a session would write over each other, with a headset and without one.
+fn keep_apart(args: &Args) -> Result<()> {
+    let (project, out) = (args.project.as_deref(), &args.out);
+    let record = args.record.as_deref();
+    let worn = project.map_or_else(|| out.join(WORKSHOP), Path::to_owned);
+    let mut made = beside(&worn).to_vec();
+    made.extend(project.is_none().then_some(worn));
+    not_over_each_other(
+        project,
+        made.iter().map(PathBuf::as_path).chain(record),
+        None,
+    )?;
+    let mut shown = match project {
+        Some(project) => vec![tree_of(project, out), Store::journal_of(project)],
+        None => beside(&out.join(FIRST_TREE)).to_vec(),
+    };
+    shown.extend(project.is_none().then(|| out.join(FIRST_TREE)));
+    let shown = shown.iter().map(PathBuf::as_path).chain(record);
+    not_over_each_other(project, shown, Some(out))
+}
+
+/// What a session writes beside its project: the tree, its grammar, and the journal.
+fn beside(project: &Path) -> [PathBuf; 3] {
+    let [glb, lsys] = ["glb", "lsys"].map(|ending| project.with_extension(ending));
+    [glb, lsys, Store::journal_of(project)]
+}
+
+/// The project of a headset's session, in the folder for results, where none was named.
+const WORKSHOP: &str = "workshop.ramus";
+
+/// The demonstration's project, in the same folder.
+const FIRST_TREE: &str = "first-tree.ramus";
+
 fn make_folder(folder: &Path) -> Result<()> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))
@@ -82,29 +109,43 @@ fn make_folder(folder: &Path) -> Result<()> {
 
 /// The workshop itself.
 fn in_headset(opened: Opened, args: &Args) -> Result<()> {
-    let default = || args.out.join("workshop.ramus");
+    let default = || args.out.join(WORKSHOP);
     let project = args.project.clone().unwrap_or_else(default);
     if args.project.is_none() {
         make_folder(&args.out)?;
     }
+    let [glb, lsys, _] = beside(&project);
+    check_places([&project, &glb, &lsys])?;
+    check_recording(args.record.as_deref())?;
     tell!("In the headset: {}.", opened.describe());
     let store = Store::open(&project)?;
     if let Some(message) = &store.message {
         tell!("{message}");
     }
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
-    let outcome = match &args.record {
-        None => opened.run(|headset| headset, &mut workshop, &mut Nobody).1,
+    let (outcome, recorded) = match &args.record {
+        None => {
+            let (_, outcome) = opened.run(|headset| headset, &mut workshop, &mut Nobody);
+            (outcome, Ok(()))
+        }
         Some(path) => {
             let output = recording(path)?;
             let record = |headset| Recorder::new(headset, output);
             let (recorder, outcome) = opened.run(record, &mut workshop, &mut Nobody);
-            tell_recording(recorder, path);
-            outcome
+            (outcome, end_recording(recorder, path))
         }
     };
-    // However the session ended, the work is saved first.
+    // However the session and its recording ended, the work is saved first.
     workshop.finish_tree();
+    let kept = take_home_all(workshop, &project);
+    let outcome = outcome.map_err(|error| match kept {
+        Ok(()) => anyhow!("{error}; your work is saved in {}", project.display()),
+        Err(_) => error.into(),
+    });
+    both(kept, both(outcome, recorded))
+}
+
+fn take_home_all(workshop: Workshop, project: &Path) -> Result<()> {
     let world = workshop.close()?;
     tell!(
         "Saved {}: {}.",
@@ -112,36 +153,50 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
         take_home::summary(&world)
     );
     if world.document().step > 0 {
-        let glb = project.with_extension("glb");
+        let [glb, lsys, _] = beside(project);
         take_home::export(&world, &glb)?;
         tell!("The tree is in {}.", glb.display());
-        let lsys = project.with_extension("lsys");
         take_home::grammar(&world, &lsys)?;
         tell!("Its grammar is in {}.", lsys.display());
     }
-    Ok(outcome?)
+    Ok(())
 }
 
 /// A recording that is being written.
 type Recording = BufWriter<File>;
 
+/// Sessions are not made again: an older one is never written over.
+fn check_recording(path: Option<&Path>) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    ensure!(
+        path.symlink_metadata().is_err(),
+        "cannot record the session into {}: the file exists, and a session cannot be made again: choose another name",
+        path.display()
+    );
+    check_places([&path.to_owned()])
+}
+
 fn recording(path: &Path) -> Result<Recording> {
-    // Sessions are not made again: an older one is never written over.
     let file = File::create_new(path)
         .with_context(|| format!("cannot record the session into {}", path.display()))?;
     Ok(BufWriter::new(file))
 }
 
-/// Says what became of a recording; the session itself is not touched by its failure.
-fn tell_recording<H: Headset>(recorder: Recorder<H, Recording>, path: &Path) {
+/// Ends a recording. Its failure touches nothing else that the session makes, so it is told at the end.
+fn end_recording<H: Headset>(recorder: Recorder<H, Recording>, path: &Path) -> Result<()> {
     let (_headset, written) = recorder.finish();
-    match written {
-        Ok(_) => tell!("  session   {}", path.display()),
-        Err(error) => whisper!(
-            "ramus: the recording {} is not whole: {error}",
+    if let Err(error) = written {
+        let room = match error {
+            SessionError::Io(_) => "free some space or choose another disk, and ",
+            _ => "",
+        };
+        bail!(
+            "the recording {} is not whole ({error}): {room}record again under another name",
             path.display()
-        ),
+        );
     }
+    tell!("  session   {}", path.display());
+    Ok(())
 }
 
 /// Without a headset and without a project: a recorded session shows what the workshop is.
@@ -149,49 +204,66 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
     tell!("Playing the recorded session first-tree on the built-in simulated headset …");
     let frames = demonstration::first_tree()?;
     let total = frames.len();
-    let project = out.join("first-tree.ramus");
-    let opened = Store::begin(&project)?;
-    if let Some(message) = &opened.message {
-        tell!("{message}");
-    }
-    let mut workshop = Workshop::new(opened, WorkshopParams::default())?;
+    let project = out.join(FIRST_TREE);
+    let [glb, lsys, _] = beside(&project);
+    // Whatever may be missing is asked for before the project is touched.
     let gpu = portrait::open_gpu()?;
     let mut picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
     let mut headset = Simulated::new(frames, EXTENT);
     let mut progress = Progress::new("playing");
     let mut album = Album::new(Some(out), Box::new(|frame| progress.show(frame, total)))?;
+    check_places([&glb, &lsys])?;
+    check_recording(record)?;
+    let opened = Store::begin(&project)?;
+    if let Some(message) = &opened.message {
+        tell!("{message}");
+    }
+    let mut workshop = Workshop::new(opened, WorkshopParams::default())?;
     let mut play = |headset: &mut dyn Headset| {
-        session::run(headset, &mut workshop, Some(&mut picture), &mut album)
+        let outcome = session::run(headset, &mut workshop, Some(&mut picture), &mut album);
+        outcome.map_err(anyhow::Error::from)
     };
-    let outcome = match record {
-        None => play(&mut headset),
-        Some(path) => {
-            let mut recorder = Recorder::new(headset, recording(path)?);
+    let (outcome, recorded) = match record.map(|path| (path, recording(path))) {
+        None => (play(&mut headset), Ok(())),
+        Some((_, Err(error))) => (Err(error), Ok(())),
+        Some((path, Ok(output))) => {
+            let mut recorder = Recorder::new(headset, output);
             let outcome = play(&mut recorder);
-            tell_recording(recorder, path);
-            outcome
+            (outcome, end_recording(recorder, path))
         }
     };
     let steps = album.steps().clone();
     drop(album);
     drop(progress);
     workshop.finish_tree();
+    let kept = outcome.and_then(|()| Ok(keep_older(&project, workshop.document())?));
+    let older = match kept {
+        Ok(older) => older,
+        Err(error) => return both(Err(set_aside(workshop, Some(&project), &error)), recorded),
+    };
+    let shown = show(workshop, out, steps.len(), older.as_deref());
+    both(shown, recorded)
+}
+
+/// Writes and tells what a demonstration made.
+fn show(workshop: Workshop, out: &Path, steps: usize, older: Option<&Path>) -> Result<()> {
+    let project = out.join(FIRST_TREE);
+    let [glb, lsys, _] = beside(&project);
     let world = workshop.close()?;
-    outcome?;
-    let glb = out.join("first-tree.glb");
+    if let Some(older) = older {
+        tell!(
+            "Another project was in {}: it is kept as {}.",
+            project.display(),
+            older.display()
+        );
+    }
     take_home::export(&world, &glb)?;
-    let lsys = out.join("first-tree.lsys");
     take_home::grammar(&world, &lsys)?;
     tell!(
         "A tree was drawn with two controllers and grown: {}.",
         take_home::summary(&world)
     );
-    tell(
-        out,
-        &format!("{} growth steps", steps.len()),
-        Some(&project),
-        &glb,
-    );
+    tell(out, &format!("{steps} growth steps"), Some(&project), &glb);
     tell!("  grammar   {}", lsys.display());
     tell!(
         "With a headset the same command starts the workshop in it; `ramus doctor` says what is missing."
@@ -208,7 +280,14 @@ fn tree_of(project: &Path, out: &Path) -> PathBuf {
 /// Without a headset, a project: its growth steps pictured, and the tree exported. The project stays as it
 /// is, but for what a killed session left in its journal.
 fn look_at(project: &Path, out: &Path) -> Result<()> {
+    ensure!(
+        project.exists() || Store::has_journal(project),
+        "there is no project {}, and it takes a headset to begin one: start the headset's runtime (`ramus doctor` says what is missing), look at the name, or leave --project out to see what Ramus does",
+        project.display()
+    );
     let glb = tree_of(project, out);
+    make_folder(out)?;
+    check_places([&glb, &out.join(Album::file_name(0))])?;
     let document = if Store::has_journal(project) {
         let opened = Store::open(project)?;
         if let Some(message) = &opened.message {
@@ -218,7 +297,11 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
         opened.store.close(&document)?;
         document
     } else {
-        read_project(project)?
+        let document = read_project(project)?;
+        if let Some(message) = older_one(project, &document) {
+            tell!("{message}");
+        }
+        document
     };
     demonstration::check_size(&document)?;
     let gpu = portrait::open_gpu()?;

@@ -12,12 +12,13 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::context::Modules;
+use super::choice::Worker;
+use super::context::{Base, Modules};
 use super::derive::{Limits, decomposed, productions};
 use super::error::DeriveError;
 use super::grammar::{Grammar, Role, Rule, RuleSet};
 use super::names::Symbol;
-use super::rewrite::{Round, Worker};
+use super::rewrite::Round;
 use super::string::ModuleString;
 
 /// No module: before the first and behind the last one, and between the successors of a step.
@@ -26,8 +27,12 @@ const SEAM: Symbol = Symbol::MAX;
 const ENDS: u32 = 0;
 /// Strings longer than this are worth the list only while most modules rest:
 const SHORT: usize = 256;
-/// one of so many may be active.
-const RESTING: usize = 3;
+/// one of so many may be active. Visiting one in the list takes as long as a round takes for so many.
+const RESTING: usize = 4;
+/// Active modules for each one that a step rewrites: it, its successors, what stands before it.
+const WOKEN: usize = 3;
+/// Strings longer than this would take too much memory as a list.
+const LONG: usize = 1 << 20;
 /// Places that are no longer in the list, for each that is, beyond which the list is packed.
 const WASTE: usize = 2;
 
@@ -69,6 +74,9 @@ impl From<DeriveError> for Unfit {
 impl<'g> Chain<'g> {
     /// The list of a string, all of it active; `None` where the grammar is not one of those.
     pub(crate) fn new(grammar: &'g Grammar, string: &ModuleString) -> Option<Self> {
+        if !Self::fits(grammar) || string.len() > LONG {
+            return None;
+        }
         let reads = |side: fn(&Rule) -> usize| grammar.rules.rules.iter().map(side).max();
         let mut chain = Self {
             grammar,
@@ -81,11 +89,6 @@ impl<'g> Chain<'g> {
                 reads(|rule| rule.right.len()).unwrap_or(0),
             ),
         };
-        let plain = grammar.literal || !grammar.rules.has_context;
-        let drawn = draws(&grammar.rules) || grammar.decompose.as_ref().is_some_and(draws);
-        if !plain || drawn || grammar.roles.contains(&Role::Cut) {
-            return None;
-        }
         chain.places.push(Place {
             next: ENDS,
             previous: ENDS,
@@ -104,9 +107,25 @@ impl<'g> Chain<'g> {
         Some(chain)
     }
 
-    /// Whether too little of the string rests for the list to pay.
+    /// Whether contexts are plain neighbours and nothing is drawn or cut.
+    fn fits(grammar: &Grammar) -> bool {
+        let plain = grammar.literal
+            || !grammar.rules.has_context
+            || grammar.roles.iter().all(|role| *role == Role::Module);
+        let drawn = grammar.rules.draws() || grammar.decompose.as_ref().is_some_and(RuleSet::draws);
+        plain && !drawn && !grammar.roles.contains(&Role::Cut)
+    }
+
+    /// Whether too little of the string rests for the list to pay, or it is too long.
     pub(crate) fn is_busy(&self) -> bool {
-        self.live > SHORT && self.active.len() > self.live / RESTING
+        let busy = self.live > SHORT && self.active.len() > self.live / RESTING;
+        busy || self.live > LONG
+    }
+
+    /// Whether the list would pay for a string of so many modules, of which the last step rewrote so many. Half of what would make
+    /// it busy, so that it is not made in vain.
+    pub(crate) fn would_pay(modules: usize, rewritten: usize) -> bool {
+        (SHORT..LONG).contains(&modules) && rewritten < modules / (2 * RESTING * WOKEN)
     }
 
     /// Whether no further step would change anything.
@@ -126,9 +145,7 @@ impl<'g> Chain<'g> {
         while let Some(place) = self.module(at) {
             string.symbols.push(place.symbol);
             string.births.push(place.birth);
-            string
-                .parameters
-                .extend_from_slice(self.parameters(at as usize, place.symbol));
+            string.parameters.extend_from_slice(self.own(at));
             at = place.next;
         }
         string
@@ -170,8 +187,8 @@ impl<'g> Chain<'g> {
             let Some(place) = self.module(at) else {
                 continue;
             };
-            let own = self.parameters(at as usize, place.symbol);
-            let choice = work.choose(place.symbol, at as usize, own)?;
+            let own = self.own(at);
+            let choice = work.choose(place.symbol, at as usize, 0, own)?;
             if let Some(rule) = round.rule(choice) {
                 chosen.push((at, rule));
             }
@@ -187,12 +204,12 @@ impl<'g> Chain<'g> {
             let Some(place) = self.module(at) else {
                 continue;
             };
-            let own = self.parameters(at as usize, place.symbol);
+            let own = self.own(at);
             let (symbols, parameters) = (made.symbols.len(), made.parameters.len());
             made.parameters
                 .resize(parameters + rule.arguments.len(), 0.0);
             let written = made.parameters.get_mut(parameters..).unwrap_or(&mut []);
-            work.evaluate(rule, at as usize, own, written)?;
+            work.evaluate(rule, at as usize, 0, own, written)?;
             made.symbols.extend_from_slice(&rule.successor);
             made.births.resize(made.symbols.len(), 0);
             if let Some(births) = made.births.get_mut(symbols..) {
@@ -285,7 +302,7 @@ impl<'g> Chain<'g> {
             // No more places than before, whose numbers fit.
             let here = u32::try_from(places.len()).unwrap_or(u32::MAX);
             let start = u32::try_from(parameters.len()).unwrap_or(u32::MAX);
-            parameters.extend_from_slice(self.parameters(at as usize, place.symbol));
+            parameters.extend_from_slice(self.own(at));
             places.push(Place {
                 previous: here.saturating_sub(1),
                 next: here.saturating_add(1),
@@ -355,6 +372,12 @@ impl<'g> Chain<'g> {
             .filter(|place| place.symbol != SEAM)
     }
 
+    /// The parameters of the module at a place.
+    fn own(&self, at: u32) -> &[f64] {
+        let symbol = self.module(at).map_or(SEAM, |place| place.symbol);
+        Modules::parameters(self, at as usize, symbol, Base::default())
+    }
+
     fn next(&self, at: u32) -> u32 {
         self.places.get(at as usize).map_or(ENDS, |p| p.next)
     }
@@ -375,12 +398,12 @@ impl Modules for Chain<'_> {
         self.places.get(at).map(|place| place.symbol)
     }
 
-    fn before(&self, at: usize) -> Option<usize> {
+    fn left(&self, at: usize) -> Option<usize> {
         self.places.get(at).map(|place| place.previous as usize)
     }
 
-    fn after(&self, at: usize) -> usize {
-        self.places.get(at).map_or(0, |place| place.next as usize)
+    fn right(&self, at: usize) -> Option<usize> {
+        self.places.get(at).map(|place| place.next as usize)
     }
 
     /// Plain neighbours never step over a branch.
@@ -388,19 +411,12 @@ impl Modules for Chain<'_> {
         at
     }
 
-    fn parameters(&self, at: usize, symbol: Symbol) -> &[f64] {
+    fn parameters(&self, at: usize, symbol: Symbol, _base: Base) -> &[f64] {
         let arity = self.grammar.arity.get(usize::from(symbol));
         let from = self.places.get(at).map_or(0, |p| p.parameters as usize);
         let to = from + arity.map_or(0, |a| usize::from(*a));
         self.parameters.get(from..to).unwrap_or(&[])
     }
-}
-
-/// Whether anything in a set of productions is left to chance.
-fn draws(set: &RuleSet) -> bool {
-    set.rules.iter().any(|rule| {
-        rule.weight.is_some() || rule.arguments.iter().any(super::code::Expression::draws)
-    })
 }
 
 #[cfg(test)]
@@ -448,7 +464,7 @@ mod tests {
     #[test]
     fn what_it_is_not_for() {
         for text in [
-            "axiom A\nA < B -> A\n",
+            "axiom A[B]\nA < B -> A\n",
             "axiom A\nA -> A%\n",
             "axiom A\nA : weight 1 -> A\n",
             "axiom A\nA -> A(uniform(0,1))\n",

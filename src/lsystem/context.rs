@@ -1,100 +1,204 @@
-//! Context matching: the search of both contexts, and the index of brackets and parameters that it needs in a packed string.
+//! Context matching: the search of both contexts, and the index of a packed string that makes each look O(1).
 //!
-//! The index holds, for each bracket, its partner, so that a whole branch is passed in one step however long it is, and
-//! the start of every 64th module's parameters, so that any module's are found by adding up at most 63 counts.
+//! What a context sees next to a module may stand far away: behind whole branches and ignored modules. The index holds the place of that
+//! module for each one, on the sides that productions look at. Where nothing is to be skipped, it is simply the next
+//! module and no index is made. Productions whose right context has branches in it look into the branches, for which the
+//! index holds the partner of each bracket. The start of every 8th module's parameters says where any module's are.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::grammar::{Grammar, Pattern, Role, Rule};
+use super::grammar::{Grammar, Pattern, Role, Rule, RuleSet};
 use super::names::Symbol;
 use super::string::ModuleString;
 
 /// Modules between two entries of the index of parameters.
-const BLOCK: usize = 64;
+const BLOCK: usize = 8;
 /// Modules that may be visited between two looks at the cancel flag.
 const VISITS_BETWEEN_CHECKS: u32 = 1 << 16;
+/// No module on that side.
+const NOTHING: u32 = u32::MAX;
 
-/// Index over one string.
+/// Index over one string; what is not needed is empty.
 #[derive(Debug, Default)]
 pub(crate) struct ContextIndex {
-    /// For each bracket the index of its partner (empty where the string has no brackets).
+    /// For each module the place of the one that contexts see to its left,
+    left: Vec<u32>,
+    /// and to its right in its own branch.
+    right: Vec<u32>,
+    /// For each bracket the place of its partner.
     partner: Vec<u32>,
-    /// Where the parameters of every `BLOCK`th module begin (empty where there are none).
+    /// Where the parameters of every `BLOCK`th module begin.
     blocks: Vec<u64>,
 }
 
 impl ContextIndex {
     /// Bytes that the index of a string of so many modules takes.
-    pub(crate) fn bytes(modules: u64) -> u64 {
+    pub(crate) fn bytes(rules: &RuleSet, modules: u64) -> u64 {
+        let sides = [
+            rules.looks.left,
+            rules.looks.right,
+            rules.looks.into_branches,
+        ];
+        let places = 4 * sides.iter().filter(|side| **side).count() as u64;
         modules
-            .saturating_mul(4)
+            .saturating_mul(places)
             .saturating_add(modules / BLOCK as u64 * 8)
     }
 
     /// `None`: cancelled.
     pub(crate) fn new(
         grammar: &Grammar,
+        rules: &RuleSet,
         string: &ModuleString,
         cancel: &AtomicBool,
     ) -> Option<Self> {
         let mut index = Self::default();
-        let brackets = |s: &Symbol| matches!(grammar.role(*s), Role::Open | Role::Close);
-        if !grammar.literal && string.symbols.iter().any(brackets) {
-            index.partner = vec![0; string.len()];
-            let mut open: Vec<u32> = Vec::new();
-            for (chunk_index, chunk) in string.symbols.chunks(1 << 16).enumerate() {
-                if cancel.load(Ordering::Relaxed) {
-                    return None;
-                }
-                for (i, symbol) in chunk.iter().enumerate() {
-                    let at = (chunk_index << 16) + i;
-                    let Ok(here) = u32::try_from(at) else {
-                        continue;
-                    };
-                    match grammar.role(*symbol) {
-                        Role::Open => open.push(here),
-                        Role::Close => {
-                            // Strings are balanced: the parser has checked the axiom and every successor.
-                            let start = open.pop().unwrap_or(here);
-                            if let Some(p) = index.partner.get_mut(start as usize) {
-                                *p = here;
-                            }
-                            if let Some(p) = index.partner.get_mut(at) {
-                                *p = start;
-                            }
-                        }
-                        _ => {}
-                    }
-                }
+        let looks = rules.looks;
+        let skipped = |symbol: &Symbol| grammar.role(*symbol) != Role::Module;
+        if !grammar.literal && string.symbols.iter().any(skipped) {
+            let side = |looked, side| match looked {
+                true => neighbours(grammar, string, cancel, side),
+                false => Some(Vec::new()),
+            };
+            let (left, right) = rayon::join(
+                || side(looks.left, Side::Left),
+                || side(looks.right, Side::Right),
+            );
+            (index.left, index.right) = (left?, right?);
+            if looks.into_branches {
+                index.partner = partners(grammar, string, cancel)?;
             }
         }
-        if !string.parameters.is_empty() {
+        if looks.binds {
             let mut offset = 0_u64;
             index.blocks.reserve_exact(string.len() / BLOCK + 1);
             for block in string.symbols.chunks(BLOCK) {
                 index.blocks.push(offset);
-                offset += block
-                    .iter()
-                    .map(|s| u64::from(string.arity.get(usize::from(*s)).copied().unwrap_or(0)))
-                    .sum::<u64>();
+                offset += block.iter().map(|s| string.arity(*s) as u64).sum::<u64>();
             }
         }
         Some(index)
     }
 }
 
+/// Modules between two looks at the cancel flag while an index is made.
+const INDEXED_AT_ONCE: usize = 1 << 16;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Left,
+    Right,
+}
+
+/// For each module the place of the next one that contexts see on a side: branches and ignored modules are skipped, and
+/// to the left a branch goes on with what it stands on. `None`: cancelled.
+fn neighbours(
+    grammar: &Grammar,
+    string: &ModuleString,
+    cancel: &AtomicBool,
+    side: Side,
+) -> Option<Vec<u32>> {
+    let mut near = vec![NOTHING; string.len()];
+    let mut last = NOTHING;
+    // What was last seen before each open branch.
+    let mut outside: Vec<u32> = Vec::new();
+    let mut visit = |at: usize, symbol: Symbol, place: &mut u32| {
+        *place = last;
+        match (grammar.role(symbol), side) {
+            (Role::Module | Role::Cut, _) => last = u32::try_from(at).unwrap_or(NOTHING),
+            (Role::Open, Side::Left) => outside.push(last),
+            (Role::Close, Side::Right) => {
+                outside.push(last);
+                last = NOTHING;
+            }
+            (Role::Close, Side::Left) | (Role::Open, Side::Right) => {
+                // Strings are balanced: the parser has checked the axiom and every successor.
+                last = outside.pop().unwrap_or(NOTHING);
+            }
+            (Role::Ignored, _) => {}
+        }
+    };
+    let starts = (0..string.len()).step_by(INDEXED_AT_ONCE);
+    let symbols = string.symbols.chunks(INDEXED_AT_ONCE);
+    let mut chunks: Vec<_> = starts
+        .zip(symbols.zip(near.chunks_mut(INDEXED_AT_ONCE)))
+        .collect();
+    if side == Side::Right {
+        chunks.reverse();
+    }
+    for (start, (symbols, places)) in chunks {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        let modules = (start..start + symbols.len()).zip(symbols.iter().zip(places));
+        match side {
+            Side::Left => modules.for_each(|(at, (symbol, place))| visit(at, *symbol, place)),
+            Side::Right => modules
+                .rev()
+                .for_each(|(at, (symbol, place))| visit(at, *symbol, place)),
+        }
+    }
+    Some(near)
+}
+
+/// For each bracket the place of its partner. `None`: cancelled.
+fn partners(grammar: &Grammar, string: &ModuleString, cancel: &AtomicBool) -> Option<Vec<u32>> {
+    let mut partner = vec![0; string.len()];
+    let mut open: Vec<u32> = Vec::new();
+    for (at, symbol) in string.symbols.iter().enumerate() {
+        if at % INDEXED_AT_ONCE == 0 && cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        let Ok(here) = u32::try_from(at) else {
+            continue;
+        };
+        match grammar.role(*symbol) {
+            Role::Open => open.push(here),
+            Role::Close => {
+                let start = open.pop().unwrap_or(here);
+                if let Some(p) = partner.get_mut(start as usize) {
+                    *p = here;
+                }
+                if let Some(p) = partner.get_mut(at) {
+                    *p = start;
+                }
+            }
+            _ => {}
+        }
+    }
+    Some(partner)
+}
+
 /// A string as contexts see it: modules at places, with neighbours.
 pub(crate) trait Modules {
     /// The module at a place; `None` past the end.
     fn symbol(&self, at: usize) -> Option<Symbol>;
-    /// The place to the left; `None` at the start.
-    fn before(&self, at: usize) -> Option<usize>;
-    /// The place to the right, perhaps past the end.
-    fn after(&self, at: usize) -> usize;
-    /// For a bracket the place of its partner.
+    /// The place of the module that contexts see to the left; `None` where there is none.
+    fn left(&self, at: usize) -> Option<usize>;
+    /// The place of the module that contexts see to the right in the same branch.
+    fn right(&self, at: usize) -> Option<usize>;
+    /// For a bracket the place of its partner, where productions look into branches.
     fn partner(&self, at: usize) -> usize;
     /// The parameters of the module at a place, whose symbol this is.
-    fn parameters(&self, at: usize, symbol: Symbol) -> &[f64];
+    fn parameters(&self, at: usize, symbol: Symbol, base: Base) -> &[f64];
+}
+
+/// A place whose parameters are known to begin there, to find those of its neighbours.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Base {
+    pub(crate) at: usize,
+    pub(crate) offset: usize,
+}
+
+/// Copies parameters into the slots from `slot` on.
+#[inline]
+pub(crate) fn bind(bound: &mut [f64], slot: usize, source: &[f64]) {
+    match (bound.get_mut(slot..slot + source.len()), source) {
+        // The commonest length needs no call.
+        (Some([target]), [value]) => *target = *value,
+        (Some(target), _) => target.copy_from_slice(source),
+        (None, _) => {}
+    }
 }
 
 /// A packed string with its index: places are positions.
@@ -122,28 +226,68 @@ impl Modules for Indexed<'_> {
         self.string.symbols.get(at).copied()
     }
 
-    fn before(&self, at: usize) -> Option<usize> {
-        at.checked_sub(1)
+    #[inline]
+    fn left(&self, at: usize) -> Option<usize> {
+        match self.index.left.get(at) {
+            Some(&place) => (place != NOTHING).then_some(place as usize),
+            None => at.checked_sub(1),
+        }
     }
 
-    fn after(&self, at: usize) -> usize {
-        at + 1
+    #[inline]
+    fn right(&self, at: usize) -> Option<usize> {
+        match self.index.right.get(at) {
+            Some(&place) => (place != NOTHING).then_some(place as usize),
+            None => Some(at + 1),
+        }
     }
 
     fn partner(&self, at: usize) -> usize {
         self.index.partner.get(at).map_or(at, |p| *p as usize)
     }
 
-    fn parameters(&self, at: usize, symbol: Symbol) -> &[f64] {
+    fn parameters(&self, at: usize, symbol: Symbol, base: Base) -> &[f64] {
         let arity = self.string.arity(symbol);
         if arity == 0 {
             return &[];
         }
-        let from = self.offset(at);
+        let from = if at + 1 == base.at {
+            base.offset.saturating_sub(arity)
+        } else if at == base.at + 1 {
+            let own = self.symbol(base.at);
+            base.offset + own.map_or(0, |own| self.string.arity(own))
+        } else {
+            self.offset(at)
+        };
         self.string
             .parameters
             .get(from..from + arity)
             .unwrap_or(&[])
+    }
+}
+
+/// A module without neighbours, where no production has a context.
+pub(crate) struct Alone;
+
+impl Modules for Alone {
+    fn symbol(&self, _at: usize) -> Option<Symbol> {
+        None
+    }
+
+    fn left(&self, _at: usize) -> Option<usize> {
+        None
+    }
+
+    fn right(&self, _at: usize) -> Option<usize> {
+        None
+    }
+
+    fn partner(&self, at: usize) -> usize {
+        at
+    }
+
+    fn parameters(&self, _at: usize, _symbol: Symbol, _base: Base) -> &[f64] {
+        &[]
     }
 }
 
@@ -154,6 +298,8 @@ pub(crate) struct Matcher<'a, M> {
     cancel: &'a AtomicBool,
     /// Modules visited since the last look at the cancel flag.
     visits: u32,
+    /// The module whose contexts are searched.
+    pub(crate) base: Base,
     /// Set once the flag was seen: every search then fails, and the caller asks why.
     pub(crate) cancelled: bool,
 }
@@ -165,6 +311,7 @@ impl<'a, M: Modules> Matcher<'a, M> {
             modules,
             cancel,
             visits: 0,
+            base: Base::default(),
             cancelled: false,
         }
     }
@@ -182,53 +329,53 @@ impl<'a, M: Modules> Matcher<'a, M> {
 
     /// Copies the parameters of the module at `at` into the slots from `slot` on.
     fn bind(&self, at: usize, symbol: Symbol, slot: u16, bound: &mut [f64]) {
-        let source = self.modules.parameters(at, symbol);
-        let slot = usize::from(slot);
-        if let Some(target) = bound.get_mut(slot..slot + source.len()) {
-            target.copy_from_slice(source);
-        }
+        let source = self.modules.parameters(at, symbol, self.base);
+        bind(bound, usize::from(slot), source);
     }
 
     /// Whether both contexts of `rule` match the module at `at`; binds their parameters.
+    #[inline]
     pub(crate) fn matches(&mut self, rule: &Rule, at: usize, bound: &mut [f64]) -> bool {
-        self.left(&rule.left, at, bound) && self.right(&rule.right, self.modules.after(at), bound)
+        let right_has_branches = rule.looks.into_branches;
+        self.line(&rule.left, at, M::left, bound)
+            && if right_has_branches {
+                self.branches(&rule.right, at + 1, bound)
+            } else {
+                self.line(&rule.right, at, M::right, bound)
+            }
     }
 
-    fn left(&mut self, pattern: &[Pattern], mut at: usize, bound: &mut [f64]) -> bool {
+    /// Matches modules one after the other on a side.
+    #[inline]
+    fn line(
+        &mut self,
+        pattern: &[Pattern],
+        mut at: usize,
+        next: fn(&M, usize) -> Option<usize>,
+        bound: &mut [f64],
+    ) -> bool {
         for item in pattern {
             let Pattern::Module { symbol, slot } = item else {
                 return false;
             };
-            loop {
-                let Some(before) = self.modules.before(at) else {
-                    return false;
-                };
-                at = before;
-                let Some(found) = self.modules.symbol(at) else {
-                    return false;
-                };
-                if !self.go_on(1) {
-                    return false;
-                }
-                match self.grammar.role(found) {
-                    Role::Open | Role::Close if self.grammar.literal => return false,
-                    Role::Close => at = self.modules.partner(at),
-                    Role::Open => {}
-                    Role::Ignored if !self.grammar.literal => {}
-                    _ if found == *symbol => {
-                        self.bind(at, found, *slot, bound);
-                        break;
-                    }
-                    _ => return false,
-                }
+            let Some(place) = next(self.modules, at) else {
+                return false;
+            };
+            if self.modules.symbol(place) != Some(*symbol) {
+                return false;
+            }
+            at = place;
+            self.bind(at, *symbol, *slot, bound);
+            if !self.go_on(1) {
+                return false;
             }
         }
         true
     }
 
-    /// Matches a right context from `at` on. A branch in the pattern matches a prefix of a branch in the string;
-    /// recursion is bounded by the parser's bound on branches in a pattern.
-    fn right(&mut self, pattern: &[Pattern], mut at: usize, bound: &mut [f64]) -> bool {
+    /// Matches a right context that has branches, from `at` on. A branch in the pattern matches a prefix of a branch in the
+    /// string; recursion is bounded by the parser's bound on branches in a pattern.
+    fn branches(&mut self, pattern: &[Pattern], mut at: usize, bound: &mut [f64]) -> bool {
         let mut next = 0;
         while let Some(item) = pattern.get(next) {
             let Some(found) = self.modules.symbol(at) else {
@@ -237,37 +384,21 @@ impl<'a, M: Modules> Matcher<'a, M> {
             if !self.go_on(1) {
                 return false;
             }
-            let role = self.grammar.role(found);
-            if self.grammar.literal {
-                match item {
-                    Pattern::Module { symbol, slot }
-                        if found == *symbol && role != Role::Open && role != Role::Close =>
-                    {
-                        self.bind(at, found, *slot, bound);
-                        next += 1;
-                        at = self.modules.after(at);
-                        continue;
-                    }
-                    _ => return false,
-                }
-            }
-            match (item, role) {
+            match (item, self.grammar.role(found)) {
                 (_, Role::Close) => return false,
-                (_, Role::Ignored) => at = self.modules.after(at),
+                (_, Role::Ignored) => at += 1,
                 (Pattern::Open { inside }, Role::Open) => {
                     let inner = pattern.get(next + 1..=next + inside).unwrap_or(&[]);
-                    if self.right(inner, self.modules.after(at), bound) {
+                    if self.branches(inner, at + 1, bound) {
                         next += inside + 2;
                     }
-                    at = self.modules.after(self.modules.partner(at));
+                    at = self.modules.partner(at) + 1;
                 }
-                (Pattern::Module { .. }, Role::Open) => {
-                    at = self.modules.after(self.modules.partner(at))
-                }
+                (Pattern::Module { .. }, Role::Open) => at = self.modules.partner(at) + 1,
                 (Pattern::Module { symbol, slot }, _) if found == *symbol => {
                     self.bind(at, found, *slot, bound);
                     next += 1;
-                    at = self.modules.after(at);
+                    at += 1;
                 }
                 _ => return false,
             }

@@ -3,16 +3,19 @@
 //! A step is: one round of the productions, rounds of decomposition until nothing changes, then cut what `%` cuts. So the
 //! string never holds a `%` where it is read or where the next step begins.
 //!
-//! Where most of the string rests and the grammar allows it, [`super::active`] makes the steps instead, with the same result.
+//! Two others give the same result sooner where they can: [`super::blocks`] where each module develops alone and many alike,
+//! [`super::active`] where most of the string rests.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::active::Chain;
+use super::blocks::{Blocks, Size};
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, Role};
+use super::output::Spare;
 use super::rewrite::{Births, Round};
-use super::string::ModuleString;
+use super::string::{ModuleString, string_bytes};
 
 /// How large a derivation may become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +25,9 @@ pub struct Limits {
     /// Bytes of two successive strings and the index between them.
     pub bytes: u64,
 }
+
+/// A string of so many modules is made again to be kept, where a larger one is cancelled: a matter of milliseconds.
+const QUICK_MODULES: u128 = 1 << 20;
 
 impl Default for Limits {
     /// 2^31 modules in 4 GiB.
@@ -38,12 +44,22 @@ pub(crate) fn derive(
     steps: u32,
     limits: &Limits,
     cancel: &AtomicBool,
+    progress: &mut dyn FnMut(u32),
 ) -> Result<ModuleString, DeriveError> {
     let mut string = cut(grammar, &grammar.axiom);
-    check(&string, 0, limits)?;
+    if let Some(problem) = past(Size::of(&string), 0, limits) {
+        return Err(problem.into());
+    }
+    let mut spare = Spare::default();
     string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
+    if steps > 0
+        && let Ok(graph) = Blocks::new(grammar, steps, limits, cancel)
+    {
+        return by_blocks(grammar, &graph, steps, limits, cancel);
+    }
     let mut chain = Chain::new(grammar, &string);
     for step in 1..=steps {
+        progress(step - 1);
         if let Some(list) = &mut chain {
             if list.rests() {
                 break;
@@ -59,8 +75,13 @@ pub(crate) fn derive(
                 continue;
             }
         }
-        match next(grammar, &string, step, limits, cancel) {
-            Ok(following) => string = following,
+        match next(grammar, &string, step, &mut spare, limits, cancel) {
+            Ok(following) => {
+                spare.string = std::mem::replace(&mut string, following);
+                if Chain::would_pay(string.len(), spare.rewritten) {
+                    chain = Chain::new(grammar, &string);
+                }
+            }
             Err(mut error) => {
                 error.last = Some(Box::new((step - 1, string)));
                 return Err(error);
@@ -70,11 +91,72 @@ pub(crate) fn derive(
     Ok(chain.map_or(string, |list| list.string()))
 }
 
+/// The string of a graph. Its sizes are known before anything of it is written.
+fn by_blocks(
+    grammar: &Grammar,
+    graph: &Blocks,
+    steps: u32,
+    limits: &Limits,
+    cancel: &AtomicBool,
+) -> Result<ModuleString, DeriveError> {
+    let too_large = (1..=steps)
+        .take(graph.steps())
+        .find_map(|step| Some((step, past(graph.size(step), step, limits)?)));
+    let (kept, problem) = match too_large {
+        Some((step, problem)) => (step - 1, problem),
+        None => match graph.string(cancel) {
+            Some(string) => return Ok(string),
+            None if cancel.load(Ordering::Relaxed) => {
+                let quick = |step: &u32| graph.size(*step).modules <= QUICK_MODULES;
+                let kept = (0..steps).take_while(quick).last().unwrap_or(0);
+                (kept, DeriveProblem::Cancelled { step: kept + 1 })
+            }
+            None => {
+                let bytes = bytes_of(graph.size(steps));
+                (0, DeriveProblem::Memory { step: steps, bytes })
+            }
+        },
+    };
+    let mut error = DeriveError::from(problem);
+    let go_on = AtomicBool::new(false);
+    error.last = Blocks::new(grammar, kept, limits, &go_on)
+        .ok()
+        .and_then(|graph| graph.string(&go_on))
+        .map(|string| Box::new((kept, string)));
+    Err(error)
+}
+
+fn bytes_of(size: Size) -> u64 {
+    let number = |n: u128| u64::try_from(n).unwrap_or(u64::MAX);
+    string_bytes(number(size.modules), number(size.parameters))
+}
+
+/// What is wrong with a string of this size.
+pub(super) fn past(size: Size, step: u32, limits: &Limits) -> Option<DeriveProblem> {
+    let modules = u64::try_from(size.modules).unwrap_or(u64::MAX);
+    let bytes = bytes_of(size);
+    let most = limits.modules.min(u64::from(u32::MAX));
+    let limit = if modules > most {
+        format!("{most} modules")
+    } else if bytes > limits.bytes {
+        format!("{} bytes", limits.bytes)
+    } else {
+        return None;
+    };
+    Some(DeriveProblem::Limit {
+        step,
+        modules,
+        bytes,
+        limit,
+    })
+}
+
 /// One step, whose number is `step`.
 pub(crate) fn next(
     grammar: &Grammar,
     string: &ModuleString,
     step: u32,
+    spare: &mut Spare,
     limits: &Limits,
     cancel: &AtomicBool,
 ) -> Result<ModuleString, DeriveError> {
@@ -82,7 +164,7 @@ pub(crate) fn next(
         return Err(DeriveProblem::Cancelled { step }.into());
     }
     let round = productions(grammar, step, limits, cancel);
-    let following = match round.apply(string)? {
+    let following = match round.apply(string, spare)? {
         Some(following) => following,
         None => string.clone(),
     };
@@ -120,6 +202,7 @@ pub(crate) fn decomposed(
     let Some(rules) = &grammar.decompose else {
         return Ok(string);
     };
+    let mut spare = Spare::default();
     for number in 1..=grammar.decompose_depth.saturating_add(1) {
         let round = Round {
             grammar,
@@ -143,8 +226,8 @@ pub(crate) fn decomposed(
             }
             .into());
         }
-        match round.apply(&string)? {
-            Some(following) => string = following,
+        match round.apply(&string, &mut spare)? {
+            Some(following) => spare.string = std::mem::replace(&mut string, following),
             None => break,
         }
     }
@@ -175,30 +258,12 @@ pub(crate) fn interpreted(
             limits,
             cancel,
         };
-        match round.apply(shown.as_ref().unwrap_or(string))? {
+        match round.apply(shown.as_ref().unwrap_or(string), &mut Spare::default())? {
             Some(following) => shown = Some(following),
             None => break,
         }
     }
     Ok(shown.map(|s| cut_owned(grammar, s)))
-}
-
-fn check(string: &ModuleString, step: u32, limits: &Limits) -> Result<(), DeriveError> {
-    let (modules, bytes) = (string.len() as u64, string.bytes());
-    let limit = if modules > limits.modules {
-        format!("{} modules", limits.modules)
-    } else if bytes > limits.bytes {
-        format!("{} bytes", limits.bytes)
-    } else {
-        return Ok(());
-    };
-    Err(DeriveProblem::Limit {
-        step,
-        modules,
-        bytes,
-        limit,
-    }
-    .into())
 }
 
 fn cut_owned(grammar: &Grammar, string: ModuleString) -> ModuleString {

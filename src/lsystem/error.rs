@@ -135,7 +135,7 @@ impl fmt::Display for GrammarErrors {
 pub enum DeriveProblem {
     /// The next string would pass a limit.
     #[error(
-        "{} would make {modules} modules in {bytes} bytes, past the limit of {limit}; {} or raise it",
+        "{} would make {modules} modules in {bytes} bytes, past the limit of {limit}; {}",
         at_step(*step),
         smaller(*step)
     )]
@@ -160,6 +160,14 @@ pub enum DeriveProblem {
         step: u32,
         /// Bytes asked for.
         bytes: u64,
+    },
+    /// The machine did not give the memory for the drawing.
+    #[error(
+        "the drawing needs memory for more than {nodes} segments, which this machine does not give; take fewer steps"
+    )]
+    DrawingMemory {
+        /// Nodes that there is memory for.
+        nodes: u64,
     },
     /// The caller's flag was set.
     #[error("cancelled in step {step}")]
@@ -197,7 +205,7 @@ pub enum DeriveProblem {
     },
     /// Brackets nest deeper than the turtle's stack may grow.
     #[error(
-        "module {position}: brackets nest deeper than {depth}; the turtle's limit can be raised"
+        "module {position}: brackets nest deeper than {depth}, which the turtle does not follow; take fewer steps"
     )]
     TooDeep {
         /// Index of the bracket.
@@ -229,7 +237,7 @@ pub enum DeriveProblem {
     },
     /// More nodes than a `Tree` can index.
     #[error(
-        "the drawing has more than {limit} segments; take fewer steps or raise the turtle's limit"
+        "the drawing has more than the {limit} segments that the memory for it holds; take fewer steps"
     )]
     TooManyNodes {
         /// The limit.

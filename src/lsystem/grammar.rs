@@ -9,6 +9,7 @@ use super::code::Expression;
 use super::derive::{self, Limits};
 use super::error::{DeriveError, GrammarErrors};
 use super::names::{Names, Symbol};
+use super::output::Spare;
 use super::parse;
 use super::shape::Shape;
 use super::string::ModuleString;
@@ -83,6 +84,18 @@ pub(crate) enum Pattern {
     Close,
 }
 
+/// Where a production looks for its contexts.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Looks {
+    pub(crate) left: bool,
+    /// To the right, past branches.
+    pub(crate) right: bool,
+    /// To the right, into branches.
+    pub(crate) into_branches: bool,
+    /// For parameters, too.
+    pub(crate) binds: bool,
+}
+
 /// One production.
 #[derive(Clone, Debug)]
 pub(crate) struct Rule {
@@ -94,6 +107,7 @@ pub(crate) struct Rule {
     /// Nearest module first; no brackets.
     pub(crate) left: Vec<Pattern>,
     pub(crate) right: Vec<Pattern>,
+    pub(crate) looks: Looks,
     /// Modules of both contexts.
     pub(crate) context_length: usize,
     /// Parameters bound by the predecessor and by both contexts.
@@ -116,6 +130,18 @@ impl Rule {
             && self.weight.is_none()
     }
 
+    /// Its weight, where that alone decides and is a number above 0.
+    fn constant_weight(&self) -> Option<f64> {
+        match self.weight {
+            Some(Expression::Constant(weight))
+                if weight > 0.0 && self.condition.is_none() && !self.has_context() =>
+            {
+                Some(weight)
+            }
+            _ => None,
+        }
+    }
+
     pub(crate) fn has_context(&self) -> bool {
         !(self.left.is_empty() && self.right.is_empty())
     }
@@ -126,14 +152,62 @@ impl Rule {
     }
 }
 
+/// What a round does with a symbol's modules.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Plan {
+    /// There is no production.
+    Stay,
+    /// This production applies to every one.
+    Always(u16),
+    /// The symbols of its two neighbours decide.
+    Near,
+    /// Chance decides, by weights that never change.
+    Draw,
+    /// It depends.
+    Choose,
+}
+
+/// A production that depends on no more than the symbols of two neighbours.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near {
+    /// The neighbour that it needs; none: any.
+    pub(crate) left: Option<Symbol>,
+    pub(crate) right: Option<Symbol>,
+    pub(crate) number: u16,
+}
+
+impl Near {
+    fn of(rule: &Rule, number: u16) -> Option<Self> {
+        let one = |pattern: &[Pattern]| match pattern {
+            [] => Some(None),
+            [Pattern::Module { symbol, .. }] => Some(Some(*symbol)),
+            _ => None,
+        };
+        let plain = rule.condition.is_none() && rule.weight.is_none();
+        let (left, right) = (one(&rule.left)?, one(&rule.right)?);
+        plain.then_some(Self {
+            left,
+            right,
+            number,
+        })
+    }
+}
+
 /// Productions, found by symbol.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RuleSet {
     pub(crate) rules: Vec<Rule>,
     /// For each symbol its productions, best first.
     pub(crate) by_symbol: Vec<Vec<u16>>,
+    plans: Vec<Plan>,
+    /// For each symbol whose plan is [`Plan::Near`] its productions, best first.
+    near: Vec<Vec<Near>>,
+    /// For each symbol whose plan is [`Plan::Draw`] its choices with their weights, and the sum of these.
+    weighted: Vec<(f64, Vec<(u16, f64)>)>,
     pub(crate) order: Order,
     pub(crate) has_context: bool,
+    /// What any of them looks for.
+    pub(crate) looks: Looks,
 }
 
 impl RuleSet {
@@ -158,12 +232,84 @@ impl RuleSet {
             }
         }
         let has_context = rules.iter().any(Rule::has_context);
+        let any = |look: fn(&Looks) -> bool| rules.iter().any(|rule| look(&rule.looks));
+        let looks = Looks {
+            left: any(|l| l.left),
+            right: any(|l| l.right),
+            into_branches: any(|l| l.into_branches),
+            binds: any(|l| l.binds),
+        };
+        let rule = |number: &u16| rules.get(usize::from(*number));
+        let near: Vec<Vec<Near>> = by_symbol
+            .iter()
+            .map(|list| {
+                let near = |number: &u16| Near::of(rule(number)?, *number);
+                let all: Option<Vec<Near>> = list.iter().map(near).collect();
+                all.unwrap_or_default()
+            })
+            .collect();
+        let weighted: Vec<(f64, Vec<(u16, f64)>)> = by_symbol
+            .iter()
+            .map(|list| {
+                let weighted = |number: &u16| Some((number + 1, rule(number)?.constant_weight()?));
+                let all: Option<Vec<(u16, f64)>> = list.iter().map(weighted).collect();
+                let all = all.unwrap_or_default();
+                (all.iter().map(|one| one.1).sum(), all)
+            })
+            .collect();
+        let plan = |(index, list): (usize, &Vec<u16>)| match list.first() {
+            None => Plan::Stay,
+            Some(first) if rule(first).is_some_and(Rule::unconditional) => Plan::Always(*first),
+            Some(_) if near.get(index).is_some_and(|n| !n.is_empty()) => Plan::Near,
+            Some(_)
+                if weighted
+                    .get(index)
+                    .is_some_and(|w| w.0 > 0.0 && w.0.is_finite()) =>
+            {
+                Plan::Draw
+            }
+            Some(_) => Plan::Choose,
+        };
+        let plans = by_symbol.iter().enumerate().map(plan).collect();
         Self {
             rules,
             by_symbol,
+            plans,
+            near,
+            weighted,
             order,
             has_context,
+            looks,
         }
+    }
+
+    #[inline]
+    pub(crate) fn plan(&self, symbol: Symbol) -> Plan {
+        let plan = self.plans.get(usize::from(symbol));
+        plan.copied().unwrap_or(Plan::Stay)
+    }
+
+    /// Choices and weights of a symbol whose plan is [`Plan::Draw`].
+    #[inline]
+    pub(crate) fn weighted(&self, symbol: Symbol) -> (f64, &[(u16, f64)]) {
+        self.weighted
+            .get(usize::from(symbol))
+            .map_or((0.0, &[]), |(total, all)| (*total, all))
+    }
+
+    /// The productions of a symbol whose plan is [`Plan::Near`].
+    #[inline]
+    pub(crate) fn near(&self, symbol: Symbol) -> &[Near] {
+        self.near
+            .get(usize::from(symbol))
+            .map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether anything is left to chance: which production applies, or a parameter.
+    pub(crate) fn draws(&self) -> bool {
+        let drawn =
+            |rule: &Rule| rule.weight.is_some() || rule.arguments.iter().any(Expression::draws);
+        self.rules.iter().any(drawn)
     }
 }
 
@@ -187,7 +333,22 @@ impl Grammar {
         limits: &Limits,
         cancel: &AtomicBool,
     ) -> Result<ModuleString, DeriveError> {
-        derive::derive(self, steps, limits, cancel)
+        self.derive_watched(steps, limits, cancel, &mut |_| {})
+    }
+
+    /// [`Grammar::derive`], which calls `progress` with the number of steps made, before each further one where the
+    /// steps are made one after the other.
+    ///
+    /// # Errors
+    /// As [`Grammar::derive`].
+    pub fn derive_watched(
+        &self,
+        steps: u32,
+        limits: &Limits,
+        cancel: &AtomicBool,
+        progress: &mut dyn FnMut(u32),
+    ) -> Result<ModuleString, DeriveError> {
+        derive::derive(self, steps, limits, cancel, progress)
     }
 
     /// One step on: the string of step `step` from that of step `step − 1`.
@@ -201,7 +362,7 @@ impl Grammar {
         limits: &Limits,
         cancel: &AtomicBool,
     ) -> Result<ModuleString, DeriveError> {
-        derive::next(self, string, step, limits, cancel)
+        derive::next(self, string, step, &mut Spare::default(), limits, cancel)
     }
 
     /// The number of steps that the file states.

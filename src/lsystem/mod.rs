@@ -13,10 +13,12 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` the whole of it, `active` what may change),
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change),
 //! `turtle` draws it, `report` says what `ramus derive` prints.
 
 mod active;
+mod blocks;
+mod choice;
 mod code;
 mod context;
 mod derive;
@@ -26,6 +28,7 @@ mod grammar;
 mod include;
 mod names;
 mod number;
+mod output;
 mod parse;
 mod random;
 pub mod report;

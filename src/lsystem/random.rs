@@ -7,10 +7,11 @@
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassKey(u64);
 
-/// The draws of one module in one pass.
+/// The draws of one module in one pass. Making them costs nothing; drawing does.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Draws {
-    key: u64,
+    pass: u64,
+    position: u64,
     count: u64,
 }
 
@@ -35,7 +36,8 @@ impl PassKey {
     /// Draws of the module at `position`.
     pub(crate) fn at(self, position: usize) -> Draws {
         Draws {
-            key: step_key(self.0, position as u64),
+            pass: self.0,
+            position: position as u64,
             count: 0,
         }
     }
@@ -46,7 +48,9 @@ impl Draws {
     #[expect(clippy::cast_precision_loss, reason = "53 bits fit an f64 exactly")]
     pub(crate) fn unit(&mut self) -> f64 {
         self.count += 1;
-        (step_key(self.key, self.count) >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+        let module = mix(self.pass ^ self.position.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let draw = mix(module.wrapping_add(self.count.wrapping_mul(0xd1b5_4a32_d192_ed03)));
+        (draw >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
     }
 
     /// Standard normal (Box and Muller 1958); two draws.

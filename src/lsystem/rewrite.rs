@@ -10,12 +10,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::context::{ContextIndex, Indexed, Matcher, Modules};
+use super::choice::{Worker, near};
+use super::context::{ContextIndex, Indexed};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, ValueProblem};
-use super::grammar::{Grammar, Order, Rule, RuleSet};
-use super::names::Symbol;
-use super::random::{Draws, PassKey};
+use super::grammar::{Grammar, Plan, Rule, RuleSet};
+use super::output::{MOST_TEMPLATES, Output, Spare, TEMPLATE, Template, reused};
 use super::string::{ModuleString, string_bytes};
 
 /// Modules of a chunk.
@@ -23,10 +23,7 @@ const CHUNK: usize = 8192;
 /// Strings shorter than this are rewritten on the calling thread.
 const PARALLEL_FROM: usize = 4 * CHUNK;
 /// Choice of a module that stays as it is; productions are numbered from 1.
-const STAYS: u16 = 0;
-/// Draws of a rewritten module: one stream for the choice of a production, another for its parameters.
-const CHOICE_STREAM: u32 = 1 << 31;
-
+pub(super) const STAYS: u16 = 0;
 /// How old the modules of a successor are.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Births {
@@ -37,6 +34,7 @@ pub(super) enum Births {
 }
 
 /// One round of rewriting.
+#[derive(Clone)]
 pub(super) struct Round<'a> {
     pub(super) grammar: &'a Grammar,
     pub(super) rules: &'a RuleSet,
@@ -56,7 +54,7 @@ pub(super) struct Round<'a> {
 struct Size {
     modules: u64,
     parameters: u64,
-    changed: bool,
+    rewritten: usize,
 }
 
 /// A stretch of the string to read and the stretch of the next to write.
@@ -64,17 +62,20 @@ struct Task<'s> {
     from: usize,
     parameters_from: usize,
     choices: &'s [u16],
-    symbols: &'s mut [Symbol],
-    births: &'s mut [u32],
-    parameters: &'s mut [f64],
+    out: Output<'s>,
 }
 
 impl<'a> Round<'a> {
-    fn cancelled(&self) -> DeriveError {
+    pub(super) fn cancelled(&self) -> DeriveError {
         DeriveProblem::Cancelled { step: self.step }.into()
     }
 
-    fn failed(&self, rule: &Rule, position: usize, problem: ValueProblem) -> DeriveError {
+    pub(super) fn failed(
+        &self,
+        rule: &Rule,
+        position: usize,
+        problem: ValueProblem,
+    ) -> DeriveError {
         DeriveProblem::Value {
             step: self.step,
             production: rule.text.clone(),
@@ -100,10 +101,15 @@ impl<'a> Round<'a> {
     }
 
     /// The string after this round; `None` where no production applied.
-    pub(super) fn apply(&self, string: &ModuleString) -> Result<Option<ModuleString>, DeriveError> {
+    pub(super) fn apply(
+        &self,
+        string: &ModuleString,
+        spare: &mut Spare,
+    ) -> Result<Option<ModuleString>, DeriveError> {
         let parallel = string.len() >= PARALLEL_FROM;
         let index = if self.rules.has_context {
-            ContextIndex::new(self.grammar, string, self.cancel).ok_or_else(|| self.cancelled())?
+            ContextIndex::new(self.grammar, self.rules, string, self.cancel)
+                .ok_or_else(|| self.cancelled())?
         } else {
             ContextIndex::default()
         };
@@ -111,12 +117,19 @@ impl<'a> Round<'a> {
         let parameter_starts = parameter_starts(string);
         let start_of = |chunk: usize| parameter_starts.get(chunk).copied().unwrap_or(0);
 
-        let mut choices = vec![STAYS; string.len()];
+        // Each is written before it is read.
+        let old = std::mem::take(&mut spare.choices);
+        let mut choices = reused(old, string.len()).ok_or_else(|| DeriveProblem::Memory {
+            step: self.step,
+            bytes: 2 * string.len() as u64,
+        })?;
         let chunks: Vec<(usize, &mut [u16])> = choices.chunks_mut(CHUNK).enumerate().collect();
         let sizes = Self::each(parallel, chunks, |(chunk, choices)| {
             self.count(&indexed, chunk * CHUNK, start_of(chunk), choices)
         })?;
-        if !sizes.iter().any(|s| s.changed) {
+        spare.rewritten = sizes.iter().map(|s| s.rewritten).sum();
+        if spare.rewritten == 0 {
+            spare.choices = choices;
             return Ok(None);
         }
         let modules = sizes
@@ -138,44 +151,36 @@ impl<'a> Round<'a> {
         else {
             return Err(memory());
         };
+        let old = std::mem::take(&mut spare.string);
         let mut following = ModuleString {
-            symbols: zeroed(modules).ok_or_else(memory)?,
-            births: zeroed(modules).ok_or_else(memory)?,
-            parameters: zeroed(parameters).ok_or_else(memory)?,
+            symbols: reused(old.symbols, modules).ok_or_else(memory)?,
+            births: reused(old.births, modules).ok_or_else(memory)?,
+            parameters: reused(old.parameters, parameters).ok_or_else(memory)?,
             arity: Arc::clone(&string.arity),
         };
         let mut tasks = Vec::with_capacity(sizes.len());
         {
-            let mut symbols = following.symbols.as_mut_slice();
-            let mut births = following.births.as_mut_slice();
-            let mut values = following.parameters.as_mut_slice();
+            let mut out = Output {
+                symbols: &mut following.symbols,
+                births: &mut following.births,
+                parameters: &mut following.parameters,
+            };
             for (chunk, (size, choices)) in sizes.iter().zip(choices.chunks(CHUNK)).enumerate() {
                 // The sums above fit usize, so their parts do.
-                let modules = usize::try_from(size.modules)
-                    .unwrap_or(usize::MAX)
-                    .min(symbols.len());
-                let parameters = usize::try_from(size.parameters)
-                    .unwrap_or(usize::MAX)
-                    .min(values.len());
-                let (own_symbols, rest) = symbols.split_at_mut(modules);
-                symbols = rest;
-                let (own_births, rest) = births.split_at_mut(modules);
-                births = rest;
-                let (own_values, rest) = values.split_at_mut(parameters);
-                values = rest;
+                let fitting = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
                 tasks.push(Task {
                     from: chunk * CHUNK,
                     parameters_from: start_of(chunk),
                     choices,
-                    symbols: own_symbols,
-                    births: own_births,
-                    parameters: own_values,
+                    out: out.take(fitting(size.modules), fitting(size.parameters)),
                 });
             }
         }
+        let templates = self.templates(string);
         Self::each(parallel || modules >= PARALLEL_FROM, tasks, |task| {
-            self.fill(&indexed, task)
+            self.fill(&indexed, templates.as_deref(), task)
         })?;
+        spare.choices = choices;
         Ok(Some(following))
     }
 
@@ -203,7 +208,7 @@ impl<'a> Round<'a> {
         parameters: u64,
     ) -> Result<(), DeriveError> {
         let index = if self.rules.has_context {
-            ContextIndex::bytes(string.len() as u64)
+            ContextIndex::bytes(self.rules, string.len() as u64)
         } else {
             0
         };
@@ -247,24 +252,36 @@ impl<'a> Round<'a> {
         let mut size = Size::default();
         let mut offset = parameters_from;
         let symbols = string.symbols.get(from..).unwrap_or(&[]);
-        for (i, (symbol, choice)) in symbols.iter().zip(choices).enumerate() {
+        for (at, (symbol, choice)) in (from..).zip(symbols.iter().zip(choices.iter_mut())) {
             let arity = string.arity(*symbol);
-            let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
-            *choice = work.choose(*symbol, from + i, own)?;
+            *choice = match self.rules.plan(*symbol) {
+                Plan::Stay => STAYS,
+                Plan::Always(number) => number + 1,
+                Plan::Near => near(indexed, self.rules.near(*symbol), at),
+                Plan::Draw => work.pick(self.rules.weighted(*symbol), at),
+                Plan::Choose => {
+                    let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
+                    work.choose(*symbol, at, offset, own)?
+                }
+            };
             offset += arity;
             if let Some(rule) = self.rule(*choice) {
+                size.rewritten += 1;
                 size.modules += rule.successor.len() as u64;
                 size.parameters += rule.arguments.len() as u64;
-                size.changed = true;
             } else {
-                size.modules += 1;
                 size.parameters += arity as u64;
             }
-            if !work.matcher.go_on(1) {
-                return Err(self.cancelled());
-            }
         }
+        size.modules += (choices.len() - size.rewritten) as u64;
         Ok(size)
+    }
+
+    /// The module of a successor that is the same as the one it replaces: that of its name and parameters.
+    pub(super) fn heir(rule: &Rule, own: &[f64], written: &[f64]) -> Option<usize> {
+        let is_same =
+            |(_, first): &&(usize, usize)| written.get(*first..*first + own.len()) == Some(own);
+        rule.heirs.iter().find(is_same).map(|(module, _)| *module)
     }
 
     /// Says when the modules of a successor were born, whose parameters are `written`, in place of a module with the
@@ -282,60 +299,58 @@ impl<'a> Round<'a> {
             return;
         }
         births.fill(self.step);
-        let is_same =
-            |(_, first): &&(usize, usize)| written.get(*first..*first + own.len()) == Some(own);
-        let heir = rule.heirs.iter().find(is_same);
-        if let Some(same) = heir.and_then(|(module, _)| births.get_mut(*module)) {
+        if let Some(same) = Self::heir(rule, own, written).and_then(|h| births.get_mut(h)) {
             *same = birth;
         }
     }
 
     /// Writes what the chosen productions make of a chunk.
-    fn fill(&self, indexed: &Indexed<'_>, task: Task<'_>) -> Result<(), DeriveError> {
+    fn fill(
+        &self,
+        indexed: &Indexed<'_>,
+        templates: Option<&[Template]>,
+        task: Task<'_>,
+    ) -> Result<(), DeriveError> {
         if self.cancel.load(Ordering::Relaxed) {
             return Err(self.cancelled());
         }
         let string = indexed.string;
+        if let Some(templates) = templates {
+            return self.fill_plain(string, templates, task);
+        }
         let mut work = Worker::new(self, indexed);
-        let mut offset = task.parameters_from;
-        let (mut out, mut out_parameter) = (0, 0);
-        let old = string.symbols.iter().zip(&string.births).skip(task.from);
-        for (i, ((symbol, birth), choice)) in old.zip(task.choices).enumerate() {
-            let arity = string.arity(*symbol);
-            let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
-            offset += arity;
-            let Some(rule) = self.rule(*choice) else {
-                if let (Some(s), Some(b)) = (task.symbols.get_mut(out), task.births.get_mut(out)) {
-                    (*s, *b) = (*symbol, *birth);
-                }
-                if let Some(target) = task
-                    .parameters
-                    .get_mut(out_parameter..out_parameter + arity)
-                {
-                    target.copy_from_slice(own);
-                }
-                out += 1;
-                out_parameter += arity;
-                continue;
+        let mut out = task.out;
+        let (mut at, mut offset) = (task.from, task.parameters_from);
+        // What stays is copied in whole stretches.
+        for stretch in task.choices.chunk_by(|a, b| *a == STAYS && *b == STAYS) {
+            let end = at + stretch.len();
+            let symbols = string.symbols.get(at..end).unwrap_or(&[]);
+            let births = string.births.get(at..end).unwrap_or(&[]);
+            let parameters = match string.parameters.is_empty() {
+                true => 0,
+                false => symbols.iter().map(|s| string.arity(*s)).sum(),
             };
-            let (modules, parameters) = (rule.successor.len(), rule.arguments.len());
-            let written = task
-                .parameters
-                .get_mut(out_parameter..out_parameter + parameters)
-                .unwrap_or(&mut []);
-            work.evaluate(rule, task.from + i, own, written)?;
-            if let Some(target) = task.symbols.get_mut(out..out + modules) {
-                target.copy_from_slice(&rule.successor);
-            }
-            if let Some(target) = task.births.get_mut(out..out + modules) {
-                self.date(rule, own, *birth, written, target);
-            }
-            out += modules;
-            out_parameter += parameters;
-            if !work
-                .matcher
-                .go_on(u32::try_from(modules).unwrap_or(u32::MAX))
-            {
+            let own = string.parameters.get(offset..offset + parameters);
+            let own = own.unwrap_or(&[]);
+            let made = match stretch.first().and_then(|choice| self.rule(*choice)) {
+                None => {
+                    let target = out.take(symbols.len(), parameters);
+                    target.symbols.copy_from_slice(symbols);
+                    target.births.copy_from_slice(births);
+                    target.parameters.copy_from_slice(own);
+                    symbols.len()
+                }
+                Some(rule) => {
+                    let target = out.take(rule.successor.len(), rule.arguments.len());
+                    work.evaluate(rule, at, offset, own, target.parameters)?;
+                    target.symbols.copy_from_slice(&rule.successor);
+                    let birth = births.first().copied().unwrap_or(0);
+                    self.date(rule, own, birth, target.parameters, target.births);
+                    rule.successor.len()
+                }
+            };
+            (at, offset) = (end, offset + parameters);
+            if !work.matcher.go_on(u32::try_from(made).unwrap_or(u32::MAX)) {
                 return Err(self.cancelled());
             }
         }
@@ -343,157 +358,75 @@ impl<'a> Round<'a> {
     }
 }
 
-/// What one thread needs for a stretch of the string.
-pub(super) struct Worker<'r, 'a, M> {
-    round: &'r Round<'a>,
-    pub(super) matcher: Matcher<'r, M>,
-    key: PassKey,
-    choice_key: PassKey,
-    /// Parameters bound by the production that is tried.
-    bound: Vec<f64>,
-    /// Productions that matched, with their weights.
-    drawn: Vec<(u16, f64)>,
-}
-
-impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
-    pub(super) fn new(round: &'r Round<'a>, modules: &'r M) -> Self {
-        let slots = round.rules.rules.iter().map(|r| r.slots).max().unwrap_or(0);
-        Self {
-            round,
-            matcher: Matcher::new(round.grammar, modules, round.cancel),
-            key: PassKey::new(round.grammar.seed, round.stream, round.number),
-            choice_key: PassKey::new(
-                round.grammar.seed,
-                round.stream,
-                round.number | CHOICE_STREAM,
-            ),
-            bound: vec![0.0; slots],
-            drawn: Vec::new(),
-        }
+impl Round<'_> {
+    /// The productions' successors for [`Self::fill_plain`]; none where modules have parameters.
+    fn templates(&self, string: &ModuleString) -> Option<Vec<Template>> {
+        let rules = &self.rules.rules;
+        let plain = rules.len() <= MOST_TEMPLATES
+            && self.births == Births::Step
+            && string.parameters.is_empty()
+            && rules.iter().all(|rule| rule.arguments.is_empty());
+        plain.then(|| rules.iter().map(Template::of).collect())
     }
 
-    fn bind_own(&mut self, own: &[f64]) {
-        if let Some(target) = self.bound.get_mut(..own.len()) {
-            target.copy_from_slice(own);
-        }
-    }
-
-    /// The production for a module: its number, or `STAYS`.
-    #[inline]
-    pub(super) fn choose(
-        &mut self,
-        symbol: Symbol,
-        at: usize,
-        own: &[f64],
-    ) -> Result<u16, DeriveError> {
-        let round = self.round;
-        let Some(candidates) = round.rules.by_symbol.get(usize::from(symbol)) else {
-            return Ok(STAYS);
-        };
-        let mut rank = None;
-        self.drawn.clear();
-        for number in candidates {
-            let Some(rule) = round.rules.rules.get(usize::from(*number)) else {
-                continue;
-            };
-            let choice = number + 1;
-            if rule.unconditional() && rank.is_none() {
-                return Ok(choice);
-            }
-            if let Some(rank) = rank {
-                // A production with a weight was found: only its equals are of interest now.
-                if rule.weight.is_none() {
-                    continue;
-                }
-                if round.rules.order == Order::Specific && rule.rank() != rank {
-                    break;
-                }
-            }
-            self.bind_own(own);
-            if rule.has_context() && !self.matcher.matches(rule, at, &mut self.bound) {
-                if self.matcher.cancelled {
-                    return Err(round.cancelled());
-                }
-                continue;
-            }
-            let mut draws = self.choice_key.at(at);
-            if let Some(condition) = &rule.condition {
-                let holds = condition
-                    .value(&self.bound, &mut draws)
-                    .map_err(|problem| round.failed(rule, at, problem))?;
-                if holds == 0.0 {
-                    continue;
-                }
-            }
-            let Some(weight) = &rule.weight else {
-                return Ok(choice);
-            };
-            let weight = weight
-                .finite(&self.bound, &mut draws)
-                .map_err(|problem| round.failed(rule, at, problem))?;
-            if weight < 0.0 {
-                return Err(round.failed(rule, at, ValueProblem::BadWeight));
-            }
-            rank.get_or_insert(rule.rank());
-            self.drawn.push((choice, weight));
-        }
-        self.draw(at)
-    }
-
-    /// One of the weighted productions.
-    fn draw(&mut self, at: usize) -> Result<u16, DeriveError> {
-        let Some((first, _)) = self.drawn.first().copied() else {
-            return Ok(STAYS);
-        };
-        let total: f64 = self.drawn.iter().map(|d| d.1).sum();
-        if total.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) || !total.is_finite() {
-            let round = self.round;
-            return round.rule(first).map_or(Ok(STAYS), |rule| {
-                Err(round.failed(rule, at, ValueProblem::BadWeight))
-            });
-        }
-        let mut left = self.choice_key.at(at).unit() * total;
-        let mut chosen = STAYS;
-        for (choice, weight) in &self.drawn {
-            if *weight > 0.0 {
-                chosen = *choice; // the last one takes what rounding leaves
-                if left < *weight {
-                    break;
-                }
-            }
-            left -= weight;
-        }
-        Ok(chosen)
-    }
-
-    /// Computes the parameters of a successor.
-    pub(super) fn evaluate(
-        &mut self,
-        rule: &Rule,
-        at: usize,
-        own: &[f64],
-        out: &mut [f64],
+    /// [`Self::fill`] where no module has parameters. A short successor is written as a whole template, whose excess
+    /// the next module overwrites: a copy of fixed length costs next to nothing.
+    fn fill_plain(
+        &self,
+        string: &ModuleString,
+        templates: &[Template],
+        task: Task<'_>,
     ) -> Result<(), DeriveError> {
-        if rule.arguments.is_empty() {
-            return Ok(());
-        }
-        self.bind_own(own);
-        if rule.slots > own.len()
-            && !self.matcher.matches(rule, at, &mut self.bound)
-            && self.matcher.cancelled
-        {
-            return Err(self.round.cancelled());
-        }
-        let mut draws: Draws = self.key.at(at);
-        for (argument, value) in rule.arguments.iter().zip(out) {
-            *value = argument
-                .finite(&self.bound, &mut draws)
-                .map_err(|problem| self.round.failed(rule, at, problem))?;
+        let Output {
+            symbols, births, ..
+        } = task.out;
+        let (mut out, mut checked) = (0, 0);
+        let old = string.symbols.iter().zip(&string.births).skip(task.from);
+        for ((symbol, birth), choice) in old.zip(task.choices) {
+            let template = match choice.checked_sub(1) {
+                None => {
+                    if let (Some(s), Some(b)) = (symbols.get_mut(out), births.get_mut(out)) {
+                        (*s, *b) = (*symbol, *birth);
+                    }
+                    out += 1;
+                    continue;
+                }
+                Some(rule) => templates.get(usize::from(rule)),
+            };
+            let Some(template) = template else { continue };
+            let length = template.length;
+            if let (Some(s), Some(b)) = (
+                symbols.get_mut(out..out + TEMPLATE),
+                births.get_mut(out..out + TEMPLATE),
+            ) && length <= TEMPLATE
+            {
+                s.copy_from_slice(&template.symbols);
+                b.fill(self.step);
+            } else if let (Some(s), Some(b), Some(rule)) = (
+                symbols.get_mut(out..out + length),
+                births.get_mut(out..out + length),
+                self.rule(*choice),
+            ) {
+                s.copy_from_slice(&rule.successor);
+                b.fill(self.step);
+                if out - checked > WRITTEN_AT_ONCE {
+                    checked = out;
+                    if self.cancel.load(Ordering::Relaxed) {
+                        return Err(self.cancelled());
+                    }
+                }
+            }
+            if let Some(same) = template.heir.and_then(|heir| births.get_mut(out + heir)) {
+                *same = *birth;
+            }
+            out += length;
         }
         Ok(())
     }
 }
 
+/// Modules written between two looks at the cancel flag where successors are long.
+const WRITTEN_AT_ONCE: usize = 1 << 20;
 /// Where the parameters of each chunk begin; empty where there are none.
 fn parameter_starts(string: &ModuleString) -> Vec<usize> {
     if string.parameters.is_empty() {
@@ -506,12 +439,4 @@ fn parameter_starts(string: &ModuleString) -> Vec<usize> {
         offset += chunk.iter().map(|s| string.arity(*s)).sum::<usize>();
     }
     starts
-}
-
-/// A vector of zeros, or nothing where the memory is not there.
-fn zeroed<T: Clone + Default>(length: usize) -> Option<Vec<T>> {
-    let mut values = Vec::new();
-    values.try_reserve_exact(length).ok()?;
-    values.resize(length, T::default());
-    Some(values)
 }

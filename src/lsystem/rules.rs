@@ -3,7 +3,7 @@
 use super::code::Expression;
 use super::error::GrammarError;
 use super::expression::{self, Scope};
-use super::grammar::{Pattern, Rule};
+use super::grammar::{Looks, Pattern, Rule};
 use super::parse::{Brackets, Parser, end, parameters};
 use super::source::Cursor;
 
@@ -112,12 +112,22 @@ pub(crate) fn production(
         return Err(cursor.expected("`->`"));
     }
     let location = cursor.location(start);
+    let into_branches = right_pattern
+        .iter()
+        .any(|item| matches!(item, Pattern::Open { .. }));
+    let looks = Looks {
+        left: !left_pattern.is_empty(),
+        right: !right_pattern.is_empty() && !into_branches,
+        into_branches,
+        binds: slots.len() > predecessor.formals.len(),
+    };
     let mut rule = Rule {
         text: text.trim_end().to_owned(),
         location,
         predecessor: symbol,
         left: left_pattern,
         right: right_pattern,
+        looks,
         context_length,
         slots: slots.len(),
         condition,

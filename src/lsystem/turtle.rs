@@ -25,6 +25,9 @@ const CHECK_EVERY: usize = 1 << 14;
 /// Bytes of a node in all arrays of a tree.
 const NODE_BYTES: u64 = 28;
 
+/// Nodes that room is made for at least.
+const LEAST_ROOM: usize = 64;
+
 /// What the turtle takes where the string says nothing, and how far it may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurtleParams {
@@ -134,7 +137,11 @@ pub fn interpret(
     cancel: &AtomicBool,
 ) -> Result<Tree, DeriveError> {
     let shown = interpreted(grammar, string, &params.limits, cancel)?;
-    let mut turtle = Turtle::new(grammar, params);
+    // The string that is shown lies in the same memory as what is drawn.
+    let mut params = *params;
+    let shown_bytes = shown.as_ref().map_or(0, ModuleString::bytes);
+    params.limits.bytes = params.limits.bytes.saturating_sub(shown_bytes);
+    let mut turtle = Turtle::new(grammar, &params);
     turtle.run(shown.as_ref().unwrap_or(string), cancel)?;
     Ok(turtle.finish())
 }
@@ -389,7 +396,8 @@ impl<'a> Turtle<'a> {
         Ok(())
     }
 
-    fn room(&self, nodes: u64) -> Result<(), DeriveError> {
+    /// Makes room for so many more nodes: by half of what is there, so that little of the memory stays unused.
+    fn room(&mut self, nodes: u64) -> Result<(), DeriveError> {
         let limit = self
             .params
             .max_nodes
@@ -397,6 +405,15 @@ impl<'a> Turtle<'a> {
             .min(u64::from(NO_PARENT) - 1);
         if self.tree.parent.len() as u64 + nodes > limit {
             return Err(DeriveProblem::TooManyNodes { limit }.into());
+        }
+        let have = self.tree.parent.len();
+        if self.tree.parent.capacity() - have < nodes.try_into().unwrap_or(usize::MAX) {
+            let left = usize::try_from(limit).unwrap_or(usize::MAX) - have;
+            let more = (have / 2).max(LEAST_ROOM).min(left);
+            if self.tree.try_reserve(more).is_err() {
+                let nodes = have as u64;
+                return Err(DeriveProblem::DrawingMemory { nodes }.into());
+            }
         }
         Ok(())
     }

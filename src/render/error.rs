@@ -36,7 +36,7 @@ pub enum RenderError {
     OutOfMemory(&'static str),
     /// The device stopped answering.
     #[error(
-        "the graphics device was lost ({0}); your work is saved: start Ramus again, and if it comes back, update the graphics driver"
+        "the graphics device was lost ({0}): start Ramus again, and if that happens again, update the graphics driver"
     )]
     DeviceLost(&'static str),
     /// The host (an OpenXR runtime) could not make the Vulkan handles.

@@ -88,7 +88,7 @@ pub enum TreeError {
     },
     /// Nothing to export.
     #[error(
-        "the tree has no segment yet, so there is nothing to write as {0}: grow it by a step first"
+        "the tree has no segment, so there is nothing to write as {0}: segments are drawn by `F` and by the letters of shapes"
     )]
     Empty(&'static str),
     /// SWC holds one root.
@@ -98,7 +98,7 @@ pub enum TreeError {
     ManyRoots(usize),
     /// The file would be larger than its format (or memory) allows.
     #[error(
-        "{segments} segments with {sides} sides make a {format} file of more than 4 GiB: export fewer steps or fewer sides"
+        "{segments} segments with {sides} sides may make a {format} file of more than 4 GiB: take fewer steps, or write the skeleton as SWC"
     )]
     TooLarge {
         /// Format's name.
@@ -108,6 +108,11 @@ pub enum TreeError {
         /// Corners of each ring.
         sides: u32,
     },
+    /// The machine did not give the memory.
+    #[error(
+        "the machine does not give the memory for the tubes of {0} segments: take fewer steps, or close other programs"
+    )]
+    Memory(usize),
     /// Positions and radii that leave f32 when they are added.
     #[error("the tree is so large that 32-bit coordinates cannot hold its surface: scale it down")]
     TooWide,

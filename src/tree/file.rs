@@ -5,10 +5,15 @@
 //! either the old file or the new one, and no litter stays behind.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Write as _};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 use super::TreeError;
+
+/// Bytes that go to the system at a time.
+const BUFFER: usize = 1 << 18;
 
 /// Writes `bytes` to `path`, replacing a file that is there only once the new one is whole.
 ///
@@ -18,32 +23,58 @@ use super::TreeError;
 /// # Errors
 /// [`TreeError::Write`], which says what to do; the old file is unchanged then.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), TreeError> {
-    try_write(path, bytes).map_err(|error| TreeError::Write {
+    write_atomically_with(path, |out| out.write_all(bytes))
+}
+
+/// The same for what is written part by part, so that it need not lie in memory whole.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn write_atomically_with(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), TreeError> {
+    try_write(path, write).map_err(|error| TreeError::Write {
         problem: explain(path, &error),
         path: path.to_owned(),
     })
 }
 
-fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// Whether [`write_atomically`] would find its way to `path`, asked before long work: a small file is made beside it and
+/// taken away. (Whether there is room for all of it is known only then.)
+///
+/// # Errors
+/// [`TreeError::Write`], as from writing.
+pub fn check_place(path: &Path) -> Result<(), TreeError> {
+    prepare(path).map(drop).map_err(|error| TreeError::Write {
+        problem: explain(path, &error),
+        path: path.to_owned(),
+    })
+}
+
+/// The file that a path leads to, and a new one beside it that may take its place.
+fn prepare(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    if path.is_dir() {
+    let old = match fs::metadata(&path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+        old => old.ok(),
+    };
+    if old.as_ref().is_some_and(fs::Metadata::is_dir) {
         return Err(ErrorKind::IsADirectory.into());
     }
-    if path.exists() && !path.is_file() {
+    if old.as_ref().is_some_and(|old| !old.is_file()) {
         // Replacing a device or a pipe by a file would break the system, not write to it.
         return Err(io::Error::other("a device or pipe has this name"));
     }
     let folder = folder_of(&path);
     let mut builder = tempfile::Builder::new();
     builder.prefix(".ramus-").suffix(".tmp");
-    let old = fs::metadata(&path).ok().map(|data| data.permissions());
     #[cfg(unix)]
     let ordinary = std::os::unix::fs::PermissionsExt::from_mode(0o666); // Less what the umask takes away.
     #[cfg(unix)]
     builder.permissions(ordinary);
-    let mut file = builder.tempfile_in(&folder)?;
-    file.write_all(bytes)?;
-    if let Some(old) = old {
+    let file = builder.tempfile_in(&folder)?;
+    if let Some(old) = old.map(|old| old.permissions()) {
         if old.readonly() {
             return Err(io::Error::new(
                 ErrorKind::PermissionDenied,
@@ -52,10 +83,19 @@ fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         }
         file.as_file().set_permissions(old)?;
     }
+    Ok((path, file))
+}
+
+fn try_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let (path, mut file) = prepare(path)?;
+    let mut out = BufWriter::with_capacity(BUFFER, file.as_file_mut());
+    write(&mut out)?;
+    out.flush()?;
+    drop(out);
     file.as_file().sync_all()?;
     file.persist(&path).map_err(|failed| failed.error)?;
     // The name itself is safe once the folder is; where a folder cannot be forced (Windows), the system does it in its time.
-    if let Ok(folder) = File::open(&folder) {
+    if let Ok(folder) = File::open(folder_of(&path)) {
         let _ = folder.sync_all();
     }
     Ok(())
@@ -109,6 +149,7 @@ mod tests {
         let path = folder.path().join("ärger tree.ramus");
         for bytes in [&b"first"[..], b"", &[7; 100_000]] {
             write_atomically(&path, bytes).unwrap();
+            check_place(&path).unwrap();
             assert_eq!(fs::read(&path).unwrap(), bytes);
         }
         assert_eq!(names_in(folder.path()), ["ärger tree.ramus"], "no litter");
@@ -155,6 +196,7 @@ mod tests {
         ];
         for (path, expected) in table {
             let message = write_atomically(&path, b"new").unwrap_err().to_string();
+            assert_eq!(check_place(&path).unwrap_err().to_string(), message);
             assert!(
                 message.contains(expected) && message.ends_with(&path.display().to_string()),
                 "{message}"

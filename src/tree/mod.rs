@@ -82,6 +82,19 @@ impl Tree {
         }
     }
 
+    /// Makes room for so many more nodes.
+    ///
+    /// # Errors
+    /// Where the machine does not give the memory; the tree is as it was.
+    pub fn try_reserve(&mut self, nodes: usize) -> Result<(), std::collections::TryReserveError> {
+        self.parent.try_reserve_exact(nodes)?;
+        self.position.try_reserve_exact(nodes)?;
+        self.radius.try_reserve_exact(nodes)?;
+        self.letter.try_reserve_exact(nodes)?;
+        self.order.try_reserve_exact(nodes)?;
+        self.birth.try_reserve_exact(nodes)
+    }
+
     /// Adds a node and returns its index. The caller keeps the invariants; [`Tree::validate`] checks them.
     pub fn push(&mut self, node: Node) -> u32 {
         let index = u32::try_from(self.parent.len()).unwrap_or(NO_PARENT);

@@ -114,6 +114,10 @@ struct Work {
     continues: bool,
 }
 
+/// Bytes that the making of segments takes for each node: the segment itself and all that is kept on the way.
+pub const NODE_BYTES: usize =
+    size_of::<TubeSegment>() + size_of::<Work>() + 4 * size_of::<u32>() + size_of::<u8>();
+
 /// Makes segments, keeping its scratch memory, so that a warm call allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct SegmentBuilder {

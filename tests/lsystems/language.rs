@@ -230,7 +230,7 @@ fn strings_of_small_grammars() {
     }
 }
 
-/// Strings that grow all over, at their ends only, towards one end, not at all, at first only, and through decomposition.
+/// Strings that grow all over, at their ends only, towards one end, not at all, all over at first, and through decomposition.
 #[test]
 fn step_k_is_a_derivation_of_k_steps() {
     for (text, steps) in [
@@ -252,6 +252,10 @@ fn step_k_is_a_derivation_of_k_steps() {
             8,
         ),
         ("axiom F(1)\n", 5),
+        (
+            "context literal\naxiom A(0) B C(9)\nA(x) > B -> A(x) A(x+1)\nC(n) : n > 0 -> C(n-1) C(n-1)\n",
+            40,
+        ),
         ("axiom A(9)\nA(n) : n > 0 -> A(n-1) A(n-1)\n", 14),
         (
             "context literal\naxiom A(0) B\nA(x) > B -> A(x) H(x) A(x+1)\nA(x) < H(y) -> *\n\

@@ -395,7 +395,8 @@ fn rule(literal: bool) -> impl Strategy<Value = Rule> {
 }
 
 fn spec() -> impl Strategy<Value = Spec> {
-    (any::<bool>(), any::<bool>(), any::<bool>()).prop_flat_map(|(literal, specific, cuts)| {
+    let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
+    flags.prop_flat_map(|(literal, specific, cuts, alone)| {
         let ignored = prop_oneof![Just(vec![]), Just(vec!['F']), Just(vec!['F', 'D'])];
         (
             prop::collection::vec(rule(literal), 1..6),
@@ -417,6 +418,12 @@ fn spec() -> impl Strategy<Value = Spec> {
                     plus: 0,
                 });
                 let ignored = if literal { vec![] } else { ignored };
+                if alone {
+                    for rule in &mut rules {
+                        rule.left.clear();
+                        rule.right.clear();
+                    }
+                }
                 if !cuts {
                     axiom.retain(|module| module.name != '%');
                     for rule in &mut rules {

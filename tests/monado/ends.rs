@@ -124,7 +124,7 @@ fn the_program_saves_what_was_drawn_when_the_runtime_dies() {
             ended_in_the_middle(
                 |_| Vec::new(),
                 |service, _| service.kill().unwrap(),
-                "your work is saved",
+                "what was made by then is in",
             );
         },
     );
@@ -139,7 +139,7 @@ fn the_program_saves_what_was_drawn_when_the_runtime_is_asked_to_end() {
             ended_in_the_middle(
                 |_| Vec::new(),
                 |service, _| service.ask_to_end().unwrap(),
-                "your work is saved",
+                "what was made by then is in",
             );
         },
     );

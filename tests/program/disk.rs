@@ -19,7 +19,7 @@ const LINE: u64 = 40;
 
 /// Runs `script` in a mount namespace of its own, where it may mount a disk on its `$1`; `$2` is the program, the rest are
 /// `args`. Nothing where the system does not allow that.
-fn with_a_disk(folder: &Path, script: &str, args: &[&str]) -> Option<Output> {
+pub(super) fn with_a_disk(folder: &Path, script: &str, args: &[&str]) -> Option<Output> {
     let program = ramus();
     let mut command = Command::new("unshare");
     command
@@ -200,12 +200,7 @@ fn a_project_that_cannot_be_saved_is_in_its_journal() {
 fn a_session_that_replaces_a_project_keeps_the_older_one_until_it_is_over() {
     let folder = folder();
     let [session, project] = ["long.session", "tree.ramus"].map(|name| folder.path().join(name));
-    succeed(
-        ramus()
-            .args(["replay", super::FIRST_TREE, "--project"])
-            .arg(&project),
-    );
-    let older = fs::read(&project).unwrap();
+    let older = super::older::changed(&project);
     long_session(&session, 40_000);
     let mut child = ramus()
         .arg("replay")
@@ -215,7 +210,8 @@ fn a_session_that_replaces_a_project_keeps_the_older_one_until_it_is_over() {
         .stdout(Stdio::null())
         .spawn()
         .unwrap();
-    let has_begun = || fs::read(&project).is_ok_and(|now| now != older);
+    let journal = Store::journal_of(&project);
+    let has_begun = || fs::metadata(&journal).is_ok_and(|data| data.len() > 4096);
     while !has_begun() {
         assert!(
             child.try_wait().unwrap().is_none(),
@@ -225,6 +221,39 @@ fn a_session_that_replaces_a_project_keeps_the_older_one_until_it_is_over() {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    let kept = folder.path().join("tree.ramus.before.ramus");
-    assert!(fs::read(kept).unwrap() == older);
+    assert!(fs::read(&project).unwrap() == older);
+    // The next start finds both.
+    let opened = Store::open(&project).unwrap();
+    assert_eq!(*opened.history.committed(), read_project(&project).unwrap());
+    let kept = folder.path().join("tree.ramus.recovered.ramus");
+    assert!(opened.message.unwrap().contains(kept.to_str().unwrap()));
+    assert!(!read_project(&kept).unwrap().sketch.is_empty());
+}
+
+/// The recording lies on a disk of its own, so that it alone finds no room.
+#[test]
+fn a_recording_without_room_is_an_error_and_all_else_is_there() {
+    if !super::can_draw() {
+        return;
+    }
+    let [disk, here] = [folder(), folder()];
+    let out = here.path().join("out");
+    let script = "mount -t tmpfs -o size=16k none \"$1\" \
+        && exec \"$2\" --headset simulated --out \"$3\" --record \"$1/mine.session\"";
+    let Some(output) = with_a_disk(disk.path(), script, &[out.to_str().unwrap()]) else {
+        return;
+    };
+    refused(
+        &output,
+        &[
+            "mine.session is not whole",
+            "No space left",
+            "free some space",
+        ],
+    );
+    assert_eq!(text(&output.stderr).matches("ramus:").count(), 1);
+    for name in ["first-tree.ramus", "first-tree.glb", "first-tree.lsys"] {
+        assert!(out.join(name).exists(), "{name}");
+        assert!(text(&output.stdout).contains(name), "{name}");
+    }
 }

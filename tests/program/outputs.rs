@@ -16,7 +16,12 @@ fn nothing_is_written_over_what_it_is_made_from() {
     for name in ["tree.swc", "tree.png"] {
         fs::copy(HONDA, at(name)).unwrap();
     }
-    for name in ["tree.session", "tree.ramus", "other.ramus.journal"] {
+    for name in [
+        "tree.session",
+        "tree.ramus",
+        "other.ramus.journal",
+        "step-00.png",
+    ] {
         fs::copy(FIRST_TREE, at(name)).unwrap();
     }
     #[cfg(unix)]
@@ -48,7 +53,7 @@ fn nothing_is_written_over_what_it_is_made_from() {
         ),
         (
             "tree.session",
-            &["replay", "./tree.session", "--glb", "sub/../tree.session"],
+            &["replay", "./tree.session", "--lsys", "sub/../tree.session"],
         ),
         (
             "tree.session",
@@ -67,6 +72,12 @@ fn nothing_is_written_over_what_it_is_made_from() {
             "other.ramus.journal",
             &["replay", "other.ramus.journal", "--project", "other.ramus"],
         ),
+        ("step-00.png", &["replay", "step-00.png", "--png", "sub/.."]),
+        (
+            "tree.ramus",
+            &["--project", "tree.ramus", "--record", "./tree.ramus"],
+        ),
+        ("step-00.png", &["--project", "step-00.png", "--out", "."]),
     ];
     for (input, args) in cases {
         let whole = before(input);
@@ -112,9 +123,52 @@ fn a_project_never_has_the_name_of_what_is_made_from_it() {
 fn two_results_never_share_a_file() {
     let folder = folder();
     for args in [
-        &["replay", FIRST_TREE, "--project", "same", "--glb", "./same"][..],
-        &["replay", FIRST_TREE, "--lsys", "same", "--glb", "same"],
-        &["derive", HONDA, "--export", "same.obj", "--png", "same.obj"],
+        &[
+            "replay",
+            FIRST_TREE,
+            "--project",
+            "same.obj",
+            "--glb",
+            "./same.obj",
+        ][..],
+        &[
+            "replay", FIRST_TREE, "--lsys", "same.glb", "--glb", "same.glb",
+        ],
+        &[
+            "replay",
+            FIRST_TREE,
+            "--png",
+            "same",
+            "--lsys",
+            "same/step-07.png",
+        ],
+        &[
+            "replay",
+            FIRST_TREE,
+            "--png",
+            "same",
+            "--project",
+            "same/step-100.png",
+        ],
+        &["--out", "same", "--record", "same/first-tree.ramus"],
+        &["--out", "same", "--record", "same/first-tree.ramus.journal"],
+        &[
+            "--out",
+            "same",
+            "--record",
+            "./same/none/../first-tree.lsys",
+        ],
+        &["--out", "same", "--record", "same/first-tree.glb"],
+        &["--out", "same", "--record", "same/step-03.png"],
+        &["--out", "same", "--record", "same/workshop.ramus"],
+        &[
+            "derive",
+            HONDA,
+            "--export",
+            "same.obj",
+            "--export",
+            "./same.obj",
+        ],
     ] {
         let output = ramus()
             .current_dir(folder.path())

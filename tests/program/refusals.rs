@@ -48,14 +48,19 @@ fn bad_grammars_and_options_get_one_clear_sentence() {
         (
             file("explode.lsys", b"axiom F\nF -> FFFFFFFFFFFFFFFF\n"),
             &["--steps", "60", "--memory", "64"],
-            &["step", "limit"],
+            &["step", "limit", "--memory"],
+        ),
+        (
+            file("leaf.lsys", b"axiom A\nA -> [{.+f.-f.}]A\n"),
+            &["--steps", "6", "--export", "leaf.glb"],
+            &["after 6 steps draws no segment", "outlines"],
+        ),
+        (
+            file("bare.lsys", b"axiom A\n"),
+            &["--steps", "6", "--png", "bare.png"],
+            &["after 6 steps draws no segment", "`F`"],
         ),
         (file("nosteps.lsys", b"axiom A\n"), &[], &["--steps"]),
-        (
-            file("format.lsys", b"axiom F\n"),
-            &["--steps", "1", "--export", "tree.xyz"],
-            &[".glb, .obj or .swc"],
-        ),
         (
             file("undrawn.lsys", b"axiom A\n"),
             &["--steps", "1", "--export", "tree.glb"],
@@ -77,16 +82,64 @@ fn bad_grammars_and_options_get_one_clear_sentence() {
             .unwrap();
         refused(&output, words);
     }
-    assert_eq!(
-        ramus()
-            .args(["derive", HONDA, "--steps", "many"])
+}
+
+/// What the command line alone shows: exit code 2, and nothing is begun.
+#[test]
+fn wrong_usage_is_refused_before_any_work() {
+    let folder = folder();
+    let derive = ["derive", HONDA, "--print", "string"];
+    let replay = ["replay", FIRST_TREE, "--project", "tree.ramus"];
+    let cases: [(&[&str], &[&str], &str); 10] = [
+        (&[], &["fly"], "fly"),
+        (&derive, &["--steps", "many"], "many"),
+        (&derive, &["--export", "tree.xyz"], ".glb, .obj or .swc"),
+        (&derive, &["--export", "tree"], ".glb, .obj or .swc"),
+        (&derive, &["--size", "0", "--png", "x.png"], "--size"),
+        (&derive, &["--memory", "0"], "--memory"),
+        (&derive, &["--png", "tree.jpg"], "use the ending .png"),
+        (&derive, &["--widths", "da-vinci", "--tip", "0"], "--tip"),
+        (&replay, &["--glb", "tree.txt"], ".glb, .obj or .swc"),
+        (&replay, &["--glb", "glb"], ".glb, .obj or .swc"),
+    ];
+    for (command, args, word) in cases {
+        let output = ramus()
+            .current_dir(folder.path())
+            .args(command)
+            .args(args)
             .output()
-            .unwrap()
-            .status
-            .code(),
-        Some(2)
-    );
-    assert_eq!(ramus().arg("fly").output().unwrap().status.code(), Some(2));
+            .unwrap();
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {said}");
+        assert!(said.contains(word), "{args:?}: {said}");
+        assert_eq!(text(&output.stdout), "", "{args:?}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{args:?}");
+    }
+}
+
+#[test]
+fn names_that_nothing_can_be_written_to_are_refused_before_the_work() {
+    let folder = folder();
+    for (command, args) in [
+        ("derive", &["--png", "none/x.png"][..]),
+        ("derive", &["--export", "x.glb", "--export", "none/x.obj"]),
+        ("replay", &["--project", "x.ramus", "--lsys", "none/x.lsys"]),
+    ] {
+        let input = if command == "derive" {
+            HONDA
+        } else {
+            FIRST_TREE
+        };
+        let output = ramus()
+            .current_dir(folder.path())
+            .args([command, input])
+            .args(args)
+            .output()
+            .unwrap();
+        refused(&output, &["the folder does not exist", "none/x."]);
+        assert_eq!(text(&output.stdout), "", "{args:?}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{args:?}");
+    }
 }
 
 #[test]

@@ -31,9 +31,7 @@ pub struct Acquired {
 #[derive(Debug, thiserror::Error)]
 pub enum HeadsetError {
     /// The runtime died or the session was lost; work must be saved and the headset made anew.
-    #[error(
-        "the OpenXR runtime ended the session ({0}); your work is saved: start the runtime again, then Ramus"
-    )]
+    #[error("the OpenXR runtime ended the session ({0}): start the runtime again, then Ramus")]
     Lost(String),
     /// The session file that is being played is broken.
     #[error(transparent)]

@@ -5,7 +5,7 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use super::{Package, System, install};
+use super::{Machine, Package, line, quoted};
 
 /// Where the loader looks for the active runtime, after `XR_RUNTIME_JSON` and the user's own folder.
 const ACTIVE: [&str; 3] = [
@@ -31,6 +31,8 @@ const MONADO_SOCKET: &str = "/usr/lib/systemd/user/monado.socket";
 enum Kind {
     Monado,
     Wivrn,
+    /// The same in Flathub's box, which has no program of its own on the path.
+    WivrnFlatpak,
     SteamVr,
     Other,
 }
@@ -41,7 +43,9 @@ impl Kind {
         let text = text.to_lowercase();
         let has = |word: &str| text.contains(word);
         // WiVRn is built on Monado and may name it too.
-        if has("wivrn") {
+        if has("wivrn") && (has("flatpak") || has("io.github.wivrn")) {
+            Self::WivrnFlatpak
+        } else if has("wivrn") {
             Self::Wivrn
         } else if has("monado") {
             Self::Monado
@@ -68,9 +72,9 @@ type Manifest = (PathBuf, Kind);
 /// The runtimes of a machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Runtimes {
-    /// `XR_RUNTIME_JSON` names a file that is not there.
-    misled: bool,
-    /// The manifest that the loader takes (without `XR_RUNTIME_JSON` where that misleads it).
+    /// `XR_RUNTIME_JSON` names this file, which is not there.
+    misled: Option<PathBuf>,
+    /// The manifest that the loader takes.
     active: Option<Manifest>,
     /// Manifests that lie in the usual places.
     installed: Vec<Manifest>,
@@ -86,7 +90,7 @@ impl Runtimes {
         let config =
             variable("XDG_CONFIG_HOME").map_or_else(|| home.join(".config"), PathBuf::from);
         let named = variable("XR_RUNTIME_JSON").map(PathBuf::from);
-        let misled = named.as_ref().is_some_and(|path| !path.is_file());
+        let misled = named.clone().filter(|path| !path.is_file());
         let places = std::iter::once(config.join("openxr/1/active_runtime.json"))
             .chain(ACTIVE.iter().map(PathBuf::from));
         let active = named
@@ -107,50 +111,67 @@ impl Runtimes {
         }
     }
 
-    /// The one command that mends a fault.
-    pub(super) fn mend(&self, fault: Fault<'_>, system: System) -> String {
+    /// The file that `XR_RUNTIME_JSON` names although it is not there.
+    pub(super) fn misled(&self) -> Option<String> {
+        self.misled.as_ref().map(|path| path.display().to_string())
+    }
+
+    /// The one line that mends a fault.
+    pub(super) fn mend(&self, fault: Fault<'_>, machine: &Machine) -> String {
         match (fault, &self.active, self.installed.first()) {
-            (Fault::NoHeadset(runtime), ..) => self.restart(Kind::of(runtime)),
-            (Fault::Silent, Some(_), _) if self.misled => "unset XR_RUNTIME_JSON".to_owned(),
-            (Fault::Silent, Some((path, kind)), _) => self.start(path, *kind),
+            (Fault::NoHeadset(runtime), ..) => self.restart(Kind::of(runtime), machine),
+            // Whatever else there is, the loader looks nowhere else.
+            (Fault::Silent, ..) if self.misled.is_some() => "unset XR_RUNTIME_JSON".to_owned(),
+            (Fault::Silent, Some((path, kind)), _) => self.start(path, *kind, machine),
             (Fault::Silent, None, Some((path, _))) => {
-                format!("XR_RUNTIME_JSON={} ramus", quoted(path))
+                format!("XR_RUNTIME_JSON={} {}", shown(path), machine.program)
             }
-            (Fault::Silent, None, None) => install(Package::OpenXrRuntime, system),
+            (Fault::Silent, None, None) => machine.install(Package::OpenXrRuntime),
         }
     }
 
     /// Starts the runtime that is active and does not answer.
-    fn start(&self, manifest: &Path, kind: Kind) -> String {
+    fn start(&self, manifest: &Path, kind: Kind, machine: &Machine) -> String {
         match kind {
             Kind::Monado if self.socket => "systemctl --user start monado.socket".to_owned(),
             Kind::Monado => "monado-service &".to_owned(),
             Kind::Wivrn => "wivrn-dashboard".to_owned(),
+            Kind::WivrnFlatpak => "flatpak run io.github.wivrn.wivrn".to_owned(),
             Kind::SteamVr => "steam steam://rungameid/250820".to_owned(),
-            Kind::Other => format!(
-                "XR_LOADER_DEBUG=all ramus doctor  (says why the runtime of {} does not answer)",
-                quoted(manifest)
+            Kind::Other => line(
+                &format!("XR_LOADER_DEBUG=all {} doctor", machine.program),
+                &format!(
+                    "says why the runtime of {} does not answer",
+                    manifest.display()
+                ),
             ),
         }
     }
 
     /// Makes a runtime that sees no headset look again, or bring one of its own.
-    fn restart(&self, kind: Kind) -> String {
+    fn restart(&self, kind: Kind, machine: &Machine) -> String {
+        let boxed = self
+            .active
+            .as_ref()
+            .is_some_and(|(_, kind)| *kind == Kind::WivrnFlatpak);
+        let simulated = "brings Monado's own simulated headset";
+        let lead = "leads through connecting the headset";
         match kind {
-            Kind::Monado if self.socket => {
-                "systemctl --user stop monado.service; SIMULATED_ENABLE=1 monado-service  (brings Monado's own simulated headset)"
-                    .to_owned()
-            }
-            Kind::Monado => {
-                "pkill -x monado-service; SIMULATED_ENABLE=1 monado-service  (brings Monado's own simulated headset)"
-                    .to_owned()
-            }
-            Kind::Wivrn => "wivrn-dashboard  (leads through connecting the headset)".to_owned(),
+            Kind::Monado if self.socket => line(
+                "systemctl --user stop monado.service; SIMULATED_ENABLE=1 monado-service",
+                simulated,
+            ),
+            Kind::Monado => line(
+                "pkill -x monado-service; SIMULATED_ENABLE=1 monado-service",
+                simulated,
+            ),
+            Kind::Wivrn if !boxed => line("wivrn-dashboard", lead),
+            Kind::Wivrn | Kind::WivrnFlatpak => line("flatpak run io.github.wivrn.wivrn", lead),
             Kind::SteamVr => "steam steam://rungameid/250820".to_owned(),
-            Kind::Other => {
-                "ramus --headset simulated  (until the runtime's own settings show the headset)"
-                    .to_owned()
-            }
+            Kind::Other => line(
+                &format!("{} --headset simulated", machine.program),
+                "until the runtime's own settings show the headset",
+            ),
         }
     }
 }
@@ -189,14 +210,8 @@ fn head(path: &Path) -> String {
 }
 
 /// A path as a shell takes it.
-fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+".contains(c);
-    if text.chars().all(plain) {
-        text
-    } else {
-        format!("'{}'", text.replace('\'', r"'\''"))
-    }
+fn shown(path: &Path) -> String {
+    quoted(&path.display().to_string())
 }
 
 #[cfg(test)]
@@ -206,6 +221,8 @@ mod tests {
         clippy::unwrap_used,
         reason = "the tables say it"
     )]
+    use super::super::tests::{machines, runs_as_it_is};
+    use super::super::{Root, System};
     use super::*;
 
     fn manifest(path: &str) -> Manifest {
@@ -219,6 +236,7 @@ mod tests {
         let steam =
             manifest("/home/a b/.steam/steam/steamapps/common/SteamVR/steamxr_linux64.json");
         let strange = manifest("/opt/strange.json");
+        let boxed = manifest("/var/lib/flatpak/app/io.github.wivrn.wivrn/openxr_wivrn.json");
         let none = Runtimes::default();
         let active = |manifest: &Manifest| Runtimes {
             active: Some(manifest.clone()),
@@ -233,7 +251,7 @@ mod tests {
             ..runtimes
         };
         let misled = |runtimes: Runtimes| Runtimes {
-            misled: true,
+            misled: Some(PathBuf::from("/nonexistent")),
             ..runtimes
         };
         let table = [
@@ -241,28 +259,24 @@ mod tests {
             (
                 none.clone(),
                 Fault::Silent,
-                "apt-get install libopenxr1-monado monado-service",
+                "apt-get install -y libopenxr1-monado monado-service",
             ),
-            (
-                misled(none.clone()),
-                Fault::Silent,
-                "apt-get install libopenxr1-monado monado-service",
-            ),
+            (misled(none.clone()), Fault::Silent, "unset XR_RUNTIME_JSON"),
             // There and not active: named.
             (
                 installed(&monado),
                 Fault::Silent,
-                "XR_RUNTIME_JSON=/usr/share/openxr/1/openxr_monado.json ramus",
+                "XR_RUNTIME_JSON=/usr/share/openxr/1/openxr_monado.json '/opt/my tools/ramus'",
             ),
             (
                 misled(installed(&wivrn)),
                 Fault::Silent,
-                "XR_RUNTIME_JSON=/usr/share/openxr/1/openxr_wivrn.json ramus",
+                "unset XR_RUNTIME_JSON",
             ),
             (
                 installed(&steam),
                 Fault::Silent,
-                "XR_RUNTIME_JSON='/home/a b/.steam/steam/steamapps/common/SteamVR/steamxr_linux64.json' ramus",
+                "XR_RUNTIME_JSON='/home/a b/.steam/steam/steamapps/common/SteamVR/steamxr_linux64.json' '/opt/my tools/ramus'",
             ),
             // Active and silent: started.
             (active(&monado), Fault::Silent, "monado-service &"),
@@ -280,7 +294,7 @@ mod tests {
             (
                 active(&strange),
                 Fault::Silent,
-                "XR_LOADER_DEBUG=all ramus doctor",
+                "XR_LOADER_DEBUG=all '/opt/my tools/ramus' doctor # says why",
             ),
             // The variable is what keeps the active one from being found.
             (
@@ -301,6 +315,16 @@ mod tests {
             ),
             (none.clone(), Fault::NoHeadset("WiVRn"), "wivrn-dashboard"),
             (
+                active(&boxed),
+                Fault::NoHeadset("WiVRn"),
+                "flatpak run io.github.wivrn.wivrn",
+            ),
+            (
+                active(&boxed),
+                Fault::Silent,
+                "flatpak run io.github.wivrn.wivrn",
+            ),
+            (
                 none.clone(),
                 Fault::NoHeadset("SteamVR/OpenXR"),
                 "steam steam://rungameid/250820",
@@ -308,13 +332,19 @@ mod tests {
             (
                 none,
                 Fault::NoHeadset("Another 1.0"),
-                "ramus --headset simulated",
+                "'/opt/my tools/ramus' --headset simulated # until",
             ),
         ];
         for (runtimes, fault, expected) in table {
-            let said = runtimes.mend(fault, System::Debian);
-            assert!(said.contains(expected), "{runtimes:?} {fault:?}: {said}");
-            assert!(!said.contains('\n'), "{said}");
+            for machine in machines() {
+                let said = runtimes.mend(fault, &machine);
+                let debian = machine.system == System::Debian && machine.root != Root::Su;
+                assert!(
+                    said.contains(expected) || (expected.contains("apt-get") && !debian),
+                    "{runtimes:?} {fault:?}: {said}"
+                );
+                runs_as_it_is(&said, &machine);
+            }
         }
     }
 

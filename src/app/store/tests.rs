@@ -205,18 +205,32 @@ fn beginning_anew_saves_what_a_killed_session_left() {
     assert_eq!(read_project(&aside).unwrap(), document);
 }
 
+/// A project of one segment, closed in good order.
+fn finished(path: &Path, height: f32) -> Document {
+    let mut opened = Store::open(path).unwrap();
+    draw(&mut opened, &[height]);
+    let document = opened.history.committed().clone();
+    opened.store.close(&document).unwrap();
+    document
+}
+
 #[test]
-fn a_new_session_on_an_old_project_is_recovered_when_killed() {
+fn a_new_session_on_an_old_project_that_is_killed_costs_neither() {
     let folder = folder();
     let path = folder.path().join("tree.ramus");
-    let mut opened = Store::begin(&path).unwrap();
-    draw(&mut opened, &[0.9]);
-    let old = opened.history.committed().clone();
-    opened.store.close(&old).unwrap();
-    let mut opened = Store::begin(&path).unwrap();
-    draw(&mut opened, &[0.1, 0.2]);
-    let document = kill(opened);
-    assert_eq!(*Store::open(&path).unwrap().history.committed(), document);
+    let old = finished(&path, 0.9);
+    // Twice, so that the second does not replace what the first one made.
+    for (height, name) in [(0.1, ".recovered.ramus"), (0.2, ".recovered.ramus.2")] {
+        let mut opened = Store::begin(&path).unwrap();
+        draw(&mut opened, &[height]);
+        let document = kill(opened);
+        let opened = Store::open(&path).unwrap();
+        assert_eq!(*opened.history.committed(), old);
+        let message = opened.message.unwrap();
+        let aside = beside(&path, name);
+        assert!(message.contains(aside.to_str().unwrap()), "{message}");
+        assert_eq!(read_project(&aside).unwrap(), document);
+    }
 }
 
 #[test]
@@ -244,18 +258,94 @@ fn a_project_put_in_the_place_of_a_killed_new_one_is_not_overwritten() {
 }
 
 #[test]
-fn a_replaced_project_is_kept_until_the_new_one_is_whole() {
+fn a_replaced_project_stays_until_the_new_one_is_whole() {
     let folder = folder();
     let path = folder.path().join("tree.ramus");
-    let mut opened = Store::open(&path).unwrap();
-    draw(&mut opened, &[0.7]);
-    let old = opened.history.committed().clone();
-    opened.store.close(&old).unwrap();
+    let old = finished(&path, 0.7);
+    let mut opened = Store::begin(&path).unwrap();
+    draw(&mut opened, &[0.1, 0.2]);
+    assert_eq!(read_project(&path).unwrap(), old);
+    let new = opened.history.committed().clone();
+    opened.store.close(&new).unwrap();
+    assert_eq!(read_project(&path).unwrap(), new);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_failed_session_leaves_the_older_project_and_saves_what_it_made() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let aside = beside(&path, ".unfinished.ramus");
+    let count = || fs::read_dir(folder.path()).unwrap().count();
+    // Nothing made leaves nothing.
     let opened = Store::begin(&path).unwrap();
-    let before = beside(&path, ".before.ramus");
-    assert_eq!(read_project(&before).unwrap(), old);
-    opened.store.close(&Document::default()).unwrap();
-    assert!(!before.exists());
+    let none = opened.store.set_aside(&Document::default()).unwrap();
+    assert_eq!((none, count()), (None, 0));
+    // No older project: what was made is the project.
+    let mut opened = Store::begin(&path).unwrap();
+    draw(&mut opened, &[0.1]);
+    let old = opened.history.committed().clone();
+    let saved = opened.store.set_aside(&old).unwrap();
+    assert_eq!((saved, count()), (Some(path.clone()), 1));
+    assert_eq!(read_project(&path).unwrap(), old);
+    // The same again needs no second file.
+    let opened = Store::begin(&path).unwrap();
+    let saved = opened.store.set_aside(&old).unwrap();
+    assert_eq!((saved, count()), (Some(path.clone()), 1));
+    let mut opened = Store::begin(&path).unwrap();
+    draw(&mut opened, &[0.2, 0.3]);
+    let new = opened.history.committed().clone();
+    let saved = opened.store.set_aside(&new).unwrap();
+    assert_eq!((saved, count()), (Some(aside.clone()), 2));
+    assert_eq!(read_project(&aside).unwrap(), new);
+    assert_eq!(read_project(&path).unwrap(), old);
+}
+
+/// A project that cannot be replaced at the session's end, because it was protected meanwhile.
+#[test]
+fn a_new_project_that_cannot_be_saved_is_saved_beside_the_older_one_by_the_next_start() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let old = finished(&path, 0.7);
+    let mut opened = Store::begin(&path).unwrap();
+    draw(&mut opened, &[0.1, 0.2]);
+    let new = opened.history.committed().clone();
+    let ordinary = fs::metadata(&path).unwrap().permissions();
+    let mut protected = ordinary.clone();
+    protected.set_readonly(true);
+    fs::set_permissions(&path, protected).unwrap();
+    let message = opened.store.close(&new).unwrap_err().to_string();
+    assert!(
+        message.contains("saves it beside the older one"),
+        "{message}"
+    );
+    // A protected project is refused at once, and the journal stays.
+    assert!(Store::begin(&path).is_err());
+    fs::set_permissions(&path, ordinary).unwrap();
+    assert_eq!(*Store::open(&path).unwrap().history.committed(), old);
+    let aside = beside(&path, ".recovered.ramus");
+    assert_eq!(read_project(&aside).unwrap(), new);
+}
+
+#[test]
+fn a_project_is_kept_only_where_another_takes_its_place() {
+    let folder = folder();
+    let path = folder.path().join("tree.ramus");
+    let new = finished(&folder.path().join("new.ramus"), 0.5);
+    assert_eq!(keep_older(&path, &new).unwrap(), None);
+    for (height, name) in [(0.1, ".before.ramus"), (0.2, ".before.ramus.2")] {
+        let old = finished(&path, height);
+        assert_eq!(keep_older(&path, &old).unwrap(), None);
+        let kept = keep_older(&path, &new).unwrap().unwrap();
+        assert_eq!(kept, beside(&path, name));
+        assert_eq!(read_project(&kept).unwrap(), old);
+        fs::remove_file(&path).unwrap();
+    }
+    // Nothing is there now: whoever opens it is told of the newest of them.
+    let message = Store::open(&path).unwrap().message.unwrap();
+    assert!(message.ends_with(".before.ramus.2"), "{message}");
+    finished(&path, 0.3);
+    assert_eq!(Store::open(&path).unwrap().message, None);
 }
 
 #[test]
@@ -390,24 +480,6 @@ fn a_journal_whose_name_is_taken_by_a_folder_is_refused_before_the_session() {
         assert!(message.contains("cannot keep a journal at"), "{message}");
         assert!(!path.exists());
     }
-}
-
-#[test]
-fn a_replaced_project_stays_where_its_session_was_killed() {
-    let folder = folder();
-    let path = folder.path().join("tree.ramus");
-    let mut opened = Store::open(&path).unwrap();
-    draw(&mut opened, &[0.7]);
-    let old = opened.history.committed().clone();
-    opened.store.close(&old).unwrap();
-    // Twice, so that the second does not replace what the first one kept.
-    for (height, name) in [(0.1, ".before.ramus"), (0.2, ".before.ramus.2")] {
-        let mut opened = Store::begin(&path).unwrap();
-        draw(&mut opened, &[height]);
-        kill(opened);
-        assert!(beside(&path, name).exists(), "{name}");
-    }
-    assert_eq!(read_project(&beside(&path, ".before.ramus")).unwrap(), old);
 }
 
 /// The whole workshop on a disk that is full from the first action on: it goes on, says so on the board, and all is there

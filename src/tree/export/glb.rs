@@ -3,10 +3,12 @@
 //! Metres, Y up, right-handed: glTF's own convention and ours, so nothing is turned. The texture is embedded.
 //! Specification: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html> (§4.4 for the chunks).
 
+use std::io::{self, Write};
+
 use bytemuck::cast_slice;
 use serde_json::json;
 
-use super::{ExportParams, surface};
+use super::{ExportParams, Surface};
 use crate::tree::{Tree, TreeError, bark};
 
 /// glTF's number for f32.
@@ -23,33 +25,88 @@ const VERTEX_BYTES: u64 = 12 + 12 + 8 + 6 * 4;
 /// The tree as a GLB file.
 ///
 /// # Errors
-/// A tree that breaks an invariant, has no segment or is too large for the format; sides outside 3 to 64.
+/// As [`Glb::new`].
 pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
-    let mesh = surface(tree, params, "GLB", VERTEX_BYTES)?;
-    let texture = bark::png(&bark::BarkParams::default())?;
-    let (low, high) = mesh.bounds();
+    let file = Glb::new(tree, params)?;
+    let mut bytes = Vec::new();
+    let _ = file.write(&mut bytes); // Writing into a vector cannot fail.
+    Ok(bytes)
+}
 
-    let parts: [(&[u8], Option<u32>); 5] = [
-        (cast_slice(&mesh.positions), Some(ARRAY_BUFFER)),
-        (cast_slice(&mesh.normals), Some(ARRAY_BUFFER)),
-        (cast_slice(&mesh.uvs), Some(ARRAY_BUFFER)),
-        (cast_slice(&mesh.indices), Some(ELEMENT_ARRAY_BUFFER)),
-        (&texture, None),
+/// A GLB file that is checked and not written yet.
+#[derive(Debug)]
+pub struct Glb {
+    /// All before the binary chunk's contents.
+    head: Vec<u8>,
+    surface: Surface,
+    texture: Vec<u8>,
+}
+
+impl Glb {
+    /// Checks a tree and lays its file out.
+    ///
+    /// # Errors
+    /// A tree that breaks an invariant, has no segment or is too large for the format; sides outside 3 to 64.
+    pub fn new(tree: &Tree, params: &ExportParams) -> Result<Self, TreeError> {
+        let surface = Surface::new(tree, params, "GLB", VERTEX_BYTES)?;
+        let texture = bark::png(&bark::BarkParams::default())?;
+        let head = head(tree, params, &surface, texture.len())?;
+        Ok(Self {
+            head,
+            surface,
+            texture,
+        })
+    }
+
+    /// Writes the file, part by part.
+    ///
+    /// # Errors
+    /// What `out` fails in.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(&self.head)?;
+        let surface = &self.surface;
+        surface.each(|mesh, _| out.write_all(cast_slice(&mesh.positions)))?;
+        surface.each(|mesh, _| out.write_all(cast_slice(&mesh.normals)))?;
+        surface.each(|mesh, _| out.write_all(cast_slice(&mesh.uvs)))?;
+        let mut indices: Vec<u32> = Vec::new();
+        surface.each(|mesh, before| {
+            indices.clear();
+            indices.extend(mesh.indices.iter().map(|index| index + before));
+            out.write_all(cast_slice(&indices))
+        })?;
+        let mut texture = self.texture.clone();
+        pad(&mut texture, 0);
+        out.write_all(&texture)
+    }
+}
+
+/// The header, the chunk of JSON and the header of the binary chunk.
+fn head(
+    tree: &Tree,
+    params: &ExportParams,
+    surface: &Surface,
+    texture: usize,
+) -> Result<Vec<u8>, TreeError> {
+    let [low, high] = surface.bounds;
+    let (vertices, indices) = (surface.vertices, surface.indices);
+    let parts: [(usize, Option<u32>); 5] = [
+        (12 * vertices, Some(ARRAY_BUFFER)),
+        (12 * vertices, Some(ARRAY_BUFFER)),
+        (8 * vertices, Some(ARRAY_BUFFER)),
+        (4 * indices, Some(ELEMENT_ARRAY_BUFFER)),
+        (texture, None),
     ];
-    // Lengths first, so that the parts are copied once, straight into the file.
     let mut binary_length = 0;
     let mut views = Vec::new();
     for (bytes, target) in parts {
-        let mut view =
-            json!({ "buffer": 0, "byteOffset": binary_length, "byteLength": bytes.len() });
+        let mut view = json!({ "buffer": 0, "byteOffset": binary_length, "byteLength": bytes });
         if let Some(target) = target {
             view["target"] = json!(target);
         }
         views.push(view);
-        binary_length += bytes.len().next_multiple_of(4);
+        binary_length += bytes.next_multiple_of(4);
     }
 
-    let vertices = mesh.positions.len();
     let document = json!({
         "asset": { "version": "2.0", "generator": concat!("Ramus ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
@@ -80,7 +137,7 @@ pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
             { "bufferView": 0, "componentType": FLOAT, "count": vertices, "type": "VEC3", "min": low, "max": high },
             { "bufferView": 1, "componentType": FLOAT, "count": vertices, "type": "VEC3" },
             { "bufferView": 2, "componentType": FLOAT, "count": vertices, "type": "VEC2" },
-            { "bufferView": 3, "componentType": UNSIGNED_INT, "count": mesh.indices.len(), "type": "SCALAR" },
+            { "bufferView": 3, "componentType": UNSIGNED_INT, "count": indices, "type": "SCALAR" },
         ],
         "bufferViews": views,
         "buffers": [{ "byteLength": binary_length }],
@@ -95,7 +152,7 @@ pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
     };
     let length = |bytes: usize| u32::try_from(bytes).map_err(|_| too_large());
     let total = length(12 + 8 + text.len() + 8 + binary_length)?;
-    let mut file = Vec::with_capacity(total as usize);
+    let mut file = Vec::new();
     for word in [
         u32::from_le_bytes(*b"glTF"),
         2,
@@ -108,10 +165,6 @@ pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
     file.extend_from_slice(&text);
     for word in [length(binary_length)?, u32::from_le_bytes(*b"BIN\0")] {
         file.extend_from_slice(&word.to_le_bytes());
-    }
-    for (bytes, _) in parts {
-        file.extend_from_slice(bytes);
-        pad(&mut file, 0);
     }
     Ok(file)
 }

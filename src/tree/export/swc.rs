@@ -6,7 +6,7 @@
 //! Numbers are written with as many digits as bring back the same f32.
 
 use std::collections::BTreeSet;
-use std::io::Write as _;
+use std::io::{self, Write};
 
 use crate::tree::{NO_PARENT, Tree, TreeError};
 
@@ -15,23 +15,45 @@ const FIRST_CUSTOM_TYPE: u32 = 5;
 
 /// The tree as an SWC file.
 ///
-/// A letter's structure type is 5 (the first custom one) plus its index; the header names each.
-///
 /// # Errors
-/// A tree that breaks an invariant, has no segment or more than one root.
+/// As [`Swc::new`].
 pub fn swc(tree: &Tree) -> Result<Vec<u8>, TreeError> {
-    tree.validate()?;
-    match tree.root_count() {
-        _ if tree.segment_count() == 0 => return Err(TreeError::Empty("SWC")),
-        0 | 1 => {}
-        roots => return Err(TreeError::ManyRoots(roots)),
-    }
-    let mut text = Vec::with_capacity(tree.len() * 48);
-    let _ = write_lines(&mut text, tree); // Writing into a vector cannot fail.
+    let file = Swc::new(tree)?;
+    let mut text = Vec::new();
+    let _ = file.write(&mut text); // Writing into a vector cannot fail.
     Ok(text)
 }
 
-fn write_lines(text: &mut Vec<u8>, tree: &Tree) -> std::io::Result<()> {
+/// An SWC file that is checked and not written yet.
+///
+/// A letter's structure type is 5 (the first custom one) plus its index; the header names each.
+#[derive(Clone, Copy, Debug)]
+pub struct Swc<'a>(&'a Tree);
+
+impl<'a> Swc<'a> {
+    /// Checks a tree.
+    ///
+    /// # Errors
+    /// A tree that breaks an invariant, has no segment or more than one root.
+    pub fn new(tree: &'a Tree) -> Result<Self, TreeError> {
+        tree.validate()?;
+        match tree.root_count() {
+            _ if tree.segment_count() == 0 => Err(TreeError::Empty("SWC")),
+            0 | 1 => Ok(Self(tree)),
+            roots => Err(TreeError::ManyRoots(roots)),
+        }
+    }
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// What `out` fails in.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        write_lines(out, self.0)
+    }
+}
+
+fn write_lines(text: &mut dyn Write, tree: &Tree) -> io::Result<()> {
     writeln!(
         text,
         "# Ramus {}: {} segments",

@@ -20,6 +20,46 @@ fn thick_fork() -> Tree {
     tree
 }
 
+/// Files are written in parts of some thousand segments: together they are the whole surface.
+#[test]
+fn a_surface_made_in_parts_is_the_whole_surface() {
+    let nodes: Vec<_> = (0..10_000_u16)
+        .map(|n| {
+            let parent = u32::from(n).checked_sub(1).unwrap_or(NO_PARENT);
+            let aside = f32::from(n % 7);
+            node(
+                parent,
+                Vec3::new(aside, f32::from(n), 0.5 * aside),
+                0.1,
+                0,
+                0,
+            )
+        })
+        .collect();
+    let tree = tree_of(&nodes);
+    let expected = mesh(&segments_of(&tree, &[], u32::MAX), 1.0, 8);
+    let params = ExportParams::default();
+    let bytes = glb(&tree, &params).unwrap();
+    let file = gltf::Gltf::from_slice(&bytes).unwrap();
+    let primitive = file.meshes().next().unwrap().primitives().next().unwrap();
+    let reader = primitive.reader(|_| file.blob.as_deref());
+    let positions: Vec<_> = reader.read_positions().unwrap().collect();
+    let indices: Vec<_> = reader.read_indices().unwrap().into_u32().collect();
+    assert!(positions == expected.positions, "positions");
+    assert!(indices == expected.indices, "indices");
+    let (low, high) = expected.bounds();
+    let bounds = primitive.bounding_box();
+    assert_eq!((bounds.min, bounds.max), (low, high));
+
+    let text = String::from_utf8(obj(&tree, &params).unwrap()).unwrap();
+    let faces = text.lines().filter(|line| line.starts_with("f "));
+    let corners: Vec<u32> = faces
+        .flat_map(|line| line.split_whitespace().skip(1))
+        .map(|corner| corner.split('/').next().unwrap().parse::<u32>().unwrap() - 1)
+        .collect();
+    assert!(corners == expected.indices, "faces");
+}
+
 #[test]
 fn a_glb_is_read_back_whole_by_the_gltf_crate() {
     let tree = thick_fork();
@@ -122,7 +162,7 @@ fn what_cannot_be_written_is_refused_with_a_reason() {
             assert!(
                 message.contains("no segment")
                     && message.contains(format)
-                    && message.contains("grow it"),
+                    && message.contains("drawn by `F`"),
                 "{message}"
             );
         }

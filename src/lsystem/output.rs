@@ -1,0 +1,85 @@
+//! What rounds write into: places of the next string, successors as templates, memory that is used again.
+
+use super::grammar::Rule;
+use super::names::Symbol;
+use super::rewrite::Round;
+use super::string::ModuleString;
+
+/// Places for modules that are written one after the other.
+#[derive(Default)]
+pub(super) struct Output<'s> {
+    pub(super) symbols: &'s mut [Symbol],
+    pub(super) births: &'s mut [u32],
+    pub(super) parameters: &'s mut [f64],
+}
+
+impl<'s> Output<'s> {
+    /// The next places; fewer where the count was wrong, which cannot be.
+    pub(super) fn take(&mut self, modules: usize, parameters: usize) -> Self {
+        fn front<'s, T>(rest: &mut &'s mut [T], length: usize) -> &'s mut [T] {
+            let all = std::mem::take(rest);
+            let (taken, left) = all.split_at_mut(length.min(all.len()));
+            *rest = left;
+            taken
+        }
+        Self {
+            symbols: front(&mut self.symbols, modules),
+            births: front(&mut self.births, modules),
+            parameters: front(&mut self.parameters, parameters),
+        }
+    }
+}
+
+/// Modules of a template.
+pub(super) const TEMPLATE: usize = 16;
+/// Grammars with more productions do without templates.
+pub(super) const MOST_TEMPLATES: usize = 256;
+
+/// A successor without parameters, to be written at once.
+pub(super) struct Template {
+    /// Its first modules, then zeros.
+    pub(super) symbols: [Symbol; TEMPLATE],
+    pub(super) length: usize,
+    pub(super) heir: Option<usize>,
+}
+
+impl Template {
+    pub(super) fn of(rule: &Rule) -> Self {
+        let mut symbols = [0; TEMPLATE];
+        for (place, symbol) in symbols.iter_mut().zip(&rule.successor) {
+            *place = *symbol;
+        }
+        Self {
+            symbols,
+            length: rule.successor.len(),
+            heir: Round::heir(rule, &[], &[]),
+        }
+    }
+}
+
+/// Memory of earlier rounds for the next one: fresh memory costs more than filling it.
+#[derive(Default)]
+pub(super) struct Spare {
+    /// A string that is no longer needed.
+    pub(super) string: ModuleString,
+    pub(super) choices: Vec<u16>,
+    /// Modules that the last round rewrote.
+    pub(super) rewritten: usize,
+}
+
+/// A vector of this length whose values will all be written; `None` where the memory is not there.
+pub(super) fn reused<T: Clone + Default>(mut old: Vec<T>, length: usize) -> Option<Vec<T>> {
+    // Never much more than is needed: a string may shrink.
+    if old.capacity() < length || old.capacity() / 2 > length {
+        return zeroed(length);
+    }
+    old.resize(length, T::default());
+    Some(old)
+}
+
+/// A vector of zeros, or nothing where the memory is not there.
+pub(super) fn zeroed<T: Clone + Default>(length: usize) -> Option<Vec<T>> {
+    // Asked for first, since `vec!` would end the program; its zeros are the system's, not written once more.
+    Vec::<T>::new().try_reserve_exact(length).ok()?;
+    Some(vec![T::default(); length])
+}
