@@ -30,7 +30,7 @@ pub struct Album<'a> {
     /// Whether hands were at rest in the last picture.
     last_rested: bool,
     /// Where hands were in the last frame, and whether they rest now.
-    hands: [Vec3; 2],
+    hands: Option<[Vec3; 2]>,
     resting: bool,
     steps: BTreeSet<u32>,
     frames: usize,
@@ -52,7 +52,7 @@ impl<'a> Album<'a> {
             folder: folder.map(Path::to_owned),
             last: None,
             last_rested: false,
-            hands: [Vec3::NAN; 2],
+            hands: None,
             resting: false,
             steps: BTreeSet::new(),
             frames: 0,
@@ -104,10 +104,11 @@ impl Watcher for Album<'_> {
     fn wants(&mut self, workshop: &Workshop, frame: &Frame) -> bool {
         let hands = frame.hands.map(|hand| hand.grip.position);
         let still = |hand: usize| {
-            !frame.hands[hand].tracked || hands[hand].distance(self.hands[hand]) < STILL
+            let moved = |before: [Vec3; 2]| hands[hand].distance(before[hand]) >= STILL;
+            !frame.hands[hand].tracked || !self.hands.is_some_and(moved)
         };
         self.resting = still(0) && still(1) && !workshop.world().is_touched();
-        self.hands = hands;
+        self.hands = Some(hands);
         self.is_due(workshop)
     }
 
@@ -132,5 +133,41 @@ impl Watcher for Album<'_> {
     fn ended(&mut self, _headset: &mut dyn Headset) {
         self.frames += 1;
         (self.on_frame)(self.frames);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+    use crate::world::World;
+    use crate::world::history::History;
+
+    #[test]
+    fn a_picture_with_hands_at_work_is_taken_again_when_they_rest() {
+        let folder = tempfile::tempdir().unwrap();
+        let workshop = Workshop::unsaved(World::new(History::default())).unwrap();
+        let mut album = Album::new(Some(folder.path()), Box::new(|_| {})).unwrap();
+        let mut frame = Frame::start();
+        frame.hands[1].tracked = true;
+        let mut wants = |album: &mut Album<'_>, move_by: f32| {
+            frame.hands[1].grip.position.x += move_by;
+            album.wants(&workshop, &frame)
+        };
+        let taken = |album: &mut Album<'_>| {
+            album.last = Some(Album::key(&workshop));
+            album.last_rested = album.resting;
+        };
+        assert!(wants(&mut album, 0.0), "the first one");
+        assert!(wants(&mut album, 0.01), "until it is taken");
+        taken(&mut album);
+        assert!(!wants(&mut album, 0.01), "the hand still moves");
+        assert!(wants(&mut album, 0.000_1), "it rests");
+        taken(&mut album);
+        assert!(!wants(&mut album, 0.0) && !wants(&mut album, 0.01) && !wants(&mut album, 0.0));
     }
 }
