@@ -579,6 +579,10 @@ mod tests {
             ] {
                 let line = machine.install(package);
                 runs_as_it_is(&line, &machine);
+                // One word for the other shell, so that all of it runs as root.
+                if machine.root == Root::Su && machine.system != System::Other {
+                    assert!(line.starts_with("su -c '"), "{line}");
+                }
                 // What is called is installed by the same line.
                 if let Some((before, _)) = line.split_once("flatpak remote-add") {
                     assert!(before.contains(" flatpak"), "{line}");

@@ -341,3 +341,30 @@ fn write_files(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "the table says it")]
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Debug, Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    #[test]
+    fn the_machine_and_the_option_bound_the_memory_whichever_is_less() {
+        for (asked, room, bytes, advice) in [
+            ("64", None, 64 * MIB, "--memory"),
+            ("64", Some(800 * MIB), 64 * MIB, "--memory"),
+            ("4096", Some(800 * MIB), 700 * MIB, "700 MiB free"),
+        ] {
+            let line = Line::parse_from(["derive", "a.lsys", "--memory", asked]);
+            let budget = Budget::new(&line.args, room);
+            assert_eq!(budget.bytes, bytes, "{asked} {room:?}");
+            assert!(budget.advice().contains(advice), "{}", budget.advice());
+        }
+    }
+}
