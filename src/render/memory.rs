@@ -133,6 +133,32 @@ impl ImageDesc {
     }
 }
 
+impl ImageDesc {
+    /// Bytes that the image takes at least: no format that is drawn to has fewer than 4 a sample.
+    fn least_bytes(&self) -> u64 {
+        const SAMPLE: u64 = 4;
+        let pixels = u64::from(self.extent.width) * u64::from(self.extent.height);
+        let samples = u64::from(self.layers) * u64::from(self.samples.as_raw());
+        pixels.saturating_mul(samples * SAMPLE)
+    }
+}
+
+/// Bytes of the largest image of this kind that the device can have.
+fn largest_image(gpu: &Gpu, desc: &ImageDesc) -> Result<vk::DeviceSize, RenderError> {
+    // SAFETY: the instance is alive and the physical device is one of its own.
+    let properties = unsafe {
+        gpu.instance.get_physical_device_image_format_properties(
+            gpu.physical_device,
+            desc.format,
+            vk::ImageType::TYPE_2D,
+            vk::ImageTiling::OPTIMAL,
+            desc.usage,
+            desc.flags,
+        )
+    };
+    Ok(properties.trying(desc.name)?.max_resource_size)
+}
+
 /// An image with its memory.
 pub(crate) struct Image {
     pub(crate) handle: vk::Image,
@@ -143,6 +169,9 @@ pub(crate) struct Image {
 
 impl Image {
     pub(crate) fn new(gpu: &Gpu, desc: ImageDesc) -> Result<Self, RenderError> {
+        if desc.least_bytes() > largest_image(gpu, &desc)? {
+            return Err(RenderError::OutOfMemory(desc.name));
+        }
         let info = vk::ImageCreateInfo::default()
             .flags(desc.flags)
             .image_type(vk::ImageType::TYPE_2D)
