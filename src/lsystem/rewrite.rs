@@ -395,7 +395,11 @@ impl Round<'_> {
             };
             let Some(template) = template else { continue };
             let length = template.length;
-            if let (Some(s), Some(b)) = (
+            if length == 1
+                && let (Some(s), Some(b)) = (symbols.get_mut(out), births.get_mut(out))
+            {
+                (*s, *b) = (template.symbols[0], self.step);
+            } else if let (Some(s), Some(b)) = (
                 symbols.get_mut(out..out + TEMPLATE),
                 births.get_mut(out..out + TEMPLATE),
             ) && length <= TEMPLATE

@@ -185,7 +185,7 @@ const SLIM: f32 = 0.08;
 /// Sets radii for a picture's sake, where widths that say nothing would make hairlines or one solid patch.
 ///
 /// Where all are equal (a published grammar that draws lines and means no width), they are kept between `finest` and
-/// [`SLIM`] of the median segment's length; where they differ, what is thinner than `finest` alone is made so thick.
+/// 0.08 of the median segment's length; where they differ, what is thinner than `finest` alone is made so thick.
 pub fn for_picture(tree: &mut Tree, finest: f32) {
     let widest = tree.radius.iter().copied().fold(0.0, f32::max);
     let thinnest = tree.radius.iter().copied().fold(f32::MAX, f32::min);
