@@ -119,15 +119,9 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
                 Err(round.failed(rule, at, ValueProblem::BadWeight))
             });
         }
-        Ok(self.pick((total, &self.drawn), at))
-    }
-
-    /// One of the choices, whose weights have this finite sum above 0.
-    #[inline]
-    pub(super) fn pick(&self, (total, weighted): (f64, &[(u16, f64)]), at: usize) -> u16 {
         let mut left = self.choice_key.at(at).unit() * total;
         let mut chosen = STAYS;
-        for (choice, weight) in weighted {
+        for (choice, weight) in &self.drawn {
             if *weight > 0.0 {
                 chosen = *choice; // the last one takes what rounding leaves
                 if left < *weight {
@@ -136,7 +130,16 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
             }
             left -= weight;
         }
-        chosen
+        Ok(chosen)
+    }
+
+    /// The choice that a draw means, of those that are known beforehand: without a branch, which would be guessed wrong.
+    #[inline]
+    pub(super) fn pick(&self, weighted: &[(u16, f64)], at: usize) -> u16 {
+        let drawn = self.choice_key.at(at).unit();
+        let passed = |one: &(u16, f64)| usize::from(drawn >= one.1);
+        let index: usize = weighted.iter().map(passed).sum();
+        weighted.get(index).map_or(STAYS, |one| one.0)
     }
 
     /// Computes the parameters of a successor.

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::grammar::{Grammar, Pattern, Role, Rule, RuleSet};
 use super::names::Symbol;
+use super::rewrite::pays_in_parallel;
 use super::string::ModuleString;
 
 /// Modules between two entries of the index of parameters.
@@ -60,10 +61,15 @@ impl ContextIndex {
                 true => neighbours(grammar, string, cancel, side),
                 false => Some(Vec::new()),
             };
-            let (left, right) = rayon::join(
+            let (left, right) = (
                 || side(looks.left, Side::Left),
                 || side(looks.right, Side::Right),
             );
+            let (left, right) = if pays_in_parallel(string.len() / JOINED_AT_ONCE) {
+                rayon::join(left, right)
+            } else {
+                (left(), right())
+            };
             (index.left, index.right) = (left?, right?);
             if looks.into_branches {
                 index.partner = partners(grammar, string, cancel)?;
@@ -81,6 +87,8 @@ impl ContextIndex {
     }
 }
 
+/// A module's share of an index is so much less work than rewriting it.
+const JOINED_AT_ONCE: usize = 8;
 /// Modules between two looks at the cancel flag while an index is made.
 const INDEXED_AT_ONCE: usize = 1 << 16;
 

@@ -202,12 +202,30 @@ pub(crate) struct RuleSet {
     plans: Vec<Plan>,
     /// For each symbol whose plan is [`Plan::Near`] its productions, best first.
     near: Vec<Vec<Near>>,
-    /// For each symbol whose plan is [`Plan::Draw`] its choices with their weights, and the sum of these.
-    weighted: Vec<(f64, Vec<(u16, f64)>)>,
+    /// For each symbol whose plan is [`Plan::Draw`] its choices, each with the number up to which a draw from 0 to 1
+    /// means it.
+    weighted: Vec<Vec<(u16, f64)>>,
     pub(crate) order: Order,
     pub(crate) has_context: bool,
     /// What any of them looks for.
     pub(crate) looks: Looks,
+}
+
+/// Weights as parts of 1, added up; the last takes what rounding leaves. Empty where their sum is no number.
+fn up_to(mut weighted: Vec<(u16, f64)>) -> Vec<(u16, f64)> {
+    let total: f64 = weighted.iter().map(|one| one.1).sum();
+    if !total.is_finite() {
+        return Vec::new();
+    }
+    let mut sum = 0.0;
+    for (_, weight) in &mut weighted {
+        sum += *weight;
+        *weight = sum / total;
+    }
+    if let Some((_, last)) = weighted.last_mut() {
+        *last = f64::INFINITY;
+    }
+    weighted
 }
 
 impl RuleSet {
@@ -248,26 +266,19 @@ impl RuleSet {
                 all.unwrap_or_default()
             })
             .collect();
-        let weighted: Vec<(f64, Vec<(u16, f64)>)> = by_symbol
+        let weighted: Vec<Vec<(u16, f64)>> = by_symbol
             .iter()
             .map(|list| {
                 let weighted = |number: &u16| Some((number + 1, rule(number)?.constant_weight()?));
                 let all: Option<Vec<(u16, f64)>> = list.iter().map(weighted).collect();
-                let all = all.unwrap_or_default();
-                (all.iter().map(|one| one.1).sum(), all)
+                up_to(all.unwrap_or_default())
             })
             .collect();
         let plan = |(index, list): (usize, &Vec<u16>)| match list.first() {
             None => Plan::Stay,
             Some(first) if rule(first).is_some_and(Rule::unconditional) => Plan::Always(*first),
             Some(_) if near.get(index).is_some_and(|n| !n.is_empty()) => Plan::Near,
-            Some(_)
-                if weighted
-                    .get(index)
-                    .is_some_and(|w| w.0 > 0.0 && w.0.is_finite()) =>
-            {
-                Plan::Draw
-            }
+            Some(_) if weighted.get(index).is_some_and(|all| !all.is_empty()) => Plan::Draw,
             Some(_) => Plan::Choose,
         };
         let plans = by_symbol.iter().enumerate().map(plan).collect();
@@ -291,10 +302,10 @@ impl RuleSet {
 
     /// Choices and weights of a symbol whose plan is [`Plan::Draw`].
     #[inline]
-    pub(crate) fn weighted(&self, symbol: Symbol) -> (f64, &[(u16, f64)]) {
+    pub(crate) fn weighted(&self, symbol: Symbol) -> &[(u16, f64)] {
         self.weighted
             .get(usize::from(symbol))
-            .map_or((0.0, &[]), |(total, all)| (*total, all))
+            .map_or(&[], Vec::as_slice)
     }
 
     /// The productions of a symbol whose plan is [`Plan::Near`].

@@ -24,6 +24,11 @@ const CHUNK: usize = 8192;
 const PARALLEL_FROM: usize = 4 * CHUNK;
 /// Choice of a module that stays as it is; productions are numbered from 1.
 pub(super) const STAYS: u16 = 0;
+/// Whether work on so many modules is worth handing to other threads: waking them takes as long as thousands of modules.
+pub(super) fn pays_in_parallel(modules: usize) -> bool {
+    modules >= PARALLEL_FROM && rayon::current_num_threads() > 1
+}
+
 /// How old the modules of a successor are.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Births {
@@ -106,7 +111,7 @@ impl<'a> Round<'a> {
         string: &ModuleString,
         spare: &mut Spare,
     ) -> Result<Option<ModuleString>, DeriveError> {
-        let parallel = string.len() >= PARALLEL_FROM;
+        let parallel = pays_in_parallel(string.len());
         let index = if self.rules.has_context {
             ContextIndex::new(self.grammar, self.rules, string, self.cancel)
                 .ok_or_else(|| self.cancelled())?
@@ -177,7 +182,7 @@ impl<'a> Round<'a> {
             }
         }
         let templates = self.templates(string);
-        Self::each(parallel || modules >= PARALLEL_FROM, tasks, |task| {
+        Self::each(parallel || pays_in_parallel(modules), tasks, |task| {
             self.fill(&indexed, templates.as_deref(), task)
         })?;
         spare.choices = choices;
