@@ -14,13 +14,7 @@ mod monado {
     pub(crate) mod sight;
 }
 
-use std::{
-    cell::RefCell,
-    io::{BufRead as _, BufReader},
-    path::Path,
-    process::Stdio,
-    rc::Rc,
-};
+use std::{cell::RefCell, path::Path, rc::Rc};
 
 use ash::vk;
 use ramus::{
@@ -261,24 +255,8 @@ fn the_program_says_in_one_sentence_that_the_runtime_died() {
             let folder = tempfile::tempdir().unwrap();
             let file = folder.path().join("kept.ramus");
             let mut service = Service::start(ServiceParams::default()).unwrap();
-            let mut child = service
-                .command(env!("CARGO_BIN_EXE_ramus"))
-                .args(["--headset", "openxr", "--project"])
-                .arg(&file)
-                .current_dir(folder.path())
-                .stdin(Stdio::null())
-                .stdout(Stdio::piped())
-                .stderr(Stdio::piped())
-                .spawn()
-                .unwrap();
-            let mut output = BufReader::new(child.stdout.take().unwrap());
-            let mut first = String::new();
-            while !first.contains("In the headset") {
-                assert!(
-                    output.read_line(&mut first).unwrap() > 0,
-                    "it ended: {first}"
-                );
-            }
+            let program = service.command(env!("CARGO_BIN_EXE_ramus"));
+            let (mut child, _output, _) = ends::in_the_headset(program, &file);
             service.kill().unwrap();
             ends::says_once(&mut child, "your work is saved");
             project::from_bytes(&std::fs::read(&file).unwrap()).unwrap();

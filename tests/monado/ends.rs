@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::Duration;
 
 use ramus::app::{demonstration, store::Store};
@@ -17,6 +17,28 @@ use super::super::{bytes, staged, workshop};
 
 /// Actions after which the session ends under the program: some segments are drawn, most are to come.
 const ACTIONS: u64 = 3;
+
+/// Starts the workshop on a project and waits until it is in the headset; gives its output and what it said so far.
+pub(crate) fn in_the_headset(
+    mut program: Command,
+    file: &Path,
+) -> (Child, BufReader<ChildStdout>, String) {
+    let mut child = program
+        .args(["--headset", "openxr", "--project"])
+        .arg(file)
+        .current_dir(file.parent().unwrap())
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut output = BufReader::new(child.stdout.take().unwrap());
+    let mut said = String::new();
+    while !said.contains("In the headset") {
+        assert!(output.read_line(&mut said).unwrap() > 0, "it ended: {said}");
+    }
+    (child, output, said)
+}
 
 /// A program that cannot go on ends with exit code 1 and one sentence that holds `words`.
 pub(crate) fn says_once(child: &mut Child, words: &str) {
@@ -186,22 +208,9 @@ fn a_workshop_that_the_runtime_ends_is_saved_and_no_error() {
             let folder = tempfile::tempdir().unwrap();
             let file = folder.path().join("kept.ramus");
             let service = Service::start(ServiceParams::default()).unwrap();
-            let mut child = service
-                .command(env!("CARGO_BIN_EXE_ramus"))
-                .envs(layer(folder.path()))
-                .args(["--headset", "openxr", "--project"])
-                .arg(&file)
-                .current_dir(folder.path())
-                .stdin(Stdio::null())
-                .stdout(Stdio::piped())
-                .stderr(Stdio::piped())
-                .spawn()
-                .unwrap();
-            let mut output = BufReader::new(child.stdout.take().unwrap());
-            let mut said = String::new();
-            while !said.contains("In the headset") {
-                assert!(output.read_line(&mut said).unwrap() > 0, "it ended: {said}");
-            }
+            let mut program = service.command(env!("CARGO_BIN_EXE_ramus"));
+            program.envs(layer(folder.path()));
+            let (child, mut output, mut said) = in_the_headset(program, &file);
             teller::tell(folder.path(), "exit").unwrap();
             output.read_to_string(&mut said).unwrap();
             let ended = child.wait_with_output().unwrap();

@@ -212,15 +212,7 @@ fn a_session_that_replaces_a_project_keeps_the_older_one_until_it_is_over() {
         .unwrap();
     let journal = Store::journal_of(&project);
     let has_begun = || fs::metadata(&journal).is_ok_and(|data| data.len() > 4096);
-    while !has_begun() {
-        assert!(
-            child.try_wait().unwrap().is_none(),
-            "the session ended before it was killed"
-        );
-        std::thread::yield_now();
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
+    super::kill_when(&mut child, has_begun);
     assert!(fs::read(&project).unwrap() == older);
     // The next start finds both.
     let opened = Store::open(&project).unwrap();

@@ -7,7 +7,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output};
 
 use glam::{Quat, Vec3};
 use ramus::app::store::{Store, read_project};
@@ -118,6 +118,19 @@ fn long_session(path: &Path, presses: usize) {
     fs::write(path, session::to_bytes(&frames).unwrap()).unwrap();
 }
 
+/// Kills a session once it has got so far.
+fn kill_when(child: &mut Child, is_far: impl Fn() -> bool) {
+    while !is_far() {
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "the session ended before it was killed"
+        );
+        std::thread::yield_now();
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
 #[test]
 fn a_killed_session_is_recovered_to_its_last_finished_action() {
     let folder = folder();
@@ -138,15 +151,7 @@ fn a_killed_session_is_recovered_to_its_last_finished_action() {
             .filter(|&&byte| byte == b'\n')
             .count()
     };
-    while lines() < 300 {
-        assert!(
-            child.try_wait().unwrap().is_none(),
-            "the session ended before it was killed"
-        );
-        std::thread::yield_now();
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
+    kill_when(&mut child, || lines() >= 300);
     assert!(
         !project.exists(),
         "nothing was saved: all is in the journal"
