@@ -45,4 +45,4 @@ pub use grammar::Grammar;
 pub use names::Symbol;
 pub use shape::shape_frames;
 pub use string::{Module, ModuleString};
-pub use turtle::{TurtleParams, interpret};
+pub use turtle::{TurtleParams, draw_on, interpret};
