@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{Read as _, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -269,9 +269,9 @@ fn has_outlines(grammar: &Grammar, string: &ModuleString) -> bool {
         .any(|symbol| grammar.name(*symbol) == "{")
 }
 
-fn read(args: &Args) -> Result<Grammar> {
-    let path = &args.file;
-    let name = path.display().to_string();
+/// The text of a grammar file.
+pub(super) fn text_of(path: &Path) -> Result<String> {
+    let name = path.display();
     let failed = || format!("cannot read {name}");
     let file = File::open(path).with_context(failed)?;
     let mut bytes = Vec::new();
@@ -281,11 +281,19 @@ fn read(args: &Args) -> Result<Grammar> {
     if bytes.len() as u64 > MAX_GRAMMAR_BYTES {
         bail!("{name} is longer than {MAX_GRAMMAR_BYTES} bytes, and no grammar is");
     }
-    let text = String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         anyhow!("{name} is no UTF-8 text (byte {at}): save the grammar as UTF-8")
-    })?;
+    })
+}
+
+fn read(args: &Args) -> Result<Grammar> {
+    let text = text_of(&args.file)?;
+    let name = args.file.display().to_string();
     let grammar = Grammar::parse(&text, &name).map_err(|errors| anyhow!("{errors}"))?;
+    for remark in grammar.remarks() {
+        whisper!("{remark}");
+    }
     Ok(match args.seed {
         Some(seed) => grammar.with_seed(seed),
         None => grammar,

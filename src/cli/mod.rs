@@ -18,6 +18,7 @@ macro_rules! whisper {
 
 mod derive;
 mod doctor;
+mod import;
 mod outputs;
 mod progress;
 mod replay;
@@ -58,6 +59,8 @@ enum Command {
     Replay(replay::Args),
     /// Derives a grammar file and prints or exports what grew.
     Derive(derive::Args),
+    /// Writes a grammar of cpfg, L-Py or Houdini in the notation of Ramus.
+    Import(import::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
     Doctor,
 }
@@ -72,6 +75,7 @@ pub fn run() -> ExitCode {
         None => workshop::run(&cli.workshop),
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Derive(args)) => derive::run(&args),
+        Some(Command::Import(args)) => import::run(&args),
         Some(Command::Doctor) => doctor::run(),
     };
     match result {

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::code::Expression;
 use super::derive::{self, Limits};
+use super::dialect::Remark;
 use super::error::{DeriveError, GrammarErrors};
 use super::names::{Names, Symbol};
 use super::output::Spare;
@@ -38,6 +39,7 @@ pub struct Grammar {
     pub(crate) shapes: Vec<Shape>,
     /// For each symbol its dictionary entry.
     pub(crate) shape_of: Vec<Option<u16>>,
+    pub(crate) remarks: Vec<Remark>,
 }
 
 /// What a symbol is to the rewriting.
@@ -332,6 +334,12 @@ impl Grammar {
     /// All faults found, each with its line and column.
     pub fn parse(source: &str, file: &str) -> Result<Self, GrammarErrors> {
         parse::grammar(source, file)
+    }
+
+    /// What the text says in another program's notation and could not be carried over.
+    #[must_use]
+    pub fn remarks(&self) -> &[Remark] {
+        &self.remarks
     }
 
     /// The string after `steps` steps.

@@ -22,6 +22,7 @@ mod choice;
 mod code;
 mod context;
 mod derive;
+pub mod dialect;
 mod error;
 mod expression;
 mod grammar;

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::dialect::{self, Remark};
 use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::include::{folder_of, gather};
@@ -43,15 +44,25 @@ pub(crate) struct Parser {
     wrap: Wrap,
     /// Statements that may stand only once.
     seen: BTreeSet<&'static str>,
+    /// What was left out when the text was translated.
+    remarks: Vec<Remark>,
 }
 
 pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> {
+    let (source, remarks) = dialect::opened(Source::new(file.to_owned(), text.to_owned()))?;
+    of_source(source, remarks)
+}
+
+/// The grammar of a text in our notation, and what was left out when it was translated into it.
+pub(crate) fn of_source(source: Source, remarks: Vec<Remark>) -> Result<Grammar, GrammarErrors> {
+    let file = source.name.clone();
     let mut parser = Parser::default();
+    parser.remarks = remarks;
     let mut sources = Vec::new();
     let mut all = Vec::new();
-    let folder = folder_of(file);
+    let folder = folder_of(&file);
     let mut chain = Vec::new();
-    if let Some(path) = Path::new(file)
+    if let Some(path) = Path::new(&file)
         .canonicalize()
         .ok()
         .filter(|_| folder.is_some())
@@ -62,7 +73,7 @@ pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> 
         &mut parser.errors,
         &mut sources,
         &mut all,
-        Source::new(file.to_owned(), text.to_owned()),
+        source,
         folder.as_deref(),
         &mut chain,
     );
@@ -263,15 +274,12 @@ impl Parser {
     }
 
     fn finish(mut self, sources: &[Source]) -> Result<Grammar, GrammarErrors> {
-        let first = sources.first();
-        let (file, text) = first.map_or(("", ""), |s| (s.name.as_str(), s.text.as_str()));
         let mut general = |message: &str| {
-            self.errors.push(GrammarError::new(
-                file,
-                text,
-                text.len(),
-                message.to_owned(),
-            ))
+            let message = message.to_owned();
+            self.errors.push(match sources.first() {
+                Some(source) => source.error(source.text.len(), message),
+                None => GrammarError::new("", "", 0, message),
+            });
         };
         if self.axiom.is_none() && !self.seen.contains("axiom") {
             general("this grammar has no axiom; expected a line such as `axiom A`");
@@ -350,6 +358,7 @@ impl Parser {
             shapes: self.shapes,
             shape_of,
             names: self.names,
+            remarks: self.remarks,
         })
     }
 }

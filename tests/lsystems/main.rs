@@ -8,6 +8,7 @@
     reason = "a test fails by panic, and its data is known"
 )]
 
+mod dialects;
 mod hostile;
 mod include;
 mod language;
