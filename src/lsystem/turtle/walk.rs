@@ -155,6 +155,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
                 node: self.pen.node,
                 position: self.position,
             }),
+            Action::Query => return self.canvas.query(&self.pen, by),
             Action::Vertex => return self.vertex(),
             Action::EndPolygon => return self.end_outline(by),
             Action::Sphere => {
