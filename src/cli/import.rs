@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Result, anyhow};
 use clap::Args as ClapArgs;
 
-use super::derive::text_of;
+use super::inputs::grammar_text;
 use super::outputs::{check_places, not_over_each_other};
 use super::print_result;
 use crate::lsystem::dialect::{self, Dialect};
@@ -30,7 +30,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         args.output.iter().map(PathBuf::as_path),
         None,
     )?;
-    let text = text_of(&args.file)?;
+    let text = grammar_text(&args.file)?;
     let told = args.dialect.or_else(|| dialect::named(&text));
     let dialect = told
         .or_else(|| Dialect::of_ending(&args.file))

@@ -14,6 +14,7 @@ use super::blocks::{Blocks, Size};
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, Role, RuleSet};
 use super::output::Spare;
+use super::query::answered;
 use super::rewrite::{Births, Round};
 use super::string::{ModuleString, string_bytes};
 
@@ -52,6 +53,7 @@ pub(crate) fn derive(
     }
     let mut spare = Spare::default();
     string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
+    string = answered(grammar, string, limits, cancel)?;
     if steps > 0
         && let Ok(graph) = Blocks::new(grammar, steps, limits, cancel)
     {
@@ -169,7 +171,7 @@ pub(crate) fn next(
         None => string.clone(),
     };
     let following = decomposed(grammar, following, step, limits, cancel)?;
-    Ok(cut_owned(grammar, following))
+    answered(grammar, cut_owned(grammar, following), limits, cancel)
 }
 
 /// The round of the productions.

@@ -15,6 +15,7 @@ use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::include::{folder_of, gather};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
+use super::query::{ANSWERS, Query};
 use super::shape::{Shape, Wrap};
 use super::source::{Block, Cursor, Source, Statement};
 use super::string::ModuleString;
@@ -55,9 +56,31 @@ pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> 
 
 /// The grammar of a text in our notation, and what was left out when it was translated into it.
 pub(crate) fn of_source(source: Source, remarks: Vec<Remark>) -> Result<Grammar, GrammarErrors> {
+    let (mut parser, sources) = read(source);
+    parser.remarks = remarks;
+    parser.finish(&sources, true)
+}
+
+/// A grammar, or a part of one to be included, with its own text as it was cut.
+pub(super) fn with_text(text: &str, file: &str) -> Result<(Grammar, Source), GrammarErrors> {
+    let source = Source::new(file.to_owned(), text.to_owned());
+    if let Some(dialect) = dialect::named(text) {
+        let message = format!(
+            "this is a file of {dialect}, whose layout is its own; bring it over with `ramus import`"
+        );
+        let mut errors = GrammarErrors::default();
+        errors.push(source.error(0, message));
+        return Err(errors);
+    }
+    let (parser, sources) = read(source);
+    let grammar = parser.finish(&sources, false)?;
+    Ok((grammar, sources.into_iter().next().unwrap_or_default()))
+}
+
+/// Tries all statements of a text and of what it includes.
+fn read(source: Source) -> (Parser, Vec<Source>) {
     let file = source.name.clone();
     let mut parser = Parser::default();
-    parser.remarks = remarks;
     let mut sources = Vec::new();
     let mut all = Vec::new();
     let folder = folder_of(&file);
@@ -102,7 +125,7 @@ pub(crate) fn of_source(source: Source, remarks: Vec<Remark>) -> Result<Grammar,
             p.statement(cursor, statement)
         });
     }
-    parser.finish(&sources)
+    (parser, sources)
 }
 
 /// Nothing may be left of the statement.
@@ -242,9 +265,10 @@ impl Parser {
             );
             self.errors.push(cursor.error_at(at, message));
         }
-        if matches!(name, "?P" | "?H") {
-            let message =
-                format!("the query `{name}` cannot be answered yet; expected another module");
+        if Query::of(name).is_some() && !ANSWERS.contains(&arity) {
+            let message = format!(
+                "found `{name}` with {arity} parameters; expected the two or three that the turtle writes its answer into, as in `{name}(0, 0, 0)`"
+            );
             self.errors.push(cursor.error_at(at, message));
         }
         self.names.intern(name, arity).ok_or_else(|| {
@@ -273,7 +297,9 @@ impl Parser {
         None
     }
 
-    fn finish(mut self, sources: &[Source]) -> Result<Grammar, GrammarErrors> {
+    /// Checks what only the whole text shows. A part of a grammar needs no axiom.
+    fn finish(mut self, sources: &[Source], whole: bool) -> Result<Grammar, GrammarErrors> {
+        let index = |i: usize| Symbol::try_from(i).unwrap_or(Symbol::MAX);
         let mut general = |message: &str| {
             let message = message.to_owned();
             self.errors.push(match sources.first() {
@@ -281,7 +307,7 @@ impl Parser {
                 None => GrammarError::new("", "", 0, message),
             });
         };
-        if self.axiom.is_none() && !self.seen.contains("axiom") {
+        if whole && self.axiom.is_none() && !self.seen.contains("axiom") {
             general("this grammar has no axiom; expected a line such as `axiom A`");
         }
         if self.literal && (!self.ignored.is_empty() || self.considered.is_some()) {
@@ -295,6 +321,19 @@ impl Parser {
         if self.shapes.len() >= usize::from(u16::MAX) {
             general("this grammar has more than 65,000 shapes");
         }
+        let is_query = |symbol: Symbol| Query::of(self.names.name(symbol)).is_some();
+        let has_queries = (0..self.names.symbols().len()).any(|i| is_query(index(i)));
+        let shown = self.interpret.iter().flat_map(|(rules, _)| rules);
+        let hides = |rule: &Rule| {
+            let cuts = |symbol: &Symbol| self.names.name(*symbol) == "%";
+            let queries = |symbol: &Symbol| is_query(*symbol);
+            queries(&rule.predecessor) || rule.successor.iter().any(|s| queries(s) || cuts(s))
+        };
+        if has_queries && shown.into_iter().any(hides) {
+            general(
+                "a query (`?P`) is answered where it stands in the string, so the `interpret` block of a grammar with queries holds neither queries nor `%`; take them out of it",
+            );
+        }
         if !self.errors.errors.is_empty() {
             // Passes find faults out of order; a person reads a file from its top.
             let file_of = |name: &str| sources.iter().position(|s| s.name == name);
@@ -305,7 +344,6 @@ impl Parser {
         }
         let symbols = self.names.symbols();
         let arity: Arc<[u8]> = symbols.iter().map(|s| s.arity).collect();
-        let index = |i: usize| Symbol::try_from(i).unwrap_or(Symbol::MAX);
         let roles = (0..symbols.len())
             .map(|i| match self.names.name(index(i)) {
                 "[" => Role::Open,
@@ -357,6 +395,7 @@ impl Parser {
             tropism: self.tropism,
             shapes: self.shapes,
             shape_of,
+            has_queries,
             names: self.names,
             remarks: self.remarks,
         })

@@ -11,6 +11,7 @@ use super::derive::{self, Limits};
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, RuleSet};
 use super::output::Spare;
+use super::query::answered;
 use super::string::ModuleString;
 
 /// A step as it was made.
@@ -95,8 +96,9 @@ pub(crate) fn recorded(
         moved.push(kept);
         follow(&mut places, &moved);
     }
+    let string = derive::cut_owned(grammar, following);
     Ok(Recorded {
-        string: derive::cut_owned(grammar, following),
+        string: answered(grammar, string, limits, cancel)?,
         choices,
         starts: places,
         decomposed,
