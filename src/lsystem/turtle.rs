@@ -202,7 +202,7 @@ impl<'a> Turtle<'a> {
     fn run(&mut self, string: &ModuleString, cancel: &AtomicBool) -> Result<(), DeriveError> {
         for (position, module) in string.iter().enumerate() {
             if position % CHECK_EVERY == 0 && cancel.load(Ordering::Relaxed) {
-                let step = string.births.iter().copied().max().unwrap_or(0);
+                let step = string.births().max().unwrap_or(0);
                 return Err(DeriveProblem::Cancelled { step }.into());
             }
             let here = Here {

@@ -15,6 +15,7 @@ mod oracle;
 mod reference;
 mod sketch_cases;
 mod turtle;
+mod widths;
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
