@@ -110,13 +110,13 @@ impl<'g> Chain<'g> {
         Some(chain)
     }
 
-    /// Whether contexts are plain neighbours and nothing is drawn or cut.
+    /// Whether contexts are plain neighbours and nothing is drawn by chance, cut or asked of the turtle.
     fn fits(grammar: &Grammar) -> bool {
         let plain = grammar.literal
             || !grammar.rules.has_context
             || grammar.roles.iter().all(|role| *role == Role::Module);
         let drawn = grammar.rules.draws() || grammar.decompose.as_ref().is_some_and(RuleSet::draws);
-        plain && !drawn && !grammar.roles.contains(&Role::Cut)
+        plain && !drawn && !grammar.roles.contains(&Role::Cut) && !grammar.has_queries
     }
 
     /// Whether too little of the string rests for the list to pay, or it is too long.

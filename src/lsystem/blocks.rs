@@ -122,7 +122,9 @@ impl Blocks {
         limits: &Limits,
         cancel: &AtomicBool,
     ) -> Result<Self, Unfit> {
-        let alone = !grammar.rules.has_context && grammar.decompose.is_none();
+        // Answers to queries depend on all of the string before them.
+        let alone =
+            !grammar.rules.has_context && grammar.decompose.is_none() && !grammar.has_queries;
         if !alone || grammar.rules.draws() || grammar.roles.contains(&Role::Cut) {
             return Err(Unfit);
         }

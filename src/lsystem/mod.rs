@@ -13,8 +13,8 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change),
-//! `turtle` draws it, `report` says what `ramus derive` prints.
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change; `record` keeps which production did it),
+//! `turtle` draws it and answers what `query` asks, `report` says what `ramus derive` prints.
 
 mod active;
 mod blocks;
@@ -31,7 +31,9 @@ mod names;
 mod number;
 mod output;
 mod parse;
+mod query;
 mod random;
+mod record;
 pub mod report;
 mod rewrite;
 mod rules;
@@ -44,6 +46,7 @@ pub use derive::Limits;
 pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
 pub use grammar::Grammar;
 pub use names::Symbol;
+pub use record::Recorded;
 pub use shape::shape_frames;
 pub use string::{Module, ModuleString};
-pub use turtle::{TurtleParams, interpret};
+pub use turtle::{TurtleParams, draw_on, interpret};

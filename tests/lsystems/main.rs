@@ -8,10 +8,13 @@
     reason = "a test fails by panic, and its data is known"
 )]
 
+mod canvas;
 mod hostile;
 mod include;
 mod language;
 mod oracle;
+mod queries;
+mod record;
 mod reference;
 mod sketch_cases;
 mod turtle;
