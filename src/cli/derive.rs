@@ -17,7 +17,7 @@ use crate::lsystem::report::Report;
 use crate::lsystem::{
     DeriveError, DeriveProblem, Grammar, Limits, ModuleString, TurtleParams, interpret,
 };
-use crate::render::RenderError;
+use crate::render::{self, RenderError};
 use crate::sketch::Sketch;
 use crate::tree::radii::{self, FitParams, RadiusParams};
 use crate::tree::{Tree, tubes};
@@ -44,6 +44,9 @@ pub(super) struct Args {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     size: u32,
+    /// What the picture shows behind the tree
+    #[arg(long, value_enum, default_value_t = Backdrop::Stage, value_name = "WHICH")]
+    backdrop: Backdrop,
     /// How the grammar's widths are meant in exports and pictures
     #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
     widths: Widths,
@@ -148,6 +151,23 @@ enum Print {
     String,
     /// How many of each name, and their parameters' sums
     Counts,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Backdrop {
+    /// Sky and ground, as in the workshop
+    Stage,
+    /// Paper, as a figure in print has it
+    Paper,
+}
+
+impl Backdrop {
+    fn drawn(self) -> render::Backdrop {
+        match self {
+            Self::Stage => render::Backdrop::Stage,
+            Self::Paper => portrait::PAPER,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -305,7 +325,9 @@ fn write_files(
     }
     if let Some(path) = &args.png {
         budget.check(&path.display().to_string(), &tree, PICTURE_BYTES)?;
-        let picture = Progress::during("drawing", || portrait::of_tree(tree, args.size, args.widths == Widths::Auto))
+        let set_widths = args.widths == Widths::Auto;
+        let backdrop = args.backdrop.drawn();
+        let picture = Progress::during("drawing", || portrait::of_tree(tree, args.size, set_widths, backdrop))
             .map_err(|error| match error.downcast_ref() {
                 Some(RenderError::OutOfMemory(_)) => anyhow!(
                     "the graphics memory does not hold a picture of {0} × {0} pixels: choose a smaller --size, or close other programs that draw",
