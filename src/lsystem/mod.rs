@@ -17,9 +17,11 @@
 //! `turtle` draws it, `report` says what `ramus derive` prints.
 
 mod active;
+mod batch;
 mod blocks;
 mod choice;
 mod code;
+mod columns;
 mod context;
 mod derive;
 mod error;
