@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::active::Chain;
 use super::blocks::{Blocks, Size};
 use super::error::{DeriveError, DeriveProblem};
-use super::grammar::{Grammar, Role};
+use super::grammar::{Grammar, Role, RuleSet};
 use super::output::Spare;
 use super::rewrite::{Births, Round};
 use super::string::{ModuleString, string_bytes};
@@ -194,10 +194,25 @@ pub(crate) fn productions<'a>(
 /// The string with the decomposition productions applied until nothing changes.
 pub(crate) fn decomposed(
     grammar: &Grammar,
+    string: ModuleString,
+    step: u32,
+    limits: &Limits,
+    cancel: &AtomicBool,
+) -> Result<ModuleString, DeriveError> {
+    decomposed_watched(grammar, string, step, limits, cancel, &mut |_, _| Ok(()))
+}
+
+/// Is shown the productions of a round that changed something, and the choices that it made.
+pub(super) type Watch<'w> = dyn FnMut(&RuleSet, &[u16]) -> Result<(), DeriveError> + 'w;
+
+/// The same, round by round before the eyes of `watch`.
+pub(super) fn decomposed_watched(
+    grammar: &Grammar,
     mut string: ModuleString,
     step: u32,
     limits: &Limits,
     cancel: &AtomicBool,
+    watch: &mut Watch<'_>,
 ) -> Result<ModuleString, DeriveError> {
     let Some(rules) = &grammar.decompose else {
         return Ok(string);
@@ -230,6 +245,7 @@ pub(crate) fn decomposed(
             Some(following) => spare.string = std::mem::replace(&mut string, following),
             None => break,
         }
+        watch(rules, &spare.choices)?;
     }
     Ok(string)
 }
@@ -266,7 +282,7 @@ pub(crate) fn interpreted(
     Ok(shown.map(|s| cut_owned(grammar, s)))
 }
 
-fn cut_owned(grammar: &Grammar, string: ModuleString) -> ModuleString {
+pub(super) fn cut_owned(grammar: &Grammar, string: ModuleString) -> ModuleString {
     if has_cut(grammar, &string) {
         cut(grammar, &string)
     } else {
@@ -274,7 +290,7 @@ fn cut_owned(grammar: &Grammar, string: ModuleString) -> ModuleString {
     }
 }
 
-fn has_cut(grammar: &Grammar, string: &ModuleString) -> bool {
+pub(super) fn has_cut(grammar: &Grammar, string: &ModuleString) -> bool {
     grammar.roles.contains(&Role::Cut)
         && string.symbols.iter().any(|s| grammar.role(*s) == Role::Cut)
 }
@@ -288,22 +304,31 @@ fn cut(grammar: &Grammar, string: &ModuleString) -> ModuleString {
         arity: Arc::clone(&string.arity),
         ..ModuleString::default()
     };
-    // While cutting: branches open since the `%`.
-    let mut cutting: Option<usize> = None;
-    for module in string.iter() {
-        let role = grammar.role(module.symbol);
-        match (cutting, role) {
-            (None, Role::Cut) => cutting = Some(0),
-            (Some(depth), Role::Open) => cutting = Some(depth + 1),
-            (Some(0), Role::Close) => cutting = None,
-            (Some(depth), Role::Close) => cutting = Some(depth - 1),
-            _ => {}
-        }
-        if cutting.is_none() {
+    for (module, keep) in string.iter().zip(kept_by_cuts(grammar, string)) {
+        if keep {
             kept.symbols.push(module.symbol);
             kept.births.push(module.birth);
             kept.parameters.extend_from_slice(module.parameters);
         }
     }
     kept
+}
+
+/// For each module whether it stays when each `%` takes what follows it in its branch.
+pub(super) fn kept_by_cuts<'s>(
+    grammar: &'s Grammar,
+    string: &'s ModuleString,
+) -> impl Iterator<Item = bool> + 's {
+    // While cutting: branches open since the `%`.
+    let mut cutting: Option<usize> = None;
+    string.iter().map(move |module| {
+        match (cutting, grammar.role(module.symbol)) {
+            (None, Role::Cut) => cutting = Some(0),
+            (Some(depth), Role::Open) => cutting = Some(depth + 1),
+            (Some(0), Role::Close) => cutting = None,
+            (Some(depth), Role::Close) => cutting = Some(depth - 1),
+            _ => {}
+        }
+        cutting.is_none()
+    })
 }

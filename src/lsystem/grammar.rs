@@ -11,6 +11,7 @@ use super::error::{DeriveError, GrammarErrors};
 use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
+use super::record::{self, Recorded};
 use super::shape::Shape;
 use super::string::ModuleString;
 
@@ -374,6 +375,27 @@ impl Grammar {
         cancel: &AtomicBool,
     ) -> Result<ModuleString, DeriveError> {
         derive::next(self, string, step, &mut Spare::default(), limits, cancel)
+    }
+
+    /// [`Grammar::derive_next`] with a record of which production rewrote each module, and into what.
+    ///
+    /// # Errors
+    /// As [`Grammar::derive_next`].
+    pub fn derive_recorded(
+        &self,
+        string: &ModuleString,
+        step: u32,
+        limits: &Limits,
+        cancel: &AtomicBool,
+    ) -> Result<Recorded, DeriveError> {
+        record::recorded(self, string, step, limits, cancel)
+    }
+
+    /// The productions of the grammar's main part in the order of the file: the text of each (cut where it is long), and
+    /// its file and line as `file:line`.
+    pub fn productions(&self) -> impl ExactSizeIterator<Item = (&str, &str)> {
+        let rules = self.rules.rules.iter();
+        rules.map(|rule| (rule.text.as_str(), rule.location.as_str()))
     }
 
     /// The number of steps that the file states.

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change),
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change; `record` keeps which production did it),
 //! `turtle` draws it, `report` says what `ramus derive` prints.
 
 mod active;
@@ -33,6 +33,7 @@ mod number;
 mod output;
 mod parse;
 mod random;
+mod record;
 pub mod report;
 mod rewrite;
 mod rules;
@@ -45,6 +46,7 @@ pub use derive::Limits;
 pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
 pub use grammar::Grammar;
 pub use names::Symbol;
+pub use record::Recorded;
 pub use shape::shape_frames;
 pub use string::{Module, ModuleString};
 pub use turtle::{TurtleParams, interpret};

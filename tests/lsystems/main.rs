@@ -12,6 +12,7 @@ mod hostile;
 mod include;
 mod language;
 mod oracle;
+mod record;
 mod reference;
 mod sketch_cases;
 mod turtle;
