@@ -186,7 +186,7 @@ impl Function {
     }
 
     /// The value for up to three arguments (unused ones are 0).
-    fn value(self, [a, b, c]: [f64; 3], draws: &mut Draws) -> Result<f64, ValueProblem> {
+    pub(super) fn value(self, [a, b, c]: [f64; 3], draws: &mut Draws) -> Result<f64, ValueProblem> {
         let value = match self {
             Fun::Sin => a.to_radians().sin(),
             Fun::Cos => a.to_radians().cos(),

@@ -92,10 +92,21 @@ const JOINED_AT_ONCE: usize = 8;
 /// Modules between two looks at the cancel flag while an index is made.
 const INDEXED_AT_ONCE: usize = 1 << 16;
 
+/// The side of a module on which a context stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
+pub(super) enum Side {
     Left,
     Right,
+}
+
+impl Side {
+    /// The context that a production has on this side.
+    pub(super) fn of(self, rule: &Rule) -> &[Pattern] {
+        match self {
+            Self::Left => &rule.left,
+            Self::Right => &rule.right,
+        }
+    }
 }
 
 /// For each module the place of the next one that contexts see on a side: branches and ignored modules are skipped, and
@@ -229,7 +240,33 @@ impl Indexed<'_> {
     }
 }
 
+impl Indexed<'_> {
+    /// The place that contexts see beside another one, where a module with `arity` parameters stands; and the edge of its
+    /// parameters that is farther away: their start to the left, their end to the right. The near edge of the other's
+    /// is given.
+    #[inline]
+    pub(super) fn beside(
+        &self,
+        (at, edge): (usize, usize),
+        side: Side,
+        arity: usize,
+    ) -> (usize, usize) {
+        let (place, is_next) = match side {
+            Side::Left => self.left(at).map_or((0, true), |p| (p, p + 1 == at)),
+            Side::Right => self.right(at).map_or((0, true), |p| (p, at + 1 == p)),
+        };
+        let edge = match (side, is_next) {
+            (Side::Left, true) => edge.saturating_sub(arity),
+            (Side::Right, true) => edge + arity,
+            (Side::Left, false) => self.offset(place),
+            (Side::Right, false) => self.offset(place) + arity,
+        };
+        (place, edge)
+    }
+}
+
 impl Modules for Indexed<'_> {
+    #[inline]
     fn symbol(&self, at: usize) -> Option<Symbol> {
         self.string.symbols.get(at).copied()
     }

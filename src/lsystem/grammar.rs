@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::code::Expression;
 use super::derive::{self, Limits};
 use super::error::{DeriveError, GrammarErrors};
+use super::lanes::{self, Values};
 use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
@@ -83,6 +84,17 @@ pub(crate) enum Pattern {
     },
     /// End of a branch.
     Close,
+}
+
+impl Pattern {
+    /// The symbol that it wants, if it wants one.
+    #[inline]
+    pub(crate) fn symbol(&self) -> Option<Symbol> {
+        match self {
+            Self::Module { symbol, .. } => Some(*symbol),
+            Self::Open { .. } | Self::Close => None,
+        }
+    }
 }
 
 /// Where a production looks for its contexts.
@@ -164,8 +176,8 @@ pub(crate) enum Plan {
     Near,
     /// Chance decides, by weights that never change.
     Draw,
-    /// It depends.
-    Choose,
+    /// It depends; the first of the candidates is given.
+    Choose(u16),
 }
 
 /// A production that depends on no more than the symbols of two neighbours.
@@ -210,6 +222,29 @@ pub(crate) struct RuleSet {
     pub(crate) has_context: bool,
     /// What any of them looks for.
     pub(crate) looks: Looks,
+    /// Slots and depth that its expressions need in columns; none where they are not worth it.
+    pub(crate) columns: Option<(usize, usize)>,
+}
+
+/// Sets of more productions are not worked on in columns.
+const MOST_IN_COLUMNS: usize = 256;
+
+/// What expressions need in columns.
+fn columns(rules: &[Rule]) -> Option<(usize, usize)> {
+    fn asked(rule: &Rule) -> impl Iterator<Item = &Expression> {
+        rule.condition.iter().chain(&rule.weight)
+    }
+    let all = || {
+        rules
+            .iter()
+            .flat_map(move |rule| asked(rule).chain(&rule.arguments))
+    };
+    if rules.len() > MOST_IN_COLUMNS || all().any(Expression::may_draw) {
+        return None;
+    }
+    let slots = rules.iter().map(|rule| rule.slots).max()?;
+    let depth = all().map(lanes::depth).max().unwrap_or(0);
+    Values::fits(slots, depth).then_some((slots, depth))
 }
 
 /// Weights as parts of 1, added up; the last takes what rounding leaves. Empty where their sum is no number.
@@ -280,10 +315,12 @@ impl RuleSet {
             Some(first) if rule(first).is_some_and(Rule::unconditional) => Plan::Always(*first),
             Some(_) if near.get(index).is_some_and(|n| !n.is_empty()) => Plan::Near,
             Some(_) if weighted.get(index).is_some_and(|all| !all.is_empty()) => Plan::Draw,
-            Some(_) => Plan::Choose,
+            Some(first) => Plan::Choose(*first),
         };
         let plans = by_symbol.iter().enumerate().map(plan).collect();
+        let columns = columns(&rules);
         Self {
+            columns,
             rules,
             by_symbol,
             plans,

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+use super::batch::{Choosing, Filling, Unwritten};
 use super::choice::{Worker, near};
 use super::context::{ContextIndex, Indexed};
 use super::derive::Limits;
@@ -254,22 +255,33 @@ impl<'a> Round<'a> {
         }
         let string = indexed.string;
         let mut work = Worker::new(self, indexed);
-        let mut size = Size::default();
+        let mut choosing = Choosing::new(self, indexed);
         let mut offset = parameters_from;
         let symbols = string.symbols.get(from..).unwrap_or(&[]);
         for (at, (symbol, choice)) in (from..).zip(symbols.iter().zip(choices.iter_mut())) {
-            let arity = string.arity(*symbol);
+            let (arity, own) = (string.arity(*symbol), offset);
+            offset += arity;
             *choice = match self.rules.plan(*symbol) {
                 Plan::Stay => STAYS,
                 Plan::Always(number) => number + 1,
                 Plan::Near => near(indexed, self.rules.near(*symbol), at),
                 Plan::Draw => work.pick(self.rules.weighted(*symbol), at),
-                Plan::Choose => {
-                    let own = string.parameters.get(offset..offset + arity).unwrap_or(&[]);
-                    work.choose(*symbol, at, offset, own)?
+                Plan::Choose(first) => {
+                    if let Some(choosing) = &mut choosing {
+                        choosing.add(first, at, own, choice)?;
+                        continue;
+                    }
+                    let values = string.parameters.get(own..own + arity).unwrap_or(&[]);
+                    work.choose(*symbol, at, own, values)?
                 }
             };
-            offset += arity;
+        }
+        if let Some(choosing) = choosing {
+            choosing.finish()?;
+        }
+        let mut size = Size::default();
+        for (symbol, choice) in symbols.iter().zip(choices.iter()) {
+            let arity = string.arity(*symbol);
             if let Some(rule) = self.rule(*choice) {
                 size.rewritten += 1;
                 size.modules += rule.successor.len() as u64;
@@ -324,6 +336,7 @@ impl<'a> Round<'a> {
             return self.fill_plain(string, templates, task);
         }
         let mut work = Worker::new(self, indexed);
+        let mut filling = Filling::new(self, indexed);
         let mut out = task.out;
         let (mut at, mut offset) = (task.from, task.parameters_from);
         // What stays is copied in whole stretches.
@@ -337,6 +350,7 @@ impl<'a> Round<'a> {
             };
             let own = string.parameters.get(offset..offset + parameters);
             let own = own.unwrap_or(&[]);
+            let number = stretch.first().map_or(0, |choice| choice.saturating_sub(1));
             let made = match stretch.first().and_then(|choice| self.rule(*choice)) {
                 None => {
                     let target = out.take(symbols.len(), parameters);
@@ -347,10 +361,22 @@ impl<'a> Round<'a> {
                 }
                 Some(rule) => {
                     let target = out.take(rule.successor.len(), rule.arguments.len());
-                    work.evaluate(rule, at, offset, own, target.parameters)?;
                     target.symbols.copy_from_slice(&rule.successor);
                     let birth = births.first().copied().unwrap_or(0);
-                    self.date(rule, own, birth, target.parameters, target.births);
+                    if let Some(filling) = &mut filling {
+                        let module = Unwritten {
+                            at,
+                            offset,
+                            own,
+                            birth,
+                            parameters: target.parameters,
+                            births: target.births,
+                        };
+                        filling.add(usize::from(number), module)?;
+                    } else {
+                        work.evaluate(rule, at, offset, own, target.parameters)?;
+                        self.date(rule, own, birth, target.parameters, target.births);
+                    }
                     rule.successor.len()
                 }
             };
@@ -359,7 +385,7 @@ impl<'a> Round<'a> {
                 return Err(self.cancelled());
             }
         }
-        Ok(())
+        filling.map_or(Ok(()), Filling::finish)
     }
 }
 

@@ -17,7 +17,7 @@ const MOST_COLUMNS: usize = 64;
 type Column = [f64; LANES];
 
 /// The values of bound parameters and of what is computed from them.
-pub(super) struct Columns {
+pub(super) struct Values {
     /// One for each slot.
     slots: Vec<Column>,
     stack: Vec<Column>,
@@ -27,7 +27,7 @@ pub(super) struct Columns {
     joins: Vec<(usize, bool)>,
 }
 
-impl Columns {
+impl Values {
     /// Room for expressions that need no more slots and no more of the stack.
     pub(super) fn new(slots: usize, depth: usize) -> Self {
         Self {
@@ -43,10 +43,26 @@ impl Columns {
         slots + depth <= MOST_COLUMNS
     }
 
-    /// The values of a bound parameter.
+    /// Sets the parameter that is bound to a slot for one module.
+    pub(super) fn set(&mut self, slot: usize, lane: usize, value: f64) {
+        if let Some(place) = self.slots.get_mut(slot).and_then(|c| c.get_mut(lane)) {
+            *place = value;
+        }
+    }
+
+    /// Binds to a slot, for one module after the other, the parameters that stand at `places`.
     #[inline]
-    pub(super) fn slot_mut(&mut self, slot: usize) -> &mut [f64] {
-        self.slots.get_mut(slot).map_or(&mut [], |c| c.as_mut_slice())
+    pub(super) fn gather(
+        &mut self,
+        slot: usize,
+        parameters: &[f64],
+        places: impl Iterator<Item = usize>,
+    ) {
+        if let Some(column) = self.slots.get_mut(slot) {
+            for (value, place) in column.iter_mut().zip(places) {
+                *value = parameters.get(place).copied().unwrap_or(0.0);
+            }
+        }
     }
 
     /// The draws of the modules, in their order.
@@ -60,7 +76,10 @@ impl Columns {
         let lanes = lanes.min(LANES);
         match expression {
             Expression::Slot(slot) => {
-                return self.slots.get(usize::from(*slot)).map_or(&[], |c| &c[..lanes]);
+                return self
+                    .slots
+                    .get(usize::from(*slot))
+                    .map_or(&[], |c| &c[..lanes]);
             }
             Expression::Constant(value) => {
                 if let Some(first) = self.stack.first_mut() {
@@ -119,8 +138,7 @@ impl Columns {
                 }
                 Op::And(target) | Op::Or(target) => {
                     // The value stays below what the right side gives.
-                    self.joins
-                        .push((target as usize, matches!(op, Op::Or(_))));
+                    self.joins.push((target as usize, matches!(op, Op::Or(_))));
                 }
                 Op::Call(function) => {
                     let arity = function.arity();
@@ -171,7 +189,11 @@ impl Columns {
             let draws = self.draws.get_mut(lane).unwrap_or(&mut none);
             let wrong = arguments.iter().any(|a| a.is_nan());
             if let Some(result) = columns.first_mut() {
-                result[lane] = if wrong { f64::NAN } else { value(arguments, draws) };
+                result[lane] = if wrong {
+                    f64::NAN
+                } else {
+                    value(arguments, draws)
+                };
             }
         }
     }
@@ -205,8 +227,12 @@ fn unary(op: Op, values: &mut [f64]) {
     let keep = |value: f64, result: f64| if value.is_nan() { value } else { result };
     match op {
         Op::Negate => values.iter_mut().for_each(|v| *v = -*v),
-        Op::Not => values.iter_mut().for_each(|v| *v = keep(*v, truth(*v == 0.0))),
-        _ => values.iter_mut().for_each(|v| *v = keep(*v, truth(*v != 0.0))),
+        Op::Not => values
+            .iter_mut()
+            .for_each(|v| *v = keep(*v, truth(*v == 0.0))),
+        _ => values
+            .iter_mut()
+            .for_each(|v| *v = keep(*v, truth(*v != 0.0))),
     }
 }
 
@@ -217,7 +243,11 @@ fn join(left: &mut [f64], right: &[f64], is_or: bool) {
         if left.is_nan() {
             continue;
         }
-        *left = if (*left != 0.0) == is_or { decided } else { *right };
+        *left = if (*left != 0.0) == is_or {
+            decided
+        } else {
+            *right
+        };
     }
 }
 
@@ -228,7 +258,11 @@ fn join(left: &mut [f64], right: &[f64], is_or: bool) {
 )]
 fn binary(op: Op, left: &mut [f64], right: impl Iterator<Item = f64>) {
     let compared = |a: f64, b: f64, holds: bool| {
-        if a.is_nan() | b.is_nan() { f64::NAN } else { truth(holds) }
+        if a.is_nan() | b.is_nan() {
+            f64::NAN
+        } else {
+            truth(holds)
+        }
     };
     match op {
         Op::Add => each(left, right, |a, b| a + b),
