@@ -7,7 +7,7 @@
 
 use super::choice::Worker;
 use super::code::Expression;
-use super::context::{Base, Indexed, Modules as _, Side};
+use super::context::{Base, Indexed, Side};
 use super::error::DeriveError;
 use super::grammar::{Order, Pattern, Rule};
 use super::lanes::{LANES, Values};
@@ -17,24 +17,46 @@ use super::rewrite::{Round, STAYS};
 /// Shorter strings are not worth gathering.
 const SHORTEST: usize = 64;
 
-/// A module whose production is looked for.
-struct Undecided<'s> {
-    at: usize,
-    /// Where its parameters begin.
-    offset: usize,
-    choice: &'s mut u16,
+/// Modules in the order of the string: where each stands, and where its parameters begin.
+#[derive(Default)]
+struct Places {
+    at: Vec<usize>,
+    offset: Vec<usize>,
 }
 
-/// A module whose successor has its place, without values.
-pub(super) struct Unwritten<'s> {
-    pub(super) at: usize,
-    /// Where its parameters begin.
-    pub(super) offset: usize,
-    pub(super) own: &'s [f64],
-    pub(super) birth: u32,
-    /// The successor's.
-    pub(super) parameters: &'s mut [f64],
-    pub(super) births: &'s mut [u32],
+impl Places {
+    fn len(&self) -> usize {
+        self.at.len()
+    }
+
+    fn clear(&mut self) {
+        self.at.clear();
+        self.offset.clear();
+    }
+
+    #[inline]
+    fn push(&mut self, at: usize, offset: usize) {
+        self.at.push(at);
+        self.offset.push(offset);
+    }
+
+    /// Takes over those of the others that are wanted.
+    fn choose(&mut self, others: &Self, wanted: &[usize]) {
+        let pick = |from: &[usize], into: &mut Vec<usize>| {
+            into.clear();
+            if wanted.len() == from.len() {
+                into.extend_from_slice(from);
+            } else {
+                into.extend(wanted.iter().filter_map(|lane| from.get(*lane)));
+            }
+        };
+        pick(&others.at, &mut self.at);
+        pick(&others.offset, &mut self.offset);
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.at.iter().copied().zip(self.offset.iter().copied())
+    }
 }
 
 /// The fault that stands first in the string.
@@ -58,9 +80,9 @@ struct Batch<'r, 'a> {
     round: &'r Round<'a>,
     work: Worker<'r, 'a, Indexed<'r>>,
     indexed: &'r Indexed<'r>,
-    /// Modules that contexts have reached, and where their parameters begin (to the left) or end (to the right).
-    reached: Vec<(usize, usize)>,
     values: Values,
+    /// Modules that contexts have reached, and the far edge of their parameters.
+    reached: Places,
     faults: Faults,
 }
 
@@ -71,8 +93,8 @@ impl<'r, 'a> Batch<'r, 'a> {
             round,
             work: Worker::new(round, indexed),
             indexed,
-            reached: Vec::new(),
             values: Values::new(slots, depth),
+            reached: Places::default(),
             faults: Faults::default(),
         })
     }
@@ -85,53 +107,46 @@ impl<'r, 'a> Batch<'r, 'a> {
     }
 
     /// Keeps those of the modules whose contexts match.
-    fn fit(
-        &mut self,
-        rule: &Rule,
-        fitting: &mut Vec<usize>,
-        place: impl Fn(usize) -> (usize, usize),
-    ) {
+    fn fit(&mut self, rule: &Rule, modules: &Places, fitting: &mut Vec<usize>) {
         if rule.looks.into_branches {
             let work = &mut self.work;
             fitting.retain(|lane| {
-                let (at, offset) = place(*lane);
+                let (Some(&at), Some(&offset)) = (modules.at.get(*lane), modules.offset.get(*lane))
+                else {
+                    return false;
+                };
                 work.matcher.base = Base { at, offset };
                 work.matcher.matches(rule, at, &mut work.bound)
             });
-        } else {
-            let indexed = self.indexed;
-            let fits = |pattern: &[Pattern], at, next: fn(&Indexed<'r>, usize) -> Option<usize>| {
-                let mut at = Some(at);
-                pattern.iter().all(|wanted| {
-                    at = at.and_then(|at| next(indexed, at));
-                    let found = at.and_then(|at| indexed.symbol(at));
-                    found.is_some() && found == wanted.symbol()
-                })
-            };
-            if !rule.left.is_empty() {
-                fitting.retain(|lane| fits(&rule.left, place(*lane).0, Indexed::left));
+            return;
+        }
+        let indexed = self.indexed;
+        for side in [Side::Left, Side::Right] {
+            let pattern = side.of(rule);
+            if pattern.is_empty() || indexed.fits_all(pattern, side, &modules.at) {
+                continue;
             }
-            if !rule.right.is_empty() {
-                fitting.retain(|lane| fits(&rule.right, place(*lane).0, Indexed::right));
-            }
+            fitting.retain(|lane| {
+                let at = modules.at.get(*lane);
+                at.is_some_and(|at| indexed.fits(pattern, side, *at))
+            });
         }
     }
 
-    /// Puts what a production binds for modules at places (and where their parameters begin) into the columns.
-    fn bind(&mut self, rule: &Rule, places: impl Iterator<Item = (usize, usize)> + Clone) {
+    /// Puts what a production binds for modules, whose contexts match, into the columns.
+    fn bind(&mut self, rule: &Rule, modules: &Places) {
         let indexed = self.indexed;
         let parameters = &indexed.string.parameters;
-        let arity = |symbol| indexed.string.arity(symbol);
-        let own = arity(rule.predecessor);
+        let own = indexed.string.arity(rule.predecessor);
         for slot in 0..own {
-            let starts = places.clone().map(|(_, offset)| offset + slot);
-            self.values.gather(slot, parameters, starts);
+            self.values
+                .gather(slot, parameters, &modules.offset, slot, own);
         }
         if rule.slots == own {
             return;
         }
         if rule.looks.into_branches {
-            for (lane, (at, offset)) in places.enumerate() {
+            for (lane, (at, offset)) in modules.iter().enumerate() {
                 self.work.matcher.base = Base { at, offset };
                 self.work.matcher.matches(rule, at, &mut self.work.bound);
                 let bound = self.work.bound.get(..rule.slots).unwrap_or(&[]);
@@ -141,37 +156,36 @@ impl<'r, 'a> Batch<'r, 'a> {
             }
             return;
         }
-        let mut reached = std::mem::take(&mut self.reached);
         for side in [Side::Left, Side::Right] {
             let pattern = side.of(rule);
-            let binds = |item: &Pattern| item.symbol().is_some_and(|symbol| arity(symbol) > 0);
-            if !pattern.iter().any(binds) {
+            let arity = |item: &Pattern| item.symbol().map_or(0, |s| indexed.string.arity(s));
+            if pattern.iter().all(|item| arity(item) == 0) {
                 continue;
             }
-            reached.clear();
-            reached.extend(places.clone().map(|(at, offset)| match side {
-                Side::Left => (at, offset),
-                Side::Right => (at, offset + own),
-            }));
+            let edge = if side == Side::Left { 0 } else { own };
+            self.reached.clear();
+            self.reached.at.extend_from_slice(&modules.at);
+            let edges = modules.offset.iter().map(|offset| offset + edge);
+            self.reached.offset.extend(edges);
             for item in pattern {
-                let Pattern::Module { symbol, slot } = item else {
+                let Pattern::Module { slot, .. } = item else {
                     continue;
                 };
-                let arity = arity(*symbol);
-                for place in &mut reached {
-                    *place = indexed.beside(*place, side, arity);
-                }
-                let back = if side == Side::Left { 0 } else { arity };
+                let arity = arity(item);
+                indexed.step(side, arity, &mut self.reached.at, &mut self.reached.offset);
                 for number in 0..arity {
-                    let starts = reached
-                        .iter()
-                        .map(|(_, edge)| (edge + number).saturating_sub(back));
+                    let slot = usize::from(*slot) + number;
                     self.values
-                        .gather(usize::from(*slot) + number, parameters, starts);
+                        .gather(slot, parameters, &self.reached.offset, number, arity);
+                }
+                if side == Side::Right {
+                    // From the start of their parameters to the end.
+                    for edge in &mut self.reached.offset {
+                        *edge += arity;
+                    }
                 }
             }
         }
-        self.reached = reached;
     }
 
     /// Looks now and then whether to go on; a batch of modules was matched with the contexts of a production.
@@ -186,15 +200,24 @@ impl<'r, 'a> Batch<'r, 'a> {
     }
 }
 
+/// Modules of one symbol whose production is looked for.
+#[derive(Default)]
+struct Undecided<'s> {
+    places: Places,
+    choices: Vec<&'s mut u16>,
+}
+
 /// The pass that chooses productions, over one chunk.
 pub(super) struct Choosing<'r, 'a, 's> {
     batch: Batch<'r, 'a>,
     /// By the first production of their symbol.
-    waiting: Vec<Vec<Undecided<'s>>>,
+    waiting: Vec<Undecided<'s>>,
     /// Modules of a batch, by number, without a production yet,
     open: Vec<usize>,
-    /// and those of them whose contexts match.
+    /// and those of them whose contexts match,
     fitting: Vec<usize>,
+    /// with their places.
+    places: Places,
     /// The rank of the first production with a weight that matched each.
     ranks: Vec<Option<(usize, bool)>>,
     /// For each module and candidate the weight; NaN: it does not match.
@@ -204,13 +227,15 @@ pub(super) struct Choosing<'r, 'a, 's> {
 impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
     /// Nothing, where modules are better asked one by one.
     pub(super) fn new(round: &'r Round<'a>, indexed: &'r Indexed<'r>) -> Option<Self> {
+        let batch = Batch::new(round, indexed)?;
         let mut waiting = Vec::new();
-        waiting.resize_with(round.rules.rules.len(), Vec::new);
+        waiting.resize_with(round.rules.rules.len(), Undecided::default);
         Some(Self {
-            batch: Batch::new(round, indexed)?,
+            batch,
             waiting,
             open: Vec::new(),
             fitting: Vec::new(),
+            places: Places::default(),
             ranks: Vec::new(),
             weights: Vec::new(),
         })
@@ -228,11 +253,13 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
         let Some(waiting) = self.waiting.get_mut(usize::from(first)) else {
             return Ok(());
         };
-        waiting.push(Undecided { at, offset, choice });
-        if waiting.len() >= LANES {
+        waiting.places.push(at, offset);
+        waiting.choices.push(choice);
+        if waiting.choices.len() >= LANES {
             let mut full = std::mem::take(waiting);
             self.decide(first, &mut full)?;
-            full.clear();
+            full.places.clear();
+            full.choices.clear();
             if let Some(waiting) = self.waiting.get_mut(usize::from(first)) {
                 *waiting = full;
             }
@@ -243,7 +270,7 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
     /// Decides what is left.
     pub(super) fn finish(mut self) -> Result<(), DeriveError> {
         for (first, mut left) in (0..).zip(std::mem::take(&mut self.waiting)) {
-            if !left.is_empty() {
+            if !left.choices.is_empty() {
                 self.decide(first, &mut left)?;
             }
         }
@@ -251,26 +278,21 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
     }
 
     /// Chooses for a batch of modules of one symbol.
-    fn decide(&mut self, first: u16, modules: &mut [Undecided<'s>]) -> Result<(), DeriveError> {
-        let round = self.batch.round;
-        let Some(symbol) = round
-            .rules
-            .rules
-            .get(usize::from(first))
-            .map(|r| r.predecessor)
-        else {
+    fn decide(&mut self, first: u16, modules: &mut Undecided<'s>) -> Result<(), DeriveError> {
+        let rules = self.batch.round.rules;
+        let Some(rule) = rules.rules.get(usize::from(first)) else {
             return Ok(());
         };
+        let symbol = rule.predecessor;
         if self.decided(symbol, modules)?.is_some() {
             return Ok(());
         }
         // Something went wrong: each for itself.
         let batch = &mut self.batch;
-        for module in modules {
-            let (at, offset) = (module.at, module.offset);
+        for ((at, offset), choice) in modules.places.iter().zip(&mut modules.choices) {
             let own = batch.own(offset, symbol);
             match batch.work.choose(symbol, at, offset, own) {
-                Ok(choice) => *module.choice = choice,
+                Ok(chosen) => **choice = chosen,
                 Err(error) => batch.faults.add(at, error),
             }
         }
@@ -281,7 +303,7 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
     fn decided(
         &mut self,
         symbol: Symbol,
-        modules: &mut [Undecided<'s>],
+        modules: &mut Undecided<'s>,
     ) -> Result<Option<()>, DeriveError> {
         let rules = self.batch.round.rules;
         let candidates = rules.by_symbol.get(usize::from(symbol));
@@ -292,16 +314,16 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
             .filter_map(rule)
             .any(|r| r.weight.is_some());
         self.open.clear();
-        self.open.extend(0..modules.len());
-        self.ranks.clear();
-        self.ranks.resize(modules.len(), None);
-        self.weights.clear();
+        self.open.extend(0..modules.choices.len());
         if weighted {
-            self.weights
-                .resize(modules.len() * candidates.len(), f64::NAN);
+            self.ranks.clear();
+            self.ranks.resize(modules.choices.len(), None);
+            self.weights.clear();
+            let all = modules.choices.len() * candidates.len();
+            self.weights.resize(all, f64::NAN);
         }
-        for module in modules.iter_mut() {
-            *module.choice = STAYS;
+        for choice in &mut modules.choices {
+            **choice = STAYS;
         }
         for (number, candidate) in candidates.iter().enumerate() {
             let Some(rule) = rule(candidate) else {
@@ -310,140 +332,158 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
             if self.open.is_empty() {
                 break;
             }
-            self.fit(rule, modules)?;
-            if self
-                .hold(rule, (number, *candidate), candidates.len(), modules)
-                .is_none()
-            {
+            self.fit(rule, weighted, &modules.places)?;
+            let which = (number, *candidate, candidates.len());
+            if self.hold(rule, which, &mut modules.choices).is_none() {
                 return Ok(None);
             }
-            let undecided = |lane: &usize| modules.get(*lane).is_some_and(|m| *m.choice == STAYS);
-            self.open.retain(undecided);
+            let choices = &modules.choices;
+            self.open
+                .retain(|lane| choices.get(*lane).is_some_and(|choice| **choice == STAYS));
         }
-        if weighted {
-            self.draw(candidates, modules)
-        } else {
-            Ok(Some(()))
-        }
+        Ok(match weighted {
+            true => self.draw(candidates, modules),
+            false => Some(()),
+        })
     }
 
-    /// Notes of which fitting modules the condition of a production holds; nothing where a value cannot be computed.
+    /// Finds the open modules whose contexts match a production, with what it binds in columns.
+    fn fit(&mut self, rule: &Rule, weighted: bool, modules: &Places) -> Result<(), DeriveError> {
+        self.fitting.clear();
+        if weighted {
+            // Once a production with a weight matched, only its equals are of interest.
+            let ranks = &self.ranks;
+            let rank = |lane: &usize| ranks.get(*lane).copied().flatten();
+            if rule.weight.is_some() && self.batch.round.rules.order == Order::Specific {
+                self.open
+                    .retain(|lane| rank(lane).is_none_or(|r| r == rule.rank()));
+            }
+            let asked = |lane: &&usize| rule.weight.is_some() || rank(lane).is_none();
+            self.fitting.extend(self.open.iter().filter(asked));
+        } else {
+            self.fitting.extend_from_slice(&self.open);
+        }
+        if rule.has_context() {
+            self.batch.fit(rule, modules, &mut self.fitting);
+        }
+        if rule.condition.is_some() || rule.weight.is_some() {
+            self.places.choose(modules, &self.fitting);
+            self.batch.bind(rule, &self.places);
+        }
+        self.batch.go_on(rule, self.open.len())
+    }
+
+    /// Notes of which fitting modules the condition of a production holds, given its number among so many candidates.
+    /// Nothing where a value cannot be computed.
     fn hold(
         &mut self,
         rule: &Rule,
-        (number, candidate): (usize, u16),
-        candidates: usize,
-        modules: &mut [Undecided<'s>],
+        (number, candidate, candidates): (usize, u16, usize),
+        choices: &mut [&'s mut u16],
     ) -> Option<()> {
         let values = &mut self.batch.values;
         let lanes = self.fitting.len();
         let mut held = [1.0; LANES];
         if let Some(condition) = &rule.condition {
             let computed = values.compute(condition, lanes);
-            if computed.iter().any(|value| value.is_nan()) {
+            if computed
+                .iter()
+                .fold(false, |any, value| any | value.is_nan())
+            {
                 return None;
             }
             held.get_mut(..lanes)?.copy_from_slice(computed);
         }
-        let weights = rule.weight.as_ref().map(|w| values.compute(w, lanes));
-        for (place, &lane) in self.fitting.iter().enumerate() {
-            if held.get(place) == Some(&0.0) {
+        let held = self.fitting.iter().zip(&held);
+        let Some(weight) = &rule.weight else {
+            for (&lane, held) in held {
+                let choice = choices.get_mut(lane)?;
+                **choice = if *held == 0.0 { STAYS } else { candidate + 1 };
+            }
+            return Some(());
+        };
+        let weights = values.compute(weight, lanes);
+        for ((&lane, held), weight) in held.zip(weights) {
+            if *held == 0.0 {
                 continue;
             }
-            let Some(weights) = weights else {
-                *modules.get_mut(lane)?.choice = candidate + 1;
-                continue;
-            };
-            let weight = *weights.get(place)?;
-            if !weight.is_finite() || weight < 0.0 {
+            if !weight.is_finite() || *weight < 0.0 {
                 return None;
             }
             self.ranks.get_mut(lane)?.get_or_insert(rule.rank());
-            *self.weights.get_mut(lane * candidates + number)? = weight;
+            *self.weights.get_mut(lane * candidates + number)? = *weight;
         }
         Some(())
     }
 
-    /// Finds the open modules whose contexts match a production, with what it binds in columns.
-    fn fit(&mut self, rule: &Rule, modules: &[Undecided<'s>]) -> Result<(), DeriveError> {
-        let rules = self.batch.round.rules;
-        let ranks = &self.ranks;
-        let rank = |lane: &usize| ranks.get(*lane).copied().flatten();
-        // Once a production with a weight matched, only its equals are of interest.
-        if rule.weight.is_some() && rules.order == Order::Specific {
-            self.open
-                .retain(|lane| rank(lane).is_none_or(|r| r == rule.rank()));
-        }
-        let asked = |lane: &&usize| rule.weight.is_some() || rank(lane).is_none();
-        self.fitting.clear();
-        self.fitting.extend(self.open.iter().filter(asked));
-        let place = |lane: usize| modules.get(lane).map_or((0, 0), |m| (m.at, m.offset));
-        if rule.has_context() {
-            self.batch.fit(rule, &mut self.fitting, place);
-        }
-        if rule.condition.is_some() || rule.weight.is_some() {
-            let places = self.fitting.iter().map(|lane| place(*lane));
-            self.batch.bind(rule, places);
-        }
-        self.batch.go_on(rule, self.open.len())
-    }
-
-    /// Draws among the productions with weights that matched.
-    fn draw(
-        &mut self,
-        candidates: &[u16],
-        modules: &mut [Undecided<'s>],
-    ) -> Result<Option<()>, DeriveError> {
+    /// Draws among the productions with weights that matched; nothing where their weights are wrong.
+    fn draw(&mut self, candidates: &[u16], modules: &mut Undecided<'s>) -> Option<()> {
         let rows = self.weights.chunks(candidates.len());
-        for ((module, rank), row) in modules.iter_mut().zip(&self.ranks).zip(rows) {
+        let choices = modules.places.at.iter().zip(&mut modules.choices);
+        for (((at, choice), rank), row) in choices.zip(&self.ranks).zip(rows) {
             if rank.is_none() {
                 continue;
             }
-            let weights = candidates
-                .iter()
-                .zip(row)
-                .filter(|(_, weight)| !weight.is_nan());
+            let matched = candidates.iter().zip(row).filter(|(_, w)| !w.is_nan());
             let drawn = &mut self.batch.work.drawn;
             drawn.clear();
-            drawn.extend(weights.map(|(candidate, weight)| (candidate + 1, *weight)));
-            match self.batch.work.draw(module.at) {
-                Ok(choice) => *module.choice = choice,
-                Err(_) => return Ok(None),
-            }
+            drawn.extend(matched.map(|(candidate, weight)| (candidate + 1, *weight)));
+            **choice = self.batch.work.draw(*at).ok()?;
         }
-        Ok(Some(()))
+        Some(())
     }
+}
+
+/// Where the successor of a module has its place, without values.
+pub(super) struct Target<'s> {
+    pub(super) own: &'s [f64],
+    pub(super) birth: u32,
+    /// The successor's.
+    pub(super) parameters: &'s mut [f64],
+    pub(super) births: &'s mut [u32],
+}
+
+/// Modules that one production rewrites.
+#[derive(Default)]
+struct Unwritten<'s> {
+    places: Places,
+    targets: Vec<Target<'s>>,
 }
 
 /// The pass that computes the parameters of successors, over one chunk.
 pub(super) struct Filling<'r, 'a, 's> {
     batch: Batch<'r, 'a>,
     /// By production.
-    waiting: Vec<Vec<Unwritten<'s>>>,
+    waiting: Vec<Unwritten<'s>>,
 }
 
 impl<'r, 'a, 's> Filling<'r, 'a, 's> {
     /// Nothing, where modules are better worked on one by one.
     pub(super) fn new(round: &'r Round<'a>, indexed: &'r Indexed<'r>) -> Option<Self> {
+        let batch = Batch::new(round, indexed)?;
         let mut waiting = Vec::new();
-        waiting.resize_with(round.rules.rules.len(), Vec::new);
-        Some(Self {
-            batch: Batch::new(round, indexed)?,
-            waiting,
-        })
+        waiting.resize_with(round.rules.rules.len(), Unwritten::default);
+        Some(Self { batch, waiting })
     }
 
     /// Has the successor of a module written, which the production with this number makes.
     #[inline]
-    pub(super) fn add(&mut self, rule: usize, module: Unwritten<'s>) -> Result<(), DeriveError> {
+    pub(super) fn add(
+        &mut self,
+        rule: usize,
+        (at, offset): (usize, usize),
+        target: Target<'s>,
+    ) -> Result<(), DeriveError> {
         let Some(waiting) = self.waiting.get_mut(rule) else {
             return Ok(());
         };
-        waiting.push(module);
-        if waiting.len() >= LANES {
+        waiting.places.push(at, offset);
+        waiting.targets.push(target);
+        if waiting.targets.len() >= LANES {
             let mut full = std::mem::take(waiting);
             self.write(rule, &mut full)?;
-            full.clear();
+            full.places.clear();
+            full.targets.clear();
             if let Some(waiting) = self.waiting.get_mut(rule) {
                 *waiting = full;
             }
@@ -454,7 +494,7 @@ impl<'r, 'a, 's> Filling<'r, 'a, 's> {
     /// Writes what is left.
     pub(super) fn finish(mut self) -> Result<(), DeriveError> {
         for (rule, mut left) in std::mem::take(&mut self.waiting).into_iter().enumerate() {
-            if !left.is_empty() {
+            if !left.targets.is_empty() {
                 self.write(rule, &mut left)?;
             }
         }
@@ -462,52 +502,45 @@ impl<'r, 'a, 's> Filling<'r, 'a, 's> {
     }
 
     /// Writes the successors of a batch that one production makes.
-    fn write(&mut self, rule: usize, modules: &mut [Unwritten<'s>]) -> Result<(), DeriveError> {
+    fn write(&mut self, rule: usize, modules: &mut Unwritten<'s>) -> Result<(), DeriveError> {
         let batch = &mut self.batch;
         let Some(rule) = batch.round.rules.rules.get(rule) else {
             return Ok(());
         };
-        // Contexts match, as they did before.
-        batch.bind(
-            rule,
-            modules.iter().map(|module| (module.at, module.offset)),
-        );
-        batch.go_on(rule, modules.len())?;
+        batch.bind(rule, &modules.places);
+        batch.go_on(rule, modules.places.len())?;
         if !Self::evaluated(batch, rule, modules) {
             // Something went wrong: each for itself.
-            for module in modules.iter_mut() {
-                let Unwritten {
-                    at, offset, own, ..
-                } = *module;
-                let written = batch
-                    .work
-                    .evaluate(rule, at, offset, own, module.parameters);
+            for ((at, offset), target) in modules.places.iter().zip(&mut modules.targets) {
+                let Target {
+                    own, parameters, ..
+                } = target;
+                let written = batch.work.evaluate(rule, at, offset, own, parameters);
                 if let Err(error) = written {
                     batch.faults.add(at, error);
                 }
             }
         }
-        for module in modules {
-            let Unwritten { own, birth, .. } = *module;
-            batch
-                .round
-                .date(rule, own, birth, module.parameters, module.births);
+        for target in &mut modules.targets {
+            let round = batch.round;
+            let (own, birth) = (target.own, target.birth);
+            round.date(rule, own, birth, target.parameters, target.births);
         }
         Ok(())
     }
 
     /// Computes the parameters in columns; false where one cannot be computed.
-    fn evaluated(batch: &mut Batch<'r, 'a>, rule: &Rule, modules: &mut [Unwritten<'s>]) -> bool {
+    fn evaluated(batch: &mut Batch<'r, 'a>, rule: &Rule, modules: &mut Unwritten<'s>) -> bool {
         if rule.arguments.iter().any(Expression::draws) {
-            let draws = modules.iter().map(|module| batch.work.key.at(module.at));
+            let draws = modules.places.at.iter().map(|at| batch.work.key.at(*at));
             batch.values.set_draws(draws);
         }
         let mut finite = true;
         for (number, argument) in rule.arguments.iter().enumerate() {
-            let computed = batch.values.compute(argument, modules.len());
+            let computed = batch.values.compute(argument, modules.places.len());
             finite &= computed.iter().fold(true, |all, v| all & v.is_finite());
-            for (module, value) in modules.iter_mut().zip(computed) {
-                if let Some(place) = module.parameters.get_mut(number) {
+            for (target, value) in modules.targets.iter_mut().zip(computed) {
+                if let Some(place) = target.parameters.get_mut(number) {
                     *place = *value;
                 }
             }

@@ -241,27 +241,69 @@ impl Indexed<'_> {
 }
 
 impl Indexed<'_> {
-    /// The place that contexts see beside another one, where a module with `arity` parameters stands; and the edge of its
-    /// parameters that is farther away: their start to the left, their end to the right. The near edge of the other's
-    /// is given.
+    /// Whether a context without branches stands beside the module at a place.
     #[inline]
-    pub(super) fn beside(
-        &self,
-        (at, edge): (usize, usize),
-        side: Side,
-        arity: usize,
-    ) -> (usize, usize) {
-        let (place, is_next) = match side {
-            Side::Left => self.left(at).map_or((0, true), |p| (p, p + 1 == at)),
-            Side::Right => self.right(at).map_or((0, true), |p| (p, at + 1 == p)),
+    pub(super) fn fits(&self, pattern: &[Pattern], side: Side, mut at: usize) -> bool {
+        pattern.iter().all(|wanted| {
+            let place = match side {
+                Side::Left => self.left(at),
+                Side::Right => self.right(at),
+            };
+            at = place.unwrap_or(usize::MAX);
+            let found = self.symbol(at);
+            found.is_some() && found == wanted.symbol()
+        })
+    }
+
+    /// Whether the context surely stands beside each of the modules, which can be told where these stand next to each
+    /// other.
+    pub(super) fn fits_all(&self, pattern: &[Pattern], side: Side, at: &[usize]) -> bool {
+        let index = match side {
+            Side::Left => &self.index.left,
+            Side::Right => &self.index.right,
         };
-        let edge = match (side, is_next) {
-            (Side::Left, true) => edge.saturating_sub(arity),
-            (Side::Right, true) => edge + arity,
-            (Side::Left, false) => self.offset(place),
-            (Side::Right, false) => self.offset(place) + arity,
+        let (Some(&first), Some(&last)) = (at.first(), at.last()) else {
+            return true;
         };
-        (place, edge)
+        if !index.is_empty() || last - first + 1 != at.len() {
+            return false;
+        }
+        (1..).zip(pattern).all(|(distance, wanted)| {
+            let stretch = match side {
+                Side::Left => first.checked_sub(distance).zip(last.checked_sub(distance)),
+                Side::Right => Some((first + distance, last + distance)),
+            };
+            let stretch = stretch.and_then(|(first, last)| self.string.symbols.get(first..=last));
+            wanted.symbol().is_some_and(|wanted| {
+                stretch.is_some_and(|all| all.iter().fold(true, |fit, s| fit & (*s == wanted)))
+            })
+        })
+    }
+
+    /// Goes from places to those that contexts see beside them, where modules with `arity` parameters stand; and from the near
+    /// edge of the former's parameters to the start of theirs.
+    pub(super) fn step(&self, side: Side, arity: usize, at: &mut [usize], edge: &mut [usize]) {
+        let index = match side {
+            Side::Left => &self.index.left,
+            Side::Right => &self.index.right,
+        };
+        let back = if side == Side::Left { arity } else { 0 };
+        for (at, edge) in at.iter_mut().zip(edge) {
+            let next = match side {
+                Side::Left => at.wrapping_sub(1),
+                Side::Right => at.wrapping_add(1),
+            };
+            let place = match index.get(*at) {
+                Some(place) => *place as usize,
+                None => next,
+            };
+            *edge = if place == next {
+                edge.saturating_sub(back)
+            } else {
+                self.offset(place)
+            };
+            *at = place;
+        }
     }
 }
 

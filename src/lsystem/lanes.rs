@@ -50,18 +50,30 @@ impl Values {
         }
     }
 
-    /// Binds to a slot, for one module after the other, the parameters that stand at `places`.
+    /// Binds to a slot, for one module after the other, the parameter with this number of those that begin at `starts`,
+    /// `arity` for each module.
     #[inline]
     pub(super) fn gather(
         &mut self,
         slot: usize,
         parameters: &[f64],
-        places: impl Iterator<Item = usize>,
+        starts: &[usize],
+        number: usize,
+        arity: usize,
     ) {
-        if let Some(column) = self.slots.get_mut(slot) {
-            for (value, place) in column.iter_mut().zip(places) {
-                *value = parameters.get(place).copied().unwrap_or(0.0);
-            }
+        let (Some(column), Some(&first)) = (self.slots.get_mut(slot), starts.first()) else {
+            return;
+        };
+        let next_to_each_other = arity == 1 && starts.iter().zip(first..).all(|(a, b)| *a == b);
+        if next_to_each_other
+            && let Some(values) = parameters.get(first..first + starts.len())
+            && let Some(column) = column.get_mut(..starts.len())
+        {
+            column.copy_from_slice(values);
+            return;
+        }
+        for (value, start) in column.iter_mut().zip(starts) {
+            *value = parameters.get(start + number).copied().unwrap_or(0.0);
         }
     }
 

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::batch::{Choosing, Filling, Unwritten};
+use super::batch::{Choosing, Filling, Target};
 use super::choice::{Worker, near};
 use super::context::{ContextIndex, Indexed};
 use super::derive::Limits;
@@ -364,15 +364,13 @@ impl<'a> Round<'a> {
                     target.symbols.copy_from_slice(&rule.successor);
                     let birth = births.first().copied().unwrap_or(0);
                     if let Some(filling) = &mut filling {
-                        let module = Unwritten {
-                            at,
-                            offset,
+                        let target = Target {
                             own,
                             birth,
                             parameters: target.parameters,
                             births: target.births,
                         };
-                        filling.add(usize::from(number), module)?;
+                        filling.add(usize::from(number), (at, offset), target)?;
                     } else {
                         work.evaluate(rule, at, offset, own, target.parameters)?;
                         self.date(rule, own, birth, target.parameters, target.births);
