@@ -12,6 +12,7 @@ use super::error::DeriveError;
 use super::grammar::{Order, Pattern, Rule};
 use super::lanes::{LANES, Values};
 use super::names::Symbol;
+use super::output::Output;
 use super::rewrite::{Round, STAYS};
 
 /// Shorter strings are not worth gathering.
@@ -434,20 +435,23 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
     }
 }
 
-/// Where the successor of a module has its place, without values.
-pub(super) struct Target<'s> {
+/// Modules in a row that one production rewrites.
+pub(super) struct Source<'s> {
+    /// The first of them,
+    pub(super) at: usize,
+    /// and where its parameters begin.
+    pub(super) offset: usize,
+    /// The parameters of them all.
     pub(super) own: &'s [f64],
-    pub(super) birth: u32,
-    /// The successor's.
-    pub(super) parameters: &'s mut [f64],
-    pub(super) births: &'s mut [u32],
+    pub(super) births: &'s [u32],
 }
 
 /// Modules that one production rewrites.
 #[derive(Default)]
 struct Unwritten<'s> {
     places: Places,
-    targets: Vec<Target<'s>>,
+    /// Those in a row, and where their successors have their places, without parameters yet.
+    rows: Vec<(Source<'s>, Output<'s>)>,
 }
 
 /// The pass that computes the parameters of successors, over one chunk.
@@ -466,65 +470,95 @@ impl<'r, 'a, 's> Filling<'r, 'a, 's> {
         Some(Self { batch, waiting })
     }
 
-    /// Has the successor of a module written, which the production with this number makes.
+    /// Has the successors of modules in a row written, which the production with this number makes.
     #[inline]
     pub(super) fn add(
         &mut self,
-        rule: usize,
-        (at, offset): (usize, usize),
-        target: Target<'s>,
+        number: usize,
+        mut source: Source<'s>,
+        mut target: Output<'s>,
     ) -> Result<(), DeriveError> {
-        let Some(waiting) = self.waiting.get_mut(rule) else {
+        let (Some(waiting), Some(rule)) = (
+            self.waiting.get_mut(number),
+            self.batch.round.rules.rules.get(number),
+        ) else {
             return Ok(());
         };
-        waiting.places.push(at, offset);
-        waiting.targets.push(target);
-        if waiting.targets.len() >= LANES {
-            let mut full = std::mem::take(waiting);
-            self.write(rule, &mut full)?;
-            full.places.clear();
-            full.targets.clear();
-            if let Some(waiting) = self.waiting.get_mut(rule) {
-                *waiting = full;
+        let arity = self.batch.indexed.string.arity(rule.predecessor);
+        loop {
+            let room = LANES - waiting.places.len().min(LANES);
+            let count = source.births.len().min(room);
+            for number in 0..count {
+                waiting
+                    .places
+                    .push(source.at + number, source.offset + number * arity);
             }
+            if source.births.len() < room {
+                waiting.rows.push((source, target));
+                return Ok(());
+            }
+            let (own, more) = source.own.split_at(count * arity);
+            let (births, younger) = source.births.split_at(count);
+            let row = Source {
+                own,
+                births,
+                ..source
+            };
+            let places = target.take(count * rule.successor.len(), count * rule.arguments.len());
+            waiting.rows.push((row, places));
+            Self::write(&mut self.batch, rule, waiting)?;
+            waiting.places.clear();
+            waiting.rows.clear();
+            if younger.is_empty() {
+                return Ok(());
+            }
+            source = Source {
+                at: source.at + count,
+                offset: source.offset + count * arity,
+                own: more,
+                births: younger,
+            };
         }
-        Ok(())
     }
 
     /// Writes what is left.
     pub(super) fn finish(mut self) -> Result<(), DeriveError> {
-        for (rule, mut left) in std::mem::take(&mut self.waiting).into_iter().enumerate() {
-            if !left.targets.is_empty() {
-                self.write(rule, &mut left)?;
+        let rules = &self.batch.round.rules.rules;
+        for (rule, mut left) in rules.iter().zip(std::mem::take(&mut self.waiting)) {
+            if !left.rows.is_empty() {
+                Self::write(&mut self.batch, rule, &mut left)?;
             }
         }
         self.batch.faults.result()
     }
 
     /// Writes the successors of a batch that one production makes.
-    fn write(&mut self, rule: usize, modules: &mut Unwritten<'s>) -> Result<(), DeriveError> {
-        let batch = &mut self.batch;
-        let Some(rule) = batch.round.rules.rules.get(rule) else {
-            return Ok(());
-        };
+    fn write(
+        batch: &mut Batch<'r, 'a>,
+        rule: &Rule,
+        modules: &mut Unwritten<'s>,
+    ) -> Result<(), DeriveError> {
         batch.bind(rule, &modules.places);
         batch.go_on(rule, modules.places.len())?;
-        if !Self::evaluated(batch, rule, modules) {
-            // Something went wrong: each for itself.
-            for ((at, offset), target) in modules.places.iter().zip(&mut modules.targets) {
-                let Target {
-                    own, parameters, ..
-                } = target;
-                let written = batch.work.evaluate(rule, at, offset, own, parameters);
-                if let Err(error) = written {
-                    batch.faults.add(at, error);
+        let finite = Self::evaluated(batch, rule, modules);
+        let arity = batch.indexed.string.arity(rule.predecessor);
+        let (length, count) = (rule.successor.len(), rule.arguments.len());
+        let mut places = modules.places.iter();
+        for (source, target) in &mut modules.rows {
+            let written = target.parameters.chunks_exact_mut(count);
+            let births = source.births.iter().zip(target.births.chunks_mut(length));
+            for (number, (parameters, (birth, births))) in written.zip(births).enumerate() {
+                let own = source.own.get(number * arity..(number + 1) * arity);
+                let own = own.unwrap_or(&[]);
+                if !finite && let Some((at, offset)) = places.next() {
+                    // Something went wrong: each for itself.
+                    let written = batch.work.evaluate(rule, at, offset, own, parameters);
+                    if let Err(error) = written {
+                        batch.faults.add(at, error);
+                    }
                 }
+                batch.round.date(rule, own, *birth, parameters, births);
             }
-        }
-        for target in &mut modules.targets {
-            let round = batch.round;
-            let (own, birth) = (target.own, target.birth);
-            round.date(rule, own, birth, target.parameters, target.births);
         }
         Ok(())
     }
@@ -536,11 +570,15 @@ impl<'r, 'a, 's> Filling<'r, 'a, 's> {
             batch.values.set_draws(draws);
         }
         let mut finite = true;
+        let count = rule.arguments.len();
         for (number, argument) in rule.arguments.iter().enumerate() {
-            let computed = batch.values.compute(argument, modules.places.len());
+            let mut computed = batch.values.compute(argument, modules.places.len());
             finite &= computed.iter().fold(true, |all, v| all & v.is_finite());
-            for (target, value) in modules.targets.iter_mut().zip(computed) {
-                if let Some(place) = target.parameters.get_mut(number) {
+            for (source, target) in &mut modules.rows {
+                let (row, after) = computed.split_at(source.births.len().min(computed.len()));
+                computed = after;
+                let places = target.parameters.get_mut(number..).unwrap_or(&mut []);
+                for (place, value) in places.iter_mut().step_by(count).zip(row) {
                     *place = *value;
                 }
             }

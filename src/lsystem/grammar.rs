@@ -222,6 +222,8 @@ pub(crate) struct RuleSet {
     pub(crate) has_context: bool,
     /// What any of them looks for.
     pub(crate) looks: Looks,
+    /// For each choice how many modules and parameters it makes; what stays makes itself, its parameters not counted.
+    made: Vec<(u32, u32)>,
     /// Slots and depth that its expressions need in columns; none where they are not worth it.
     pub(crate) columns: Option<(usize, usize)>,
 }
@@ -319,7 +321,11 @@ impl RuleSet {
         };
         let plans = by_symbol.iter().enumerate().map(plan).collect();
         let columns = columns(&rules);
+        let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let size = |rule: &Rule| (number(rule.successor.len()), number(rule.arguments.len()));
+        let made = std::iter::once((1, 0)).chain(rules.iter().map(size));
         Self {
+            made: made.collect(),
             columns,
             rules,
             by_symbol,
@@ -336,6 +342,13 @@ impl RuleSet {
     pub(crate) fn plan(&self, symbol: Symbol) -> Plan {
         let plan = self.plans.get(usize::from(symbol));
         plan.copied().unwrap_or(Plan::Stay)
+    }
+
+    /// How many modules and parameters a choice makes.
+    #[inline]
+    pub(crate) fn made(&self, choice: u16) -> (u32, u32) {
+        let made = self.made.get(usize::from(choice));
+        made.copied().unwrap_or_default()
     }
 
     /// Choices and weights of a symbol whose plan is [`Plan::Draw`].

@@ -30,6 +30,22 @@ impl<'s> Output<'s> {
     }
 }
 
+impl Output<'_> {
+    /// Writes a successor's modules over and over.
+    pub(super) fn tile(&mut self, successor: &[Symbol]) {
+        match successor {
+            [] => {}
+            // The commonest length needs no copies.
+            [symbol] => self.symbols.fill(*symbol),
+            _ => {
+                for place in self.symbols.chunks_exact_mut(successor.len()) {
+                    place.copy_from_slice(successor);
+                }
+            }
+        }
+    }
+}
+
 /// Modules of a template.
 pub(super) const TEMPLATE: usize = 16;
 /// Grammars with more productions do without templates.

@@ -10,12 +10,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::batch::{Choosing, Filling, Target};
+use super::batch::{Choosing, Filling, Source};
 use super::choice::{Worker, near};
 use super::context::{ContextIndex, Indexed};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, ValueProblem};
 use super::grammar::{Grammar, Plan, Rule, RuleSet};
+use super::names::Symbol;
 use super::output::{MOST_TEMPLATES, Output, Spare, TEMPLATE, Template, reused};
 use super::string::{ModuleString, string_bytes};
 
@@ -281,16 +282,17 @@ impl<'a> Round<'a> {
         }
         let mut size = Size::default();
         for (symbol, choice) in symbols.iter().zip(choices.iter()) {
-            let arity = string.arity(*symbol);
-            if let Some(rule) = self.rule(*choice) {
-                size.rewritten += 1;
-                size.modules += rule.successor.len() as u64;
-                size.parameters += rule.arguments.len() as u64;
+            let is_rewritten = *choice != STAYS;
+            let (modules, parameters) = self.rules.made(*choice);
+            let own = if is_rewritten {
+                0
             } else {
-                size.parameters += arity as u64;
-            }
+                string.arity(*symbol)
+            };
+            size.rewritten += usize::from(is_rewritten);
+            size.modules += u64::from(modules);
+            size.parameters += u64::from(parameters) + own as u64;
         }
-        size.modules += (choices.len() - size.rewritten) as u64;
         Ok(size)
     }
 
@@ -321,6 +323,26 @@ impl<'a> Round<'a> {
         }
     }
 
+    /// Computes the parameters and births of the successors of modules in a row, one by one.
+    fn rewrite(
+        &self,
+        work: &mut Worker<'_, '_, Indexed<'_>>,
+        rule: &Rule,
+        source: Source<'_>,
+        mut target: Output<'_>,
+    ) -> Result<(), DeriveError> {
+        let arity = source.own.len() / source.births.len().max(1);
+        for (number, birth) in source.births.iter().enumerate() {
+            let offset = number * arity;
+            let own = source.own.get(offset..offset + arity).unwrap_or(&[]);
+            let one = target.take(rule.successor.len(), rule.arguments.len());
+            let (at, offset) = (source.at + number, source.offset + offset);
+            work.evaluate(rule, at, offset, own, one.parameters)?;
+            self.date(rule, own, *birth, one.parameters, one.births);
+        }
+        Ok(())
+    }
+
     /// Writes what the chosen productions make of a chunk.
     fn fill(
         &self,
@@ -339,46 +361,50 @@ impl<'a> Round<'a> {
         let mut filling = Filling::new(self, indexed);
         let mut out = task.out;
         let (mut at, mut offset) = (task.from, task.parameters_from);
-        // What stays is copied in whole stretches.
-        for stretch in task.choices.chunk_by(|a, b| *a == STAYS && *b == STAYS) {
-            let end = at + stretch.len();
-            let symbols = string.symbols.get(at..end).unwrap_or(&[]);
-            let births = string.births.get(at..end).unwrap_or(&[]);
-            let parameters = match string.parameters.is_empty() {
-                true => 0,
-                false => symbols.iter().map(|s| string.arity(*s)).sum(),
+        // Neighbours of which becomes the same are worked on in whole stretches.
+        let mut rest = task.choices;
+        while let Some(&choice) = rest.first() {
+            let alike = rest.iter().take_while(|other| **other == choice).count();
+            let (stretch, after) = rest.split_at(alike);
+            rest = after;
+            let symbols = string.symbols.get(at..at + stretch.len()).unwrap_or(&[]);
+            let births = string.births.get(at..at + stretch.len()).unwrap_or(&[]);
+            let rule = self.rule(choice);
+            let arity = |symbols: &[Symbol]| symbols.iter().map(|s| string.arity(*s)).sum();
+            let parameters: usize = match (string.parameters.is_empty(), rule, symbols.first()) {
+                (true, ..) | (.., None) => 0,
+                (_, Some(_), Some(first)) => string.arity(*first) * stretch.len(),
+                (_, None, _) => arity(symbols),
             };
             let own = string.parameters.get(offset..offset + parameters);
-            let own = own.unwrap_or(&[]);
-            let number = stretch.first().map_or(0, |choice| choice.saturating_sub(1));
-            let made = match stretch.first().and_then(|choice| self.rule(*choice)) {
+            let source = Source {
+                at,
+                offset,
+                own: own.unwrap_or(&[]),
+                births,
+            };
+            let made = match rule {
                 None => {
                     let target = out.take(symbols.len(), parameters);
                     target.symbols.copy_from_slice(symbols);
                     target.births.copy_from_slice(births);
-                    target.parameters.copy_from_slice(own);
+                    target.parameters.copy_from_slice(source.own);
                     symbols.len()
                 }
                 Some(rule) => {
-                    let target = out.take(rule.successor.len(), rule.arguments.len());
-                    target.symbols.copy_from_slice(&rule.successor);
-                    let birth = births.first().copied().unwrap_or(0);
-                    if let Some(filling) = &mut filling {
-                        let target = Target {
-                            own,
-                            birth,
-                            parameters: target.parameters,
-                            births: target.births,
-                        };
-                        filling.add(usize::from(number), (at, offset), target)?;
-                    } else {
-                        work.evaluate(rule, at, offset, own, target.parameters)?;
-                        self.date(rule, own, birth, target.parameters, target.births);
+                    let (length, count) = (rule.successor.len(), rule.arguments.len());
+                    let mut target = out.take(alike * length, alike * count);
+                    target.tile(&rule.successor);
+                    match &mut filling {
+                        Some(filling) if count > 0 => {
+                            filling.add(usize::from(choice - 1), source, target)?;
+                        }
+                        _ => self.rewrite(&mut work, rule, source, target)?,
                     }
-                    rule.successor.len()
+                    alike * length
                 }
             };
-            (at, offset) = (end, offset + parameters);
+            (at, offset) = (at + alike, offset + parameters);
             if !work.matcher.go_on(u32::try_from(made).unwrap_or(u32::MAX)) {
                 return Err(self.cancelled());
             }
