@@ -46,6 +46,11 @@ impl ContextIndex {
             .saturating_add(modules / BLOCK as u64 * 8)
     }
 
+    /// Whether contexts see the modules next to each other.
+    pub(super) fn is_plain(&self) -> bool {
+        self.left.is_empty() && self.right.is_empty()
+    }
+
     /// `None`: cancelled.
     pub(crate) fn new(
         grammar: &Grammar,

@@ -222,14 +222,70 @@ pub(crate) struct RuleSet {
     pub(crate) has_context: bool,
     /// What any of them looks for.
     pub(crate) looks: Looks,
+    /// What the symbols of two neighbours decide, where nothing else does.
+    pub(crate) table: Option<NearTable>,
     /// For each choice how many modules and parameters it makes; what stays makes itself, its parameters not counted.
     made: Vec<(u32, u32)>,
     /// Slots and depth that its expressions need in columns; none where they are not worth it.
     pub(crate) columns: Option<(usize, usize)>,
 }
 
+fn table(plans: &[Plan], near: &[Vec<Near>]) -> Option<NearTable> {
+    let simple = |plan: &Plan| matches!(plan, Plan::Stay | Plan::Always(_) | Plan::Near);
+    let side = plans.len() + 1;
+    if side > MOST_IN_TABLE || !plans.contains(&Plan::Near) || !plans.iter().all(simple) {
+        return None;
+    }
+    let mut table = NearTable {
+        side,
+        choices: vec![0; side * side * side],
+    };
+    let places = (0..side).flat_map(|left| (0..side).map(move |symbol| (left, symbol)));
+    for ((left, symbol), row) in places.zip(table.choices.chunks_mut(side)) {
+        let is = |wanted: Option<Symbol>, found| wanted.is_none_or(|w| usize::from(w) == found);
+        for (right, choice) in row.iter_mut().enumerate() {
+            *choice = match plans.get(symbol) {
+                Some(Plan::Always(number)) => number + 1,
+                Some(Plan::Near) => near
+                    .get(symbol)
+                    .and_then(|all| all.iter().find(|n| is(n.left, left) && is(n.right, right)))
+                    .map_or(0, |near| near.number + 1),
+                _ => 0,
+            };
+        }
+    }
+    Some(table)
+}
+
 /// Sets of more productions are not worked on in columns.
 const MOST_IN_COLUMNS: usize = 256;
+
+/// Neighbours have at most so many symbols where a table says what becomes of each module.
+const MOST_IN_TABLE: usize = 32;
+
+/// What becomes of a module, by its symbol and those of its neighbours alone.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NearTable {
+    /// Symbols, and one more where there is no neighbour.
+    side: usize,
+    /// Choices, by left neighbour, symbol, right neighbour.
+    choices: Vec<u16>,
+}
+
+impl NearTable {
+    /// The place of a neighbour in the table.
+    #[inline]
+    pub(crate) fn neighbour(&self, symbol: Option<Symbol>) -> usize {
+        symbol.map_or(self.side - 1, usize::from)
+    }
+
+    /// The choice for a module between two neighbours.
+    #[inline]
+    pub(crate) fn choice(&self, left: usize, symbol: usize, right: usize) -> u16 {
+        let place = (left * self.side + symbol) * self.side + right;
+        self.choices.get(place).copied().unwrap_or(0)
+    }
+}
 
 /// What expressions need in columns.
 fn columns(rules: &[Rule]) -> Option<(usize, usize)> {
@@ -319,12 +375,14 @@ impl RuleSet {
             Some(_) if weighted.get(index).is_some_and(|all| !all.is_empty()) => Plan::Draw,
             Some(first) => Plan::Choose(*first),
         };
-        let plans = by_symbol.iter().enumerate().map(plan).collect();
+        let plans: Vec<Plan> = by_symbol.iter().enumerate().map(plan).collect();
+        let table = table(&plans, &near);
         let columns = columns(&rules);
         let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let size = |rule: &Rule| (number(rule.successor.len()), number(rule.arguments.len()));
         let made = std::iter::once((1, 0)).chain(rules.iter().map(size));
         Self {
+            table,
             made: made.collect(),
             columns,
             rules,

@@ -12,10 +12,10 @@ use rayon::prelude::*;
 
 use super::batch::{Choosing, Filling, Source};
 use super::choice::{Worker, near};
-use super::context::{ContextIndex, Indexed};
+use super::context::{ContextIndex, Indexed, Modules as _};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, ValueProblem};
-use super::grammar::{Grammar, Plan, Rule, RuleSet};
+use super::grammar::{Grammar, NearTable, Plan, Rule, RuleSet};
 use super::names::Symbol;
 use super::output::{MOST_TEMPLATES, Output, Spare, TEMPLATE, Template, reused};
 use super::string::{ModuleString, string_bytes};
@@ -255,6 +255,11 @@ impl<'a> Round<'a> {
             return Err(self.cancelled());
         }
         let string = indexed.string;
+        if let Some(table) = self.rules.table.as_ref()
+            && string.parameters.is_empty()
+        {
+            return Ok(self.count_near(table, indexed, from, choices));
+        }
         let mut work = Worker::new(self, indexed);
         let mut choosing = Choosing::new(self, indexed);
         let mut offset = parameters_from;
@@ -294,6 +299,48 @@ impl<'a> Round<'a> {
             size.parameters += u64::from(parameters) + own as u64;
         }
         Ok(size)
+    }
+
+    /// [`Self::count`] where modules have no parameters, and their neighbours decide.
+    fn count_near(
+        &self,
+        table: &NearTable,
+        indexed: &Indexed<'_>,
+        from: usize,
+        choices: &mut [u16],
+    ) -> Size {
+        let mut size = Size::default();
+        let mut note = |choice: u16, place: &mut u16| {
+            *place = choice;
+            let (modules, parameters) = self.rules.made(choice);
+            size.rewritten += usize::from(choice != STAYS);
+            size.modules += u64::from(modules);
+            size.parameters += u64::from(parameters);
+        };
+        let all = &indexed.string.symbols;
+        let symbol =
+            |place: Option<usize>| table.neighbour(place.and_then(|at| indexed.symbol(at)));
+        let symbols = all.get(from..).unwrap_or(&[]);
+        if indexed.index.is_plain() {
+            let mut left = symbol(from.checked_sub(1));
+            let following = all
+                .get(from + 1..)
+                .unwrap_or(&[])
+                .iter()
+                .map(|s| usize::from(*s));
+            let following = following.chain(std::iter::once(symbol(None)));
+            for ((own, right), place) in symbols.iter().zip(following).zip(choices) {
+                let own = usize::from(*own);
+                note(table.choice(left, own, right), place);
+                left = own;
+            }
+        } else {
+            for ((at, own), place) in (from..).zip(symbols).zip(choices) {
+                let (left, right) = (symbol(indexed.left(at)), symbol(indexed.right(at)));
+                note(table.choice(left, usize::from(*own), right), place);
+            }
+        }
+        size
     }
 
     /// The module of a successor that is the same as the one it replaces: that of its name and parameters.
