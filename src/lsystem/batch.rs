@@ -7,6 +7,7 @@
 
 use super::choice::Worker;
 use super::code::Expression;
+use super::column::{Cell, Narrow};
 use super::context::{Base, Indexed, Side};
 use super::error::DeriveError;
 use super::grammar::{Order, Pattern, Rule};
@@ -77,20 +78,20 @@ impl Faults {
 }
 
 /// What both passes over a chunk need.
-struct Batch<'r, 'a> {
+struct Batch<'r, 'a, S> {
     round: &'r Round<'a>,
-    work: Worker<'r, 'a, Indexed<'r>>,
-    indexed: &'r Indexed<'r>,
+    work: Worker<'r, 'a, Indexed<'r, S>>,
+    indexed: &'r Indexed<'r, S>,
     values: Values,
     /// Modules that contexts have reached, and the far edge of their parameters.
     reached: Places,
     faults: Faults,
 }
 
-impl<'r, 'a> Batch<'r, 'a> {
-    fn new(round: &'r Round<'a>, indexed: &'r Indexed<'r>) -> Option<Self> {
+impl<'r, 'a, S: Narrow> Batch<'r, 'a, S> {
+    fn new(round: &'r Round<'a>, indexed: &'r Indexed<'r, S>) -> Option<Self> {
         let (slots, depth) = round.rules.columns?;
-        (indexed.string.len() >= SHORTEST).then(|| Self {
+        (indexed.symbols.len() >= SHORTEST).then(|| Self {
             round,
             work: Worker::new(round, indexed),
             indexed,
@@ -102,8 +103,8 @@ impl<'r, 'a> Batch<'r, 'a> {
 
     /// The parameters of a module.
     fn own(&self, offset: usize, symbol: Symbol) -> &'r [f64] {
-        let arity = self.indexed.string.arity(symbol);
-        let own = self.indexed.string.parameters.get(offset..offset + arity);
+        let arity = self.indexed.arity_of(symbol);
+        let own = self.indexed.parameters.get(offset..offset + arity);
         own.unwrap_or(&[])
     }
 
@@ -137,8 +138,8 @@ impl<'r, 'a> Batch<'r, 'a> {
     /// Puts what a production binds for modules, whose contexts match, into the columns.
     fn bind(&mut self, rule: &Rule, modules: &Places) {
         let indexed = self.indexed;
-        let parameters = &indexed.string.parameters;
-        let own = indexed.string.arity(rule.predecessor);
+        let parameters = indexed.parameters;
+        let own = indexed.arity_of(rule.predecessor);
         for slot in 0..own {
             self.values
                 .gather(slot, parameters, &modules.offset, slot, own);
@@ -159,7 +160,7 @@ impl<'r, 'a> Batch<'r, 'a> {
         }
         for side in [Side::Left, Side::Right] {
             let pattern = side.of(rule);
-            let arity = |item: &Pattern| item.symbol().map_or(0, |s| indexed.string.arity(s));
+            let arity = |item: &Pattern| item.symbol().map_or(0, |s| indexed.arity_of(s));
             if pattern.iter().all(|item| arity(item) == 0) {
                 continue;
             }
@@ -203,16 +204,16 @@ impl<'r, 'a> Batch<'r, 'a> {
 
 /// Modules of one symbol whose production is looked for.
 #[derive(Default)]
-struct Undecided<'s> {
+struct Undecided<'s, S> {
     places: Places,
-    choices: Vec<&'s mut u16>,
+    choices: Vec<&'s mut S>,
 }
 
 /// The pass that chooses productions, over one chunk.
-pub(super) struct Choosing<'r, 'a, 's> {
-    batch: Batch<'r, 'a>,
+pub(super) struct Choosing<'r, 'a, 's, S> {
+    batch: Batch<'r, 'a, S>,
     /// By the first production of their symbol.
-    waiting: Vec<Undecided<'s>>,
+    waiting: Vec<Undecided<'s, S>>,
     /// Modules of a batch, by number, without a production yet,
     open: Vec<usize>,
     /// and those of them whose contexts match,
@@ -225,9 +226,9 @@ pub(super) struct Choosing<'r, 'a, 's> {
     weights: Vec<f64>,
 }
 
-impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
+impl<'r, 'a, 's, S: Narrow> Choosing<'r, 'a, 's, S> {
     /// Nothing, where modules are better asked one by one.
-    pub(super) fn new(round: &'r Round<'a>, indexed: &'r Indexed<'r>) -> Option<Self> {
+    pub(super) fn new(round: &'r Round<'a>, indexed: &'r Indexed<'r, S>) -> Option<Self> {
         let batch = Batch::new(round, indexed)?;
         let mut waiting = Vec::new();
         waiting.resize_with(round.rules.rules.len(), Undecided::default);
@@ -249,7 +250,7 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
         first: u16,
         at: usize,
         offset: usize,
-        choice: &'s mut u16,
+        choice: &'s mut S,
     ) -> Result<(), DeriveError> {
         let Some(waiting) = self.waiting.get_mut(usize::from(first)) else {
             return Ok(());
@@ -279,7 +280,7 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
     }
 
     /// Chooses for a batch of modules of one symbol.
-    fn decide(&mut self, first: u16, modules: &mut Undecided<'s>) -> Result<(), DeriveError> {
+    fn decide(&mut self, first: u16, modules: &mut Undecided<'s, S>) -> Result<(), DeriveError> {
         let rules = self.batch.round.rules;
         let Some(rule) = rules.rules.get(usize::from(first)) else {
             return Ok(());
@@ -293,7 +294,7 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
         for ((at, offset), choice) in modules.places.iter().zip(&mut modules.choices) {
             let own = batch.own(offset, symbol);
             match batch.work.choose(symbol, at, offset, own) {
-                Ok(chosen) => **choice = chosen,
+                Ok(chosen) => **choice = S::of(u32::from(chosen)),
                 Err(error) => batch.faults.add(at, error),
             }
         }
@@ -304,7 +305,7 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
     fn decided(
         &mut self,
         symbol: Symbol,
-        modules: &mut Undecided<'s>,
+        modules: &mut Undecided<'s, S>,
     ) -> Result<Option<()>, DeriveError> {
         let rules = self.batch.round.rules;
         let candidates = rules.by_symbol.get(usize::from(symbol));
@@ -324,7 +325,7 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
             self.weights.resize(all, f64::NAN);
         }
         for choice in &mut modules.choices {
-            **choice = STAYS;
+            **choice = S::of(u32::from(STAYS));
         }
         for (number, candidate) in candidates.iter().enumerate() {
             let Some(rule) = rule(candidate) else {
@@ -338,9 +339,9 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
             if self.hold(rule, which, &mut modules.choices).is_none() {
                 return Ok(None);
             }
-            let choices = &modules.choices;
+            let (choices, stays) = (&modules.choices, S::of(u32::from(STAYS)));
             self.open
-                .retain(|lane| choices.get(*lane).is_some_and(|choice| **choice == STAYS));
+                .retain(|lane| choices.get(*lane).is_some_and(|choice| **choice == stays));
         }
         Ok(match weighted {
             true => self.draw(candidates, modules),
@@ -380,7 +381,7 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
         &mut self,
         rule: &Rule,
         (number, candidate, candidates): (usize, u16, usize),
-        choices: &mut [&'s mut u16],
+        choices: &mut [&'s mut S],
     ) -> Option<()> {
         let values = &mut self.batch.values;
         let lanes = self.fitting.len();
@@ -399,7 +400,8 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
         let Some(weight) = &rule.weight else {
             for (&lane, held) in held {
                 let choice = choices.get_mut(lane)?;
-                **choice = if *held == 0.0 { STAYS } else { candidate + 1 };
+                let chosen = if *held == 0.0 { STAYS } else { candidate + 1 };
+                **choice = S::of(u32::from(chosen));
             }
             return Some(());
         };
@@ -418,7 +420,7 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
     }
 
     /// Draws among the productions with weights that matched; nothing where their weights are wrong.
-    fn draw(&mut self, candidates: &[u16], modules: &mut Undecided<'s>) -> Option<()> {
+    fn draw(&mut self, candidates: &[u16], modules: &mut Undecided<'s, S>) -> Option<()> {
         let rows = self.weights.chunks(candidates.len());
         let choices = modules.places.at.iter().zip(&mut modules.choices);
         for (((at, choice), rank), row) in choices.zip(&self.ranks).zip(rows) {
@@ -429,41 +431,41 @@ impl<'r, 'a, 's> Choosing<'r, 'a, 's> {
             let drawn = &mut self.batch.work.drawn;
             drawn.clear();
             drawn.extend(matched.map(|(candidate, weight)| (candidate + 1, *weight)));
-            **choice = self.batch.work.draw(*at).ok()?;
+            **choice = S::of(u32::from(self.batch.work.draw(*at).ok()?));
         }
         Some(())
     }
 }
 
 /// Modules in a row that one production rewrites.
-pub(super) struct Source<'s> {
+pub(super) struct Source<'s, B> {
     /// The first of them,
     pub(super) at: usize,
     /// and where its parameters begin.
     pub(super) offset: usize,
     /// The parameters of them all.
     pub(super) own: &'s [f64],
-    pub(super) births: &'s [u32],
+    pub(super) births: &'s [B],
 }
 
 /// Modules that one production rewrites.
 #[derive(Default)]
-struct Unwritten<'s> {
+struct Unwritten<'s, S, B> {
     places: Places,
     /// Those in a row, and where their successors have their places, without parameters yet.
-    rows: Vec<(Source<'s>, Output<'s>)>,
+    rows: Vec<(Source<'s, B>, Output<'s, S, B>)>,
 }
 
 /// The pass that computes the parameters of successors, over one chunk.
-pub(super) struct Filling<'r, 'a, 's> {
-    batch: Batch<'r, 'a>,
+pub(super) struct Filling<'r, 'a, 's, S, B> {
+    batch: Batch<'r, 'a, S>,
     /// By production.
-    waiting: Vec<Unwritten<'s>>,
+    waiting: Vec<Unwritten<'s, S, B>>,
 }
 
-impl<'r, 'a, 's> Filling<'r, 'a, 's> {
+impl<'r, 'a, 's, S: Narrow, B: Cell> Filling<'r, 'a, 's, S, B> {
     /// Nothing, where modules are better worked on one by one.
-    pub(super) fn new(round: &'r Round<'a>, indexed: &'r Indexed<'r>) -> Option<Self> {
+    pub(super) fn new(round: &'r Round<'a>, indexed: &'r Indexed<'r, S>) -> Option<Self> {
         let batch = Batch::new(round, indexed)?;
         let mut waiting = Vec::new();
         waiting.resize_with(round.rules.rules.len(), Unwritten::default);
@@ -475,8 +477,8 @@ impl<'r, 'a, 's> Filling<'r, 'a, 's> {
     pub(super) fn add(
         &mut self,
         number: usize,
-        mut source: Source<'s>,
-        mut target: Output<'s>,
+        mut source: Source<'s, B>,
+        mut target: Output<'s, S, B>,
     ) -> Result<(), DeriveError> {
         let (Some(waiting), Some(rule)) = (
             self.waiting.get_mut(number),
@@ -484,7 +486,7 @@ impl<'r, 'a, 's> Filling<'r, 'a, 's> {
         ) else {
             return Ok(());
         };
-        let arity = self.batch.indexed.string.arity(rule.predecessor);
+        let arity = self.batch.indexed.arity_of(rule.predecessor);
         loop {
             let room = LANES - waiting.places.len().min(LANES);
             let count = source.births.len().min(room);
@@ -534,14 +536,14 @@ impl<'r, 'a, 's> Filling<'r, 'a, 's> {
 
     /// Writes the successors of a batch that one production makes.
     fn write(
-        batch: &mut Batch<'r, 'a>,
+        batch: &mut Batch<'r, 'a, S>,
         rule: &Rule,
-        modules: &mut Unwritten<'s>,
+        modules: &mut Unwritten<'s, S, B>,
     ) -> Result<(), DeriveError> {
         batch.bind(rule, &modules.places);
         batch.go_on(rule, modules.places.len())?;
         let finite = Self::evaluated(batch, rule, modules);
-        let arity = batch.indexed.string.arity(rule.predecessor);
+        let arity = batch.indexed.arity_of(rule.predecessor);
         let (length, count) = (rule.successor.len(), rule.arguments.len());
         let mut places = modules.places.iter();
         for (source, target) in &mut modules.rows {
@@ -564,7 +566,11 @@ impl<'r, 'a, 's> Filling<'r, 'a, 's> {
     }
 
     /// Computes the parameters in columns; false where one cannot be computed.
-    fn evaluated(batch: &mut Batch<'r, 'a>, rule: &Rule, modules: &mut Unwritten<'s>) -> bool {
+    fn evaluated(
+        batch: &mut Batch<'r, 'a, S>,
+        rule: &Rule,
+        modules: &mut Unwritten<'s, S, B>,
+    ) -> bool {
         if rule.arguments.iter().any(Expression::draws) {
             let draws = modules.places.at.iter().map(|at| batch.work.key.at(*at));
             batch.values.set_draws(draws);

@@ -235,6 +235,22 @@ pub enum DeriveProblem {
         /// Its width in metres.
         width: f64,
     },
+    /// A `}` without its `{`.
+    #[error(
+        "module {position}: this `}}` closes no outline; put its `{{` before it, in what the string holds after cuts (`%`)"
+    )]
+    NoOutline {
+        /// Index of the brace.
+        position: u64,
+    },
+    /// A `{` without its `}`.
+    #[error(
+        "module {position}: this `{{` begins an outline that is not closed; put its `}}` behind it, where no `%` cuts it off"
+    )]
+    OpenOutline {
+        /// Index of the brace.
+        position: u64,
+    },
     /// More nodes than a `Tree` can index.
     #[error(
         "the drawing has more than the {limit} segments that the memory for it holds; take fewer steps"

@@ -39,6 +39,8 @@ pub struct Grammar {
     pub(crate) shapes: Vec<Shape>,
     /// For each symbol its dictionary entry.
     pub(crate) shape_of: Vec<Option<u16>>,
+    /// The turtle answers queries after each step.
+    pub(crate) has_queries: bool,
 }
 
 /// What a symbol is to the rewriting.

@@ -14,13 +14,14 @@
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
 //! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change; `record` keeps which production did it),
-//! `turtle` draws it, `report` says what `ramus derive` prints.
+//! `turtle` draws it and answers what `query` asks, `report` says what `ramus derive` prints.
 
 mod active;
 mod batch;
 mod blocks;
 mod choice;
 mod code;
+mod column;
 mod context;
 mod derive;
 mod error;
@@ -32,6 +33,7 @@ mod names;
 mod number;
 mod output;
 mod parse;
+mod query;
 mod random;
 mod record;
 pub mod report;
@@ -49,4 +51,4 @@ pub use names::Symbol;
 pub use record::Recorded;
 pub use shape::shape_frames;
 pub use string::{Module, ModuleString};
-pub use turtle::{TurtleParams, interpret};
+pub use turtle::{TurtleParams, draw_on, interpret};

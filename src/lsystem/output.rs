@@ -1,5 +1,6 @@
 //! What rounds write into: places of the next string, successors as templates, memory that is used again.
 
+use super::column::{Cell, Column};
 use super::grammar::Rule;
 use super::names::Symbol;
 use super::rewrite::Round;
@@ -7,13 +8,13 @@ use super::string::ModuleString;
 
 /// Places for modules that are written one after the other.
 #[derive(Default)]
-pub(super) struct Output<'s> {
-    pub(super) symbols: &'s mut [Symbol],
-    pub(super) births: &'s mut [u32],
+pub(super) struct Output<'s, S, B> {
+    pub(super) symbols: &'s mut [S],
+    pub(super) births: &'s mut [B],
     pub(super) parameters: &'s mut [f64],
 }
 
-impl<'s> Output<'s> {
+impl<'s, S, B> Output<'s, S, B> {
     /// The next places; fewer where the count was wrong, which cannot be.
     pub(super) fn take(&mut self, modules: usize, parameters: usize) -> Self {
         fn front<'s, T>(rest: &mut &'s mut [T], length: usize) -> &'s mut [T] {
@@ -30,17 +31,12 @@ impl<'s> Output<'s> {
     }
 }
 
-impl Output<'_> {
+impl<S: Cell, B> Output<'_, S, B> {
     /// Writes a successor's modules over and over.
     pub(super) fn tile(&mut self, successor: &[Symbol]) {
-        match successor {
-            [] => {}
-            // The commonest length needs no copies.
-            [symbol] => self.symbols.fill(*symbol),
-            _ => {
-                for place in self.symbols.chunks_exact_mut(successor.len()) {
-                    place.copy_from_slice(successor);
-                }
+        for place in self.symbols.chunks_exact_mut(successor.len().max(1)) {
+            for (cell, symbol) in place.iter_mut().zip(successor) {
+                *cell = S::of(u32::from(*symbol));
             }
         }
     }
@@ -52,18 +48,18 @@ pub(super) const TEMPLATE: usize = 16;
 pub(super) const MOST_TEMPLATES: usize = 256;
 
 /// A successor without parameters, to be written at once.
-pub(super) struct Template {
+pub(super) struct Template<S> {
     /// Its first modules, then zeros.
-    pub(super) symbols: [Symbol; TEMPLATE],
+    pub(super) symbols: [S; TEMPLATE],
     pub(super) length: usize,
     pub(super) heir: Option<usize>,
 }
 
-impl Template {
+impl<S: Cell> Template<S> {
     pub(super) fn of(rule: &Rule) -> Self {
-        let mut symbols = [0; TEMPLATE];
+        let mut symbols = [S::default(); TEMPLATE];
         for (place, symbol) in symbols.iter_mut().zip(&rule.successor) {
-            *place = *symbol;
+            *place = S::of(u32::from(*symbol));
         }
         Self {
             symbols,
@@ -78,7 +74,7 @@ impl Template {
 pub(super) struct Spare {
     /// A string that is no longer needed.
     pub(super) string: ModuleString,
-    pub(super) choices: Vec<u16>,
+    pub(super) choices: Column,
     /// Modules that the last round rewrote.
     pub(super) rewritten: usize,
 }
@@ -87,6 +83,7 @@ pub(super) struct Spare {
 pub(super) fn reused<T: Clone + Default>(mut old: Vec<T>, length: usize) -> Option<Vec<T>> {
     // Never much more than is needed: a string may shrink.
     if old.capacity() < length || old.capacity() / 2 > length {
+        drop(old);
         return zeroed(length);
     }
     old.resize(length, T::default());

@@ -10,10 +10,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::column::Column;
 use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::include::{folder_of, gather};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
+use super::query::{ANSWERS, Query};
 use super::shape::{Shape, Wrap};
 use super::source::{Block, Cursor, Source, Statement};
 use super::string::ModuleString;
@@ -231,9 +233,10 @@ impl Parser {
             );
             self.errors.push(cursor.error_at(at, message));
         }
-        if matches!(name, "?P" | "?H") {
-            let message =
-                format!("the query `{name}` cannot be answered yet; expected another module");
+        if Query::of(name).is_some() && !ANSWERS.contains(&arity) {
+            let message = format!(
+                "found `{name}` with {arity} parameters; expected the two or three that the turtle writes its answer into, as in `{name}(0, 0, 0)`"
+            );
             self.errors.push(cursor.error_at(at, message));
         }
         self.names.intern(name, arity).ok_or_else(|| {
@@ -265,6 +268,7 @@ impl Parser {
     fn finish(mut self, sources: &[Source]) -> Result<Grammar, GrammarErrors> {
         let first = sources.first();
         let (file, text) = first.map_or(("", ""), |s| (s.name.as_str(), s.text.as_str()));
+        let index = |i: usize| Symbol::try_from(i).unwrap_or(Symbol::MAX);
         let mut general = |message: &str| {
             self.errors.push(GrammarError::new(
                 file,
@@ -287,6 +291,19 @@ impl Parser {
         if self.shapes.len() >= usize::from(u16::MAX) {
             general("this grammar has more than 65,000 shapes");
         }
+        let is_query = |symbol: Symbol| Query::of(self.names.name(symbol)).is_some();
+        let has_queries = (0..self.names.symbols().len()).any(|i| is_query(index(i)));
+        let shown = self.interpret.iter().flat_map(|(rules, _)| rules);
+        let hides = |rule: &Rule| {
+            let cuts = |symbol: &Symbol| self.names.name(*symbol) == "%";
+            let queries = |symbol: &Symbol| is_query(*symbol);
+            queries(&rule.predecessor) || rule.successor.iter().any(|s| queries(s) || cuts(s))
+        };
+        if has_queries && shown.into_iter().any(hides) {
+            general(
+                "a query (`?P`) is answered where it stands in the string, so the `interpret` block of a grammar with queries holds neither queries nor `%`; take them out of it",
+            );
+        }
         if !self.errors.errors.is_empty() {
             // Passes find faults out of order; a person reads a file from its top.
             let file_of = |name: &str| sources.iter().position(|s| s.name == name);
@@ -297,7 +314,6 @@ impl Parser {
         }
         let symbols = self.names.symbols();
         let arity: Arc<[u8]> = symbols.iter().map(|s| s.arity).collect();
-        let index = |i: usize| Symbol::try_from(i).unwrap_or(Symbol::MAX);
         let roles = (0..symbols.len())
             .map(|i| match self.names.name(index(i)) {
                 "[" => Role::Open,
@@ -331,6 +347,14 @@ impl Parser {
         axiom.arity = Arc::clone(&arity);
         let (decompose, decompose_depth) = self.decompose.unwrap_or_default();
         let (interpret, interpret_depth) = self.interpret.unwrap_or_default();
+        // The width of a string's symbols is that of its choices, too: productions are numbered from 1.
+        let productions = [&self.rules, &decompose, &interpret].map(Vec::len);
+        let most = productions
+            .into_iter()
+            .fold(count.saturating_sub(1), usize::max);
+        let most = u32::try_from(most).unwrap_or(u32::MAX);
+        axiom.symbols =
+            Column::from_numbers(most.min(u32::from(Symbol::MAX)), axiom.symbols.iter());
         let set =
             |rules: Vec<Rule>| (!rules.is_empty()).then(|| RuleSet::new(rules, count, self.order));
         Ok(Grammar {
@@ -349,6 +373,7 @@ impl Parser {
             tropism: self.tropism,
             shapes: self.shapes,
             shape_of,
+            has_queries,
             names: self.names,
         })
     }

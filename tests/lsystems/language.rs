@@ -416,10 +416,10 @@ fn faults_are_told_where_they_are() {
         ("axiom A@X\n", 1, 8, &["`@O`, `@Gs`, `@Ge`"]),
         ("axiom A\"\n", 1, 8, &["found `\"`"]),
         (
-            "axiom ?P(1,2,3)\n",
+            "axiom ?P(1)\n",
             1,
             7,
-            &["`?P`", "cannot be answered yet"],
+            &["`?P` with 1 parameters", "`?P(0, 0, 0)`"],
         ),
         ("axiom A\n[ -> A\n", 2, 1, &["cannot be replaced"]),
         ("steps 1.5\naxiom A\n", 1, 7, &["whole number"]),

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
-use ramus::lsystem::{DeriveProblem, Grammar, TurtleParams, interpret};
+use ramus::lsystem::{DeriveProblem, Grammar, ModuleString, TurtleParams, interpret};
 use ramus::tree::{NO_PARENT, Tree};
 
 use super::{derive, draw, parse};
@@ -35,6 +35,23 @@ fn signs() {
         ("+F", Vec3::NEG_X),
         ("-F", Vec3::X),
         ("+(30)F", Vec3::new(-0.5, 0.866_025_4, 0.0)),
+        // Negative angles turn the other way, negative lengths go backward.
+        ("+(-90)F", Vec3::X),
+        ("-(-90)F", Vec3::NEG_X),
+        ("&(-90)F", Vec3::Z),
+        ("^(-90)F", Vec3::NEG_Z),
+        ("\\(-90)&F", Vec3::NEG_X),
+        ("/(-90)&F", Vec3::X),
+        ("f(-2)F", Vec3::NEG_Y),
+        ("g(-2)G(-1)", Vec3::NEG_Y * 3.0),
+        ("+(0)F", Vec3::Y),
+        ("F(0)F", Vec3::Y),
+        ("+(360)+(90)-(720)F", Vec3::NEG_X),
+        ("+(90)+F", Vec3::NEG_Y),
+        ("/&F", Vec3::NEG_X),
+        ("\\&F", Vec3::X),
+        ("G", Vec3::Y),
+        ("fgF", Vec3::Y * 3.0),
         ("&F", Vec3::NEG_Z),
         ("^F", Vec3::Z),
         ("\\F", Vec3::Y),
@@ -58,6 +75,11 @@ fn signs() {
         ("$+(90)F", Vec3::NEG_X),
         // What a skeleton has no place for leaves the turtle alone.
         ("'(2),(3);(1)@O(5)@Gs@Ge~L(2)F", Vec3::Y),
+        (
+            "'(-2),(-3);(-1)@O(-5)@Ge@Ge~L(-2)?P(0,0,0)T(-1)!(-2)F",
+            Vec3::Y,
+        ),
+        ("',;@O@Gs~L T!F", Vec3::Y),
         ("{.f+f.}F", Vec3::new(-1.0, 1.0, 0.0) + Vec3::NEG_X),
         ("X(3)F", Vec3::Y),
     ] {
@@ -302,7 +324,8 @@ fn branches_begin_in_the_parents_frame() {
 fn births() {
     let grammar = parse("axiom F(0) B\nF(x) > B -> F(x) F(x+1)\n");
     let string = derive(&grammar, 3);
-    assert_eq!(string.births(), [0, 1, 2, 3, 0], "F(0) F(1) F(2) F(3) B");
+    let born = |string: &ModuleString| string.births().collect::<Vec<_>>();
+    assert_eq!(born(&string), [0, 1, 2, 3, 0], "F(0) F(1) F(2) F(3) B");
     assert_eq!(
         draw(&grammar, &string).birth,
         [0, 0, 1, 2, 3],
@@ -315,7 +338,7 @@ fn births() {
         ("axiom A B\nA -> B A(1) A\n", 1, &[1, 1, 0, 0]),
         ("axiom A\nA -> B\ndecompose {\n  B -> C C\n}\n", 1, &[1, 1]),
     ] {
-        assert_eq!(derive(&parse(text), steps).births(), expected, "{text}");
+        assert_eq!(born(&derive(&parse(text), steps)), expected, "{text}");
     }
     // Interpretation draws parts as old as the module they show.
     let shown = parse("axiom A\nA -> A A\ninterpret {\n  A -> F[+F]\n}\n");

@@ -1,0 +1,189 @@
+//! Where the turtle stands, how it is turned and what it draws with: what brackets save.
+//!
+//! Its frame is a unit quaternion whose own axes are X = right (−L), Y = heading H, Z = up U, so that the start (H = +Y, L = −X, U = +Z) is the
+//! quaternion 1 and a shape's x, y, z are the stage's. `+` turns about U, `&` about L, `/` about H, all right-handed. After every
+//! turn the frame is brought back to length 1 by a Newton step, exact where the length is off by no more than rounding; positions are
+//! summed in f64.
+
+use glam::{DQuat, DVec3};
+
+use super::action::{Axis, Half};
+use crate::tree::NO_PARENT;
+
+/// A heading whose horizontal part is shorter than this is vertical.
+const VERTICAL: f64 = 1e-12;
+
+/// Whether the pen draws a generalized cylinder, between `@Gs` and `@Ge`. A branch in between is one of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cylinder {
+    /// Each segment is a tube of its own kind.
+    #[default]
+    None,
+    /// The next segment begins one.
+    Begins,
+    /// The next segment goes on with the one whose first segment ends at this node.
+    Of(u32),
+}
+
+/// The turtle's state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pen {
+    /// Metres.
+    pub position: DVec3,
+    /// The stage from the turtle's own axes: X right, Y ahead, Z up.
+    pub frame: DQuat,
+    /// Metres, a diameter.
+    pub width: f64,
+    /// Strength of the tropism.
+    pub tropism: f64,
+    /// The node at this position, or `NO_PARENT` after a move without drawing.
+    pub node: u32,
+    /// Brackets round it; 65535 where there are more.
+    pub order: u16,
+    /// Index of the colour, at first 0.
+    pub colour: u16,
+    /// Index of the material, at first 0.
+    pub material: u16,
+    /// Whether a generalized cylinder is drawn.
+    pub cylinder: Cylinder,
+    /// The dictionary letter drawn last and its parameter, if nothing else was drawn since.
+    pub(super) shape: Option<(u16, f64)>,
+}
+
+impl Pen {
+    /// The turtle's start, with a width in metres.
+    #[must_use]
+    pub fn new(width: f64) -> Self {
+        Self {
+            position: DVec3::ZERO,
+            frame: DQuat::IDENTITY,
+            width,
+            tropism: 0.0,
+            node: 0,
+            order: 0,
+            colour: 0,
+            material: 0,
+            cylinder: Cylinder::None,
+            shape: None,
+        }
+    }
+
+    /// H, the direction of the next segment.
+    #[must_use]
+    #[inline]
+    pub fn heading(&self) -> DVec3 {
+        let DQuat { x, y, z, w } = self.frame;
+        DVec3::new(
+            2.0 * (x * y - w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z + w * x),
+        )
+    }
+
+    /// L.
+    #[must_use]
+    pub fn left(&self) -> DVec3 {
+        self.frame * DVec3::NEG_X
+    }
+
+    /// U = H × L.
+    #[must_use]
+    pub fn up(&self) -> DVec3 {
+        self.frame * DVec3::Z
+    }
+
+    /// The point so far ahead.
+    #[inline]
+    pub(super) fn ahead(&self, length: f64) -> DVec3 {
+        self.position + self.heading() * length
+    }
+
+    /// Turns about one of the turtle's own axes.
+    #[inline]
+    pub(super) fn turn_about(&mut self, axis: Axis, Half { sin, cos }: Half) {
+        let DQuat { x, y, z, w } = self.frame;
+        self.frame = normal(match axis {
+            Axis::X => DQuat::from_xyzw(
+                x * cos + w * sin,
+                y * cos + z * sin,
+                z * cos - y * sin,
+                w * cos - x * sin,
+            ),
+            Axis::Heading => DQuat::from_xyzw(
+                x * cos - z * sin,
+                y * cos + w * sin,
+                z * cos + x * sin,
+                w * cos - y * sin,
+            ),
+            Axis::Up => DQuat::from_xyzw(
+                x * cos + y * sin,
+                y * cos - x * sin,
+                z * cos + w * sin,
+                w * cos - z * sin,
+            ),
+        });
+    }
+
+    /// Turns by a rotation in the turtle's own axes.
+    #[inline]
+    pub(super) fn turn(&mut self, by: DQuat) {
+        self.frame = normal(self.frame * by);
+    }
+
+    /// Half a turn about U.
+    pub(super) fn turn_around(&mut self) {
+        let DQuat { x, y, z, w } = self.frame;
+        self.frame = DQuat::from_xyzw(y, -x, w, -z);
+    }
+
+    /// Rolls so that L is horizontal and U is not below it; a vertical heading stays as it is.
+    pub(super) fn level(&mut self) {
+        let DQuat { x, y, z, w } = self.frame;
+        // How high the ends of the own axes X and Z (U) lie; a roll by φ makes them cos φ·right − sin φ·up, which is to be 0, and
+        // sin φ·right + cos φ·up, which is to be above 0.
+        let right = 2.0 * (x * y + w * z);
+        let up = 2.0 * (y * z - w * x);
+        let level = (right * right + up * up).sqrt();
+        if level < VERTICAL {
+            return;
+        }
+        // Half the angle, by that one of two formulas which does not cancel.
+        let (sin, cos) = if up >= 0.0 {
+            (right, level + up)
+        } else {
+            (level - up, right)
+        };
+        let scale = 1.0 / (sin * sin + cos * cos).sqrt();
+        let half = Half {
+            sin: sin * scale,
+            cos: cos * scale,
+        };
+        self.turn_about(Axis::Heading, half);
+    }
+
+    /// Turns the heading toward a vector by e·|H × T| radians (ABOP, section 2.1).
+    pub(super) fn bend(&mut self, vector: DVec3) {
+        let torque = self.heading().cross(vector);
+        let strength = torque.length();
+        if strength > 1e-12 {
+            let bend = DQuat::from_axis_angle(torque / strength, self.tropism * strength);
+            self.frame = normal(bend * self.frame);
+        }
+    }
+
+    /// Goes somewhere without drawing.
+    #[inline]
+    pub(super) fn jump(&mut self, to: DVec3) {
+        self.position = to;
+        self.node = NO_PARENT;
+        if let Cylinder::Of(_) = self.cylinder {
+            self.cylinder = Cylinder::Begins;
+        }
+    }
+}
+
+/// A quaternion that is all but of length 1, of length 1.
+#[inline]
+fn normal(q: DQuat) -> DQuat {
+    q * (1.5 - 0.5 * q.length_squared())
+}

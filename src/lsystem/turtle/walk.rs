@@ -1,0 +1,425 @@
+//! Reading: module after module moves the pen and draws.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::DVec3;
+
+use super::super::error::{DeriveError, DeriveProblem};
+use super::super::grammar::Grammar;
+use super::super::shape::Shape;
+use super::super::string::Module;
+use super::TurtleParams;
+use super::action::{Action, actions};
+use super::canvas::{Canvas, Drawn, Outline, narrow, narrowed};
+use super::pen::{Cylinder, Pen};
+use crate::tree::NO_PARENT;
+
+/// Modules read between two looks at the cancel flag.
+const CHECK_EVERY: u64 = 1 << 14;
+
+/// Ends of an outline nearer than this part of its size are one vertex.
+const CLOSED: f64 = 1e-9;
+
+/// An outline that is being traced.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    /// Its first vertex, in the list of all.
+    first: usize,
+    node: u32,
+    /// Index of the `{`.
+    position: u64,
+}
+
+/// The turtle: a pen, a pen for each open bracket, and the vertices of open outlines.
+pub struct Turtle<'a, C> {
+    grammar: &'a Grammar,
+    params: &'a TurtleParams,
+    /// By symbol.
+    actions: Vec<Action>,
+    pen: Pen,
+    stack: Vec<Pen>,
+    outlines: Vec<Open>,
+    /// Of all open outlines, the outermost first.
+    vertices: Vec<DVec3>,
+    /// Modules read.
+    position: u64,
+    canvas: C,
+}
+
+impl<'a, C: Canvas> Turtle<'a, C> {
+    /// A turtle at its start, on a canvas with nothing but the start.
+    #[must_use]
+    pub fn new(grammar: &'a Grammar, params: &'a TurtleParams, canvas: C) -> Self {
+        Self {
+            grammar,
+            params,
+            actions: actions(grammar, params),
+            pen: Pen::new(params.width),
+            stack: Vec::new(),
+            outlines: Vec::new(),
+            vertices: Vec::new(),
+            position: 0,
+            canvas,
+        }
+    }
+
+    /// Where it stands.
+    #[must_use]
+    pub fn pen(&self) -> &Pen {
+        &self.pen
+    }
+
+    /// Reads modules, which may be a part of a string whose parts before it are read.
+    ///
+    /// # Errors
+    /// The turtle's limits, positions beyond f32, what the canvas cannot hold, or `cancel` being set.
+    pub fn read<'m>(
+        &mut self,
+        modules: impl Iterator<Item = Module<'m>>,
+        cancel: &AtomicBool,
+    ) -> Result<(), DeriveError> {
+        let mut step = 0;
+        for module in modules {
+            step = step.max(module.birth);
+            if self.position.is_multiple_of(CHECK_EVERY) && cancel.load(Ordering::Relaxed) {
+                return Err(DeriveProblem::Cancelled { step }.into());
+            }
+            self.step(module)?;
+            self.position += 1;
+        }
+        Ok(())
+    }
+
+    /// The canvas, when everything is read.
+    ///
+    /// # Errors
+    /// An outline that is still open.
+    pub fn finish(self) -> Result<C, DeriveError> {
+        match self.outlines.last() {
+            None => Ok(self.canvas),
+            Some(open) => {
+                let position = open.position;
+                Err(DeriveProblem::OpenOutline { position }.into())
+            }
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
+        let by = Drawn {
+            symbol: module.symbol,
+            birth: module.birth,
+            position: self.position,
+        };
+        let first = module.parameters.first().copied();
+        let Some(action) = self.actions.get_mut(usize::from(module.symbol)) else {
+            return Ok(());
+        };
+        match action {
+            Action::Nothing => {}
+            Action::Turn(turn) => {
+                let half = turn.half(first);
+                self.pen.turn_about(turn.axis, half);
+            }
+            Action::Draw => return self.forward(by, first, true),
+            Action::DrawWithin => return self.forward(by, first, false),
+            Action::Move => return self.skip(first, true),
+            Action::MoveWithin => return self.skip(first, false),
+            Action::Push => return self.push(),
+            Action::Pop => {
+                if let Some(pen) = self.stack.pop() {
+                    self.pen = pen;
+                }
+            }
+            Action::Width => {
+                self.pen.width = first.unwrap_or(self.pen.width * self.params.narrow);
+            }
+            Action::Level => self.pen.level(),
+            Action::TurnAround => self.pen.turn_around(),
+            Action::Tropism => self.pen.tropism = first.unwrap_or(0.0),
+            Action::NextColour => self.pen.colour = index(first, self.pen.colour, 1),
+            Action::LastColour => self.pen.colour = index(first, self.pen.colour, -1),
+            Action::Material => self.pen.material = index(first, self.pen.material, 1),
+            Action::BeginCylinder => self.pen.cylinder = Cylinder::Begins,
+            Action::EndCylinder => self.pen.cylinder = Cylinder::None,
+            Action::Follow(shape) => {
+                let shape = *shape;
+                return self.follow(by, shape, first);
+            }
+            Action::Place(shape) => {
+                let shape = *shape;
+                return self.place(by, shape, first);
+            }
+            Action::BeginPolygon => self.outlines.push(Open {
+                first: self.vertices.len(),
+                node: self.pen.node,
+                position: self.position,
+            }),
+            Action::Query => return self.canvas.query(&self.pen, by),
+            Action::Vertex => return self.vertex(),
+            Action::EndPolygon => return self.end_outline(by),
+            Action::Sphere => {
+                let radius = first.unwrap_or(self.pen.width / 2.0).abs();
+                self.within(by, radius)?;
+                return self.canvas.sphere(&self.pen, by, radius);
+            }
+            Action::Surface => {
+                let scale = first.unwrap_or(1.0);
+                self.within(by, scale)?;
+                return self.canvas.surface(&self.pen, by, scale);
+            }
+        }
+        Ok(())
+    }
+
+    fn push(&mut self) -> Result<(), DeriveError> {
+        if self.stack.len() >= self.params.max_depth {
+            let problem = DeriveProblem::TooDeep {
+                position: self.position,
+                depth: self.params.max_depth,
+            };
+            return Err(problem.into());
+        }
+        self.stack.push(self.pen);
+        self.pen.order = self.pen.order.saturating_add(1);
+        if let Cylinder::Of(_) = self.pen.cylinder {
+            self.pen.cylinder = Cylinder::Begins;
+        }
+        Ok(())
+    }
+
+    /// `F` and `G`.
+    #[inline]
+    fn forward(
+        &mut self,
+        by: Drawn,
+        length: Option<f64>,
+        is_vertex: bool,
+    ) -> Result<(), DeriveError> {
+        let length = length.unwrap_or(self.params.length);
+        self.pen.shape = None;
+        if self.outlines.is_empty() {
+            self.draw(by, length, None)?;
+        } else {
+            self.pen.jump(self.pen.ahead(length));
+            if is_vertex {
+                self.vertex()?;
+            }
+        }
+        self.bend();
+        Ok(())
+    }
+
+    /// `f` and `g`.
+    fn skip(&mut self, length: Option<f64>, is_vertex: bool) -> Result<(), DeriveError> {
+        self.pen.shape = None;
+        let length = length.unwrap_or(self.params.length);
+        self.pen.jump(self.pen.ahead(length));
+        if is_vertex { self.vertex() } else { Ok(()) }
+    }
+
+    #[inline]
+    fn bend(&mut self) {
+        if self.pen.tropism != 0.0
+            && let Some(vector) = self.grammar.tropism
+        {
+            self.pen.bend(vector);
+        }
+    }
+
+    /// Draws the dictionary's segment that the module's parameter names, or the whole shape where it has none.
+    fn follow(&mut self, by: Drawn, letter: u16, index: Option<f64>) -> Result<(), DeriveError> {
+        let grammar = self.grammar;
+        let Some(shape) = grammar.shapes.get(usize::from(letter)) else {
+            return Ok(());
+        };
+        match index {
+            Some(index) => self.follow_segment(by, letter, shape, index.floor(), 1.0),
+            None => self.follow_all(by, letter, shape, 1.0),
+        }
+    }
+
+    /// Draws a whole shape where the turtle stands, and leaves the turtle there.
+    fn place(&mut self, by: Drawn, letter: u16, scale: Option<f64>) -> Result<(), DeriveError> {
+        let grammar = self.grammar;
+        let Some(shape) = grammar.shapes.get(usize::from(letter)) else {
+            return Ok(());
+        };
+        let pen = self.pen;
+        if let Cylinder::Of(_) = pen.cylinder {
+            self.pen.cylinder = Cylinder::Begins;
+        }
+        self.follow_all(by, letter, shape, scale.unwrap_or(1.0))?;
+        self.pen = pen;
+        Ok(())
+    }
+
+    fn follow_all(
+        &mut self,
+        by: Drawn,
+        letter: u16,
+        shape: &Shape,
+        scale: f64,
+    ) -> Result<(), DeriveError> {
+        self.pen.shape = None;
+        let mut index = 0.0;
+        for _ in &shape.segments {
+            self.follow_segment(by, letter, shape, index, scale)?;
+            index += 1.0;
+        }
+        Ok(())
+    }
+
+    #[expect(clippy::float_cmp, reason = "both are whole numbers")]
+    fn follow_segment(
+        &mut self,
+        by: Drawn,
+        letter: u16,
+        shape: &Shape,
+        index: f64,
+        scale: f64,
+    ) -> Result<(), DeriveError> {
+        let length = f64::from(u32::try_from(shape.segments.len()).unwrap_or(u32::MAX));
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 ≤ remainder < length"
+        )]
+        let Some(segment) = shape.segments.get(index.rem_euclid(length) as usize) else {
+            return Ok(());
+        };
+        let goes_on = match self.pen.shape {
+            Some((last, before)) => last == letter && index == before + 1.0,
+            None => false,
+        };
+        self.pen
+            .turn(if goes_on { segment.turn } else { segment.frame });
+        let length = segment.length * scale;
+        if self.outlines.is_empty() {
+            let radius = segment.radius.map(|radius| radius * scale.abs());
+            self.draw(by, length, radius)?;
+        } else {
+            self.pen.jump(self.pen.ahead(length));
+            self.vertex()?;
+        }
+        self.pen.shape = Some((letter, index));
+        self.bend();
+        Ok(())
+    }
+
+    /// Draws the segment from here to `length` ahead.
+    #[inline]
+    fn draw(&mut self, by: Drawn, length: f64, radius: Option<f64>) -> Result<(), DeriveError> {
+        let width = radius.map_or(self.pen.width.abs(), |radius| radius * 2.0);
+        let radius = narrow(width / 2.0);
+        let end = self.pen.ahead(length);
+        if !narrowed(end).is_finite() {
+            return Err(self.too_far(by));
+        }
+        if !radius.is_finite() {
+            return Err(self.too_wide(by, width));
+        }
+        if self.pen.node == NO_PARENT {
+            self.pen.node = self.canvas.root(&self.pen, by, radius)?;
+        }
+        let node = self.canvas.segment(&self.pen, by, end, radius)?;
+        if self.pen.cylinder == Cylinder::Begins {
+            self.pen.cylinder = Cylinder::Of(node);
+        }
+        self.pen.node = node;
+        self.pen.position = end;
+        Ok(())
+    }
+
+    /// The outline's next vertex is here.
+    fn vertex(&mut self) -> Result<(), DeriveError> {
+        let Some(open) = self.outlines.last() else {
+            return Ok(());
+        };
+        let position = self.pen.position;
+        let own = self.vertices.get(open.first..).unwrap_or(&[]);
+        if own.last() == Some(&position) {
+            return Ok(());
+        }
+        if self.vertices.len() as u64 >= self.params.max_nodes {
+            let limit = self.params.max_nodes;
+            return Err(DeriveProblem::TooManyNodes { limit }.into());
+        }
+        self.vertices.push(position);
+        Ok(())
+    }
+
+    fn end_outline(&mut self, by: Drawn) -> Result<(), DeriveError> {
+        let Some(open) = self.outlines.pop() else {
+            let position = by.position;
+            return Err(DeriveProblem::NoOutline { position }.into());
+        };
+        let vertices = self.vertices.get(open.first..).unwrap_or(&[]);
+        let vertices = without_closing(vertices);
+        let fits = |v: &DVec3| narrowed(*v).is_finite();
+        let result = if !vertices.iter().all(fits) {
+            Err(self.too_far(by))
+        } else if vertices.len() < 3 {
+            Ok(())
+        } else {
+            let node = open.node;
+            let outline = Outline { vertices, node };
+            self.canvas.polygon(&self.pen, by, outline)
+        };
+        self.vertices.truncate(open.first);
+        result
+    }
+
+    /// Whether something of this size here can be held.
+    fn within(&self, by: Drawn, size: f64) -> Result<(), DeriveError> {
+        if !narrowed(self.pen.position).is_finite() {
+            return Err(self.too_far(by));
+        }
+        if !narrow(size).is_finite() {
+            return Err(self.too_wide(by, size));
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn too_far(&self, by: Drawn) -> DeriveError {
+        let module = self.grammar.name(by.symbol).to_owned();
+        let position = by.position;
+        DeriveProblem::TooFar { position, module }.into()
+    }
+
+    #[cold]
+    fn too_wide(&self, by: Drawn, width: f64) -> DeriveError {
+        let problem = DeriveProblem::TooWide {
+            position: by.position,
+            module: self.grammar.name(by.symbol).to_owned(),
+            width,
+        };
+        problem.into()
+    }
+}
+
+/// The index that a module gives, the nearest there is, or the next or last one.
+fn index(given: Option<f64>, now: u16, by: i16) -> u16 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a cast of a float takes the nearest value"
+    )]
+    given.map_or(now.saturating_add_signed(by), |index| index.round() as u16)
+}
+
+/// The vertices without a last one that is where the first is.
+fn without_closing(vertices: &[DVec3]) -> &[DVec3] {
+    let (Some(first), Some((last, rest))) = (vertices.first(), vertices.split_last()) else {
+        return vertices;
+    };
+    let size = rest
+        .iter()
+        .fold(0.0_f64, |size, v| size.max(v.distance(*first)));
+    if last.distance(*first) <= CLOSED * size {
+        rest
+    } else {
+        vertices
+    }
+}
