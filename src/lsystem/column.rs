@@ -17,6 +17,13 @@ pub(super) trait Cell:
     /// The column's memory; none where it has another width.
     fn into_cells(column: Column) -> Vec<Self>;
     fn column(cells: Vec<Self>) -> Column;
+
+    /// The number as an index.
+    #[inline]
+    fn index(self) -> usize {
+        let number: u32 = self.into();
+        number as usize
+    }
 }
 
 /// A cell that holds symbols and choices.
@@ -72,6 +79,8 @@ macro_rules! for_width {
         }
     };
 }
+pub(super) use for_width;
+
 impl Default for Column {
     fn default() -> Self {
         Self::Byte(Vec::new())

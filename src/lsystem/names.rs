@@ -30,7 +30,7 @@ pub(crate) struct SymbolInfo {
 }
 
 /// All names and symbols that a grammar uses.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Names {
     names: Vec<String>,
     name_of: HashMap<String, u16>,

@@ -48,6 +48,19 @@ pub(crate) struct Parser {
 }
 
 pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> {
+    let (parser, sources) = read(text, file);
+    parser.finish(&sources, true)
+}
+
+/// A grammar, or a part of one to be included, with its own text as it was cut.
+pub(super) fn with_text(text: &str, file: &str) -> Result<(Grammar, Source), GrammarErrors> {
+    let (parser, sources) = read(text, file);
+    let grammar = parser.finish(&sources, false)?;
+    Ok((grammar, sources.into_iter().next().unwrap_or_default()))
+}
+
+/// Tries all statements of a text and of what it includes.
+fn read(text: &str, file: &str) -> (Parser, Vec<Source>) {
     let mut parser = Parser::default();
     let mut sources = Vec::new();
     let mut all = Vec::new();
@@ -93,7 +106,7 @@ pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> 
             p.statement(cursor, statement)
         });
     }
-    parser.finish(&sources)
+    (parser, sources)
 }
 
 /// Nothing may be left of the statement.
@@ -265,7 +278,8 @@ impl Parser {
         None
     }
 
-    fn finish(mut self, sources: &[Source]) -> Result<Grammar, GrammarErrors> {
+    /// Checks what only the whole text shows. A part of a grammar needs no axiom.
+    fn finish(mut self, sources: &[Source], whole: bool) -> Result<Grammar, GrammarErrors> {
         let first = sources.first();
         let (file, text) = first.map_or(("", ""), |s| (s.name.as_str(), s.text.as_str()));
         let index = |i: usize| Symbol::try_from(i).unwrap_or(Symbol::MAX);
@@ -277,7 +291,7 @@ impl Parser {
                 message.to_owned(),
             ))
         };
-        if self.axiom.is_none() && !self.seen.contains("axiom") {
+        if whole && self.axiom.is_none() && !self.seen.contains("axiom") {
             general("this grammar has no axiom; expected a line such as `axiom A`");
         }
         if self.literal && (!self.ignored.is_empty() || self.considered.is_some()) {
