@@ -266,7 +266,7 @@ const MOST_IN_COLUMNS: usize = 256;
 const MOST_IN_TABLE: usize = 32;
 
 /// What becomes of a module, by its symbol and those of its neighbours alone.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct NearTable {
     /// Symbols, and one more where there is no neighbour.
     side: usize,

@@ -26,6 +26,7 @@ mod context;
 mod derive;
 mod error;
 mod expression;
+mod fill;
 mod format;
 mod grammar;
 mod include;
