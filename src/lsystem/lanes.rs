@@ -302,3 +302,120 @@ fn each(left: &mut [f64], right: impl Iterator<Item = f64>, operation: impl Fn(f
         *a = operation(*a, b);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "tests may fail by panic"
+    )]
+    use proptest::prelude::*;
+
+    use super::super::code::Function;
+    use super::super::random::PassKey;
+    use super::*;
+
+    /// Values that expose what goes wrong: zeros of both signs, infinity on the way, steps of comparisons.
+    const VALUES: [f64; 9] = [0.0, -0.0, 1.0, -1.0, 0.5, 3.0, 1e200, -1e300, 90.0];
+
+    /// Code for one value.
+    fn code() -> impl Strategy<Value = Vec<Op>> {
+        let leaf = prop_oneof![
+            prop::sample::select(VALUES.to_vec()).prop_map(|v| vec![Op::Push(v)]),
+            (0..3_u16).prop_map(|slot| vec![Op::Load(slot)]),
+        ];
+        leaf.prop_recursive(5, 24, 3, |inner| {
+            let binary = prop::sample::select(vec![
+                Op::Add,
+                Op::Subtract,
+                Op::Multiply,
+                Op::Divide,
+                Op::Remainder,
+                Op::Power,
+                Op::Less,
+                Op::LessEqual,
+                Op::Greater,
+                Op::GreaterEqual,
+                Op::Equal,
+                Op::NotEqual,
+            ]);
+            let unary = prop::sample::select(vec![
+                Op::Negate,
+                Op::Not,
+                Op::Truth,
+                Op::Call(Function::Sqrt),
+                Op::Call(Function::Sin),
+                Op::Call(Function::Sign),
+            ]);
+            let drawn = prop::sample::select(vec![Function::Uniform, Function::Max]);
+            prop_oneof![
+                4 => (inner.clone(), inner.clone(), binary)
+                    .prop_map(|(a, b, op)| [a, b, vec![op]].concat()),
+                1 => (inner.clone(), unary).prop_map(|(a, op)| [a, vec![op]].concat()),
+                1 => (inner.clone(), inner.clone(), drawn)
+                    .prop_map(|(a, b, f)| [a, b, vec![Op::Call(f)]].concat()),
+                2 => (inner.clone(), inner, any::<bool>()).prop_map(|(a, b, is_or)| {
+                    // Targets are counted from this operation until the code is whole.
+                    let past = u32::try_from(b.len()).unwrap() + 2;
+                    let jump = if is_or { Op::Or(past) } else { Op::And(past) };
+                    [a, vec![jump], b, vec![Op::Truth]].concat()
+                }),
+            ]
+        })
+    }
+
+    fn expression(mut code: Vec<Op>) -> Expression {
+        for (at, op) in (0..).zip(&mut code) {
+            if let Op::And(target) | Op::Or(target) = op {
+                *target += at;
+            }
+        }
+        let code = code.into_boxed_slice();
+        Expression::Code { code, depth: 32 }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+        #[test]
+        fn a_column_holds_what_each_module_gives_alone(code in code(), lanes in 1..40_usize) {
+            let expression = expression(code);
+            let drawn = expression.may_draw();
+            let mut values = Values::new(3, depth(&expression));
+            let bound = |lane: usize| [VALUES[lane % 9], VALUES[lane / 9 % 9], VALUES[lane * 7 % 9]];
+            let draws = |lane| PassKey::new(1, 2, 3).at(lane);
+            for slot in 0..3 {
+                let column: Vec<f64> = (0..lanes).map(|lane| bound(lane)[slot]).collect();
+                let starts: Vec<usize> = (0..lanes).collect();
+                values.gather(slot, &column, &starts, 0, 1);
+            }
+            values.set_draws((0..lanes).map(draws));
+            let computed = values.compute(&expression, lanes).to_vec();
+            prop_assert_eq!(computed.len(), lanes);
+            // Where draws depend on values, the engine does without columns.
+            for (lane, computed) in computed.iter().enumerate().take_while(|_| !drawn) {
+                match expression.value(&bound(lane), &mut draws(lane)) {
+                    Ok(value) => prop_assert_eq!(computed.to_bits(), value.to_bits(), "lane {}", lane),
+                    Err(problem) => prop_assert!(computed.is_nan(), "{problem}, not {computed}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_and_others_are_gathered() {
+        let mut values = Values::new(1, 1);
+        let parameters = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        for (starts, number, arity, expected) in [
+            (vec![1, 2, 3], 0, 1, vec![2.0, 3.0, 4.0]),
+            (vec![0, 2, 4], 1, 2, vec![2.0, 4.0, 6.0]),
+            (vec![0, 3, 5], 0, 1, vec![1.0, 4.0, 6.0]),
+            (vec![5, 6], 0, 1, vec![6.0, 0.0]),
+        ] {
+            values.gather(0, &parameters, &starts, number, arity);
+            let gathered = values.compute(&Expression::Slot(0), starts.len());
+            assert_eq!(gathered, expected, "{starts:?}");
+        }
+    }
+}
