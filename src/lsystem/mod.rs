@@ -24,6 +24,7 @@ mod code;
 mod column;
 mod context;
 mod derive;
+pub mod dialect;
 mod error;
 mod expression;
 mod fill;
