@@ -20,6 +20,7 @@ mod derive;
 mod doctor;
 mod fmt;
 mod inputs;
+mod moment;
 mod outputs;
 mod progress;
 mod replay;

@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::code::Expression;
 use super::derive::{self, Limits};
 use super::error::{DeriveError, GrammarErrors};
+use super::growth::Curves;
 use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
@@ -35,6 +36,8 @@ pub struct Grammar {
     pub(crate) seed: u64,
     pub(crate) angle: Option<f64>,
     pub(crate) tropism: Option<DVec3>,
+    /// How modules grow between two steps.
+    pub(crate) curves: Curves,
     pub(crate) shapes: Vec<Shape>,
     /// For each symbol its dictionary entry.
     pub(crate) shape_of: Vec<Option<u16>>,

@@ -9,6 +9,7 @@
 )]
 
 mod canvas;
+mod growth;
 mod hostile;
 mod include;
 mod language;
