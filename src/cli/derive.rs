@@ -265,16 +265,16 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
 /// Whether a string draws polygons.
 fn has_outlines(grammar: &Grammar, string: &ModuleString) -> bool {
-    string
-        .symbols()
-        .iter()
-        .any(|symbol| grammar.name(*symbol) == "{")
+    string.symbols().any(|symbol| grammar.name(symbol) == "{")
 }
 
 fn read(args: &Args) -> Result<Grammar> {
     let name = args.file.display().to_string();
     let text = grammar_text(&args.file)?;
     let grammar = Grammar::parse(&text, &name).map_err(|errors| anyhow!("{errors}"))?;
+    for remark in grammar.remarks() {
+        whisper!("{remark}");
+    }
     Ok(match args.seed {
         Some(seed) => grammar.with_seed(seed),
         None => grammar,

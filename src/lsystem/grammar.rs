@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::code::Expression;
 use super::derive::{self, Limits};
+use super::dialect::Remark;
 use super::error::{DeriveError, GrammarErrors};
 use super::growth::Curves;
 use super::names::{Names, Symbol};
@@ -43,6 +44,7 @@ pub struct Grammar {
     pub(crate) shape_of: Vec<Option<u16>>,
     /// The turtle answers queries after each step.
     pub(crate) has_queries: bool,
+    pub(crate) remarks: Vec<Remark>,
 }
 
 /// What a symbol is to the rewriting.
@@ -337,6 +339,12 @@ impl Grammar {
     /// All faults found, each with its line and column.
     pub fn parse(source: &str, file: &str) -> Result<Self, GrammarErrors> {
         parse::grammar(source, file)
+    }
+
+    /// What the text says in another program's notation and could not be carried over.
+    #[must_use]
+    pub fn remarks(&self) -> &[Remark] {
+        &self.remarks
     }
 
     /// The string after `steps` steps.

@@ -16,6 +16,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::column::Column;
 use super::derive::{Limits, interpreted};
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, Role};
@@ -135,7 +136,7 @@ impl Growing {
     }
 
     fn find_changes(&mut self, grammar: &Grammar, recorded: &Recorded) {
-        let symbols: Vec<Symbol> = self.after.symbols().to_vec();
+        let symbols: Vec<Symbol> = self.after.symbols().collect();
         let mut offset = 0_u32;
         for (position, module) in self.before.iter().enumerate() {
             let range = recorded.successor(position);
@@ -178,7 +179,12 @@ impl Growing {
             Some(Change::Length(from)) => Grown::from(*from, curve(symbol)),
             _ => Grown::WHOLE,
         };
-        let own = |index: usize| self.after.symbols.get(index).copied();
+        let own = |index: usize| {
+            self.after
+                .symbols
+                .get(index)
+                .and_then(|s| Symbol::try_from(s).ok())
+        };
 
         if grammar.interpret.is_none() {
             let canvas = make(params);
@@ -191,8 +197,9 @@ impl Growing {
         // Parts that the block draws know from which module they come by what stands in the place of their births.
         let births = std::mem::take(&mut grown.births);
         let last = u32::try_from(grown.len()).unwrap_or(u32::MAX);
-        grown.births = (0..last).collect();
-        let shown = interpreted(grammar, &grown, &params.limits, cancel)?.unwrap_or(grown);
+        grown.births = Column::from_numbers(last, 0..last);
+        let shown = interpreted(grammar, &grown, &params.limits, cancel);
+        let shown = shown.map_err(|error| self.in_step(error))?.unwrap_or(grown);
         let mut params = *params;
         params.limits.bytes = params.limits.bytes.saturating_sub(shown.bytes());
         let canvas = make(&params);
@@ -200,11 +207,21 @@ impl Growing {
         let modules = shown.iter().map(|module| {
             let index = module.birth as usize;
             let growth = own(index).map_or(Grown::WHOLE, |symbol| growth(index, symbol));
-            let birth = births.get(index).copied().unwrap_or(0);
+            let birth = births.get(index).unwrap_or(0);
             (Module { birth, ..module }, growth)
         });
         turtle.read_grown(modules, cancel)?;
         turtle.finish()
+    }
+
+    /// An error of the interpretation, which takes the newest birth for the step.
+    fn in_step(&self, mut error: DeriveError) -> DeriveError {
+        if let DeriveProblem::Value { step, .. } | DeriveProblem::Cancelled { step } =
+            error.problem.as_mut()
+        {
+            *step = self.step;
+        }
+        error
     }
 
     /// The tree at an age of 0 to 1.

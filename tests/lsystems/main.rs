@@ -9,6 +9,7 @@
 )]
 
 mod canvas;
+mod dialects;
 mod growth;
 mod hostile;
 mod include;
@@ -19,6 +20,7 @@ mod record;
 mod reference;
 mod sketch_cases;
 mod turtle;
+mod widths;
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;

@@ -10,11 +10,13 @@ use std::sync::{Mutex, PoisonError};
 use glam::{DVec3, Vec3};
 use rayon::Scope;
 
+use super::super::column::Cell;
 use super::super::error::{DeriveError, DeriveProblem};
 use super::super::grammar::Grammar;
+use super::super::names::Symbol;
 use super::super::output::zeroed;
 use super::super::rewrite::pays_in_parallel;
-use super::super::string::{Module, ModuleString};
+use super::super::string::{Module, ModuleString, arity_of};
 use super::action::{Action, actions};
 use super::canvas::{Canvas, Drawn, narrow, narrowed};
 use super::pen::Pen;
@@ -232,11 +234,11 @@ impl<'s> Reader<'s> {
             if self.module >= end {
                 return None;
             }
-            let symbol = *string.symbols.get(self.module)?;
-            let arity = string.arity(symbol);
+            let symbol = Symbol::of(string.symbols.get(self.module)?);
+            let arity = arity_of(&string.arity, symbol);
             let module = Module {
                 symbol,
-                birth: *string.births.get(self.module)?,
+                birth: string.births.get(self.module)?,
                 parameters: match arity {
                     0 => &[],
                     _ => string

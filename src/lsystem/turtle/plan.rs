@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+use super::super::column::{Cell, for_width};
 use super::super::grammar::Grammar;
 use super::super::rewrite::pays_in_parallel;
 use super::super::string::ModuleString;
@@ -153,19 +154,14 @@ impl Plan {
     ) -> Option<Self> {
         let counted = counted(grammar, actions);
         let outlines = outlines_before(&counted, string)?;
-        let work = |(number, symbols): (usize, &[u16])| {
+        let chunks = for_width!(&string.symbols, symbols => each_chunk(symbols, |number, symbols| {
             if cancel.load(Ordering::Relaxed) {
                 return None;
             }
             let outlines = outlines.get(number).copied().unwrap_or(0);
             Some(count(&counted, symbols, number * CHUNK, outlines))
-        };
-        let symbols = string.symbols();
-        let chunks: Option<Vec<Chunk>> = if pays_in_parallel(string.len()) {
-            symbols.par_chunks(CHUNK).enumerate().map(work).collect()
-        } else {
-            symbols.chunks(CHUNK).enumerate().map(work).collect()
-        };
+        }));
+        let chunks: Option<Vec<Chunk>> = chunks.into_iter().collect();
         Some(Self::settled(&chunks?, counted.len()))
     }
 
@@ -260,26 +256,8 @@ fn outlines_before(counted: &[Counted], string: &ModuleString) -> Option<Vec<usi
     if !has(Kind::Begin) && !has(Kind::End) {
         return Some(Vec::new());
     }
-    let change = |symbols: &[u16]| {
-        let (mut sum, mut least) = (0_isize, 0_isize);
-        for symbol in symbols {
-            match counted.get(usize::from(*symbol)).map(|c| c.kind) {
-                Some(Kind::Begin) => sum += 1,
-                Some(Kind::End) => {
-                    sum -= 1;
-                    least = least.min(sum);
-                }
-                _ => {}
-            }
-        }
-        (sum, least)
-    };
-    let symbols = string.symbols();
-    let changes: Vec<(isize, isize)> = if pays_in_parallel(string.len()) {
-        symbols.par_chunks(CHUNK).map(change).collect()
-    } else {
-        symbols.chunks(CHUNK).map(change).collect()
-    };
+    let changes =
+        for_width!(&string.symbols, symbols => each_chunk(symbols, |_, s| change(counted, s)));
     let mut before = Vec::with_capacity(changes.len());
     let mut open = 0_isize;
     for (sum, least) in changes {
@@ -290,7 +268,37 @@ fn outlines_before(counted: &[Counted], string: &ModuleString) -> Option<Vec<usi
     (open == 0).then_some(before)
 }
 
-fn count(counted: &[Counted], symbols: &[u16], from: usize, outlines: usize) -> Chunk {
+/// How many outlines a chunk leaves open, and how many at least it has open meanwhile.
+fn change<S: Cell>(counted: &[Counted], symbols: &[S]) -> (isize, isize) {
+    let (mut sum, mut least) = (0_isize, 0_isize);
+    for symbol in symbols {
+        match counted.get(symbol.index()).map(|c| c.kind) {
+            Some(Kind::Begin) => sum += 1,
+            Some(Kind::End) => {
+                sum -= 1;
+                least = least.min(sum);
+            }
+            _ => {}
+        }
+    }
+    (sum, least)
+}
+
+/// Does a work for each chunk, in parallel where it pays.
+fn each_chunk<S: Cell, R: Send>(
+    symbols: &[S],
+    work: impl Fn(usize, &[S]) -> R + Sync + Send,
+) -> Vec<R> {
+    if pays_in_parallel(symbols.len()) {
+        let chunks = symbols.par_chunks(CHUNK).enumerate();
+        chunks.map(|(number, chunk)| work(number, chunk)).collect()
+    } else {
+        let chunks = symbols.chunks(CHUNK).enumerate();
+        chunks.map(|(number, chunk)| work(number, chunk)).collect()
+    }
+}
+
+fn count<S: Cell>(counted: &[Counted], symbols: &[S], from: usize, outlines: usize) -> Chunk {
     let mut chunk = Chunk {
         first: vec![usize::MAX; counted.len()],
         ..Chunk::default()
@@ -301,7 +309,7 @@ fn count(counted: &[Counted], symbols: &[u16], from: usize, outlines: usize) -> 
     };
     let mut up = Up::AsItCame;
     for (module, symbol) in (from..).zip(symbols) {
-        let symbol = usize::from(*symbol);
+        let symbol = symbol.index();
         let Some(Counted { kind, arity, nodes }) = counted.get(symbol).copied() else {
             continue;
         };
