@@ -57,7 +57,7 @@ impl Turn {
         clippy::float_cmp,
         reason = "the very same angle has the same sine; another is worked out"
     )]
-    #[inline]
+    #[inline(always)]
     pub(super) fn half(&mut self, degrees: Option<f64>) -> Half {
         let Some(degrees) = degrees else {
             return self.default;
