@@ -12,6 +12,7 @@ use super::inputs::grammar_text;
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::Progress;
+use super::unwritten::{self, Wanted};
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
 use crate::lsystem::{
@@ -148,6 +149,8 @@ enum Print {
     String,
     /// How many of each name, and their parameters' sums
     Counts,
+    /// How many modules after each step
+    Growth,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -183,10 +186,24 @@ pub(super) fn run(args: &Args) -> Result<()> {
     };
     let never = AtomicBool::new(false);
 
-    let began = Instant::now();
-    let mut progress = Progress::new("deriving");
     let named = || args.file.display().to_string();
     let explain = |error| budget.explain(error, &named());
+    let only_printed = !args.json && args.export.is_empty() && args.png.is_none();
+    let wanted = match args.print {
+        Some(Print::String) if only_printed => Some(Wanted::Text),
+        Some(Print::Counts) if only_printed => Some(Wanted::Counts),
+        Some(Print::Growth) => Some(Wanted::Growth),
+        _ => None,
+    };
+    if let Some(wanted) = wanted
+        && unwritten::print(wanted, &grammar, steps, &limits, explain)?
+        && only_printed
+    {
+        return Ok(());
+    }
+
+    let began = Instant::now();
+    let mut progress = Progress::new("deriving");
     let string = grammar
         .derive_watched(steps, &limits, &never, &mut |done| {
             progress.show(done as usize, steps as usize);
@@ -202,7 +219,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
             string.write_text(&grammar, out)?;
             writeln!(out)
         });
-        if !args.json && args.export.is_empty() && args.png.is_none() {
+        if only_printed {
             return printed;
         }
     }

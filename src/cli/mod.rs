@@ -23,6 +23,7 @@ mod inputs;
 mod outputs;
 mod progress;
 mod replay;
+mod unwritten;
 mod workshop;
 
 use std::io::{BufWriter, ErrorKind, IsTerminal as _, StdoutLock, Write as _};

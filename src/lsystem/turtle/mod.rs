@@ -29,6 +29,7 @@ mod walk;
 pub use canvas::{Canvas, Drawn, Outline};
 pub use extent::Extent;
 pub use pen::{Cylinder, Pen};
+pub(in crate::lsystem) use plan::{Lines, lines_of};
 pub use tree::TreeCanvas;
 pub use walk::Turtle;
 
