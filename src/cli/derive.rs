@@ -284,6 +284,9 @@ fn read(args: &Args) -> Result<Grammar> {
     let name = args.file.display().to_string();
     let text = grammar_text(&args.file)?;
     let grammar = Grammar::parse(&text, &name).map_err(|errors| anyhow!("{errors}"))?;
+    for remark in grammar.remarks() {
+        whisper!("{remark}");
+    }
     Ok(match args.seed {
         Some(seed) => grammar.with_seed(seed),
         None => grammar,

@@ -9,6 +9,7 @@
 )]
 
 mod canvas;
+mod dialects;
 mod hostile;
 mod include;
 mod language;

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::{Brackets, Parser, parameters};
 use crate::lsystem::column::Column;
+use crate::lsystem::dialect::Dialect;
 use crate::lsystem::error::{GrammarError, nearest};
 use crate::lsystem::expression;
 use crate::lsystem::grammar::Order;
@@ -142,25 +143,33 @@ impl Parser {
                 };
                 Ok(())
             }
-            "dialect" => match cursor.identifier() {
-                Some("ramus") => Ok(()),
-                Some(name @ ("lpy" | "houdini" | "cpfg")) => {
-                    let at = cursor.pos().saturating_sub(name.len());
-                    Err(cursor.error_at(
+            "dialect" => {
+                match cursor.identifier() {
+                    Some("ramus") => Ok(()),
+                    Some(name) if name.parse::<Dialect>().is_ok() => {
+                        let at = cursor.pos().saturating_sub(name.len());
+                        let message = match statement.file {
+                            0 => format!(
+                                "the dialect `{name}` is told too late; expected it before everything else"
+                            ),
+                            _ => format!(
+                                "a file of the dialect `{name}` cannot be included; bring it over with `ramus import` and include that"
+                            ),
+                        };
+                        Err(cursor.error_at(at, message))
+                    }
+                    Some(name) => {
+                        let at = cursor.pos().saturating_sub(name.len());
+                        let name: String = name.chars().take(40).collect();
+                        Err(cursor.error_at(
                         at,
-                        format!("the dialect `{name}` cannot be read yet; expected `ramus`, the only one that is read"),
+                        format!("the dialect `{name}` is not known; expected `ramus`, `cpfg`, `lpy` or `houdini`"),
                     ))
+                    }
+                    None => Err(cursor
+                        .expected("the name of a dialect: `ramus`, `cpfg`, `lpy` or `houdini`")),
                 }
-                Some(name) => {
-                    let at = cursor.pos().saturating_sub(name.len());
-                    let name: String = name.chars().take(40).collect();
-                    Err(cursor.error_at(
-                        at,
-                        format!("the dialect `{name}` is not known; expected `ramus`, the only one that is read (`lpy`, `houdini` and `cpfg` are known and cannot be read yet)"),
-                    ))
-                }
-                None => Err(cursor.expected("the name of a dialect: `ramus`")),
-            },
+            }
             "tropism" => {
                 let mut axis = [0.0; 3];
                 for value in &mut axis {
