@@ -18,11 +18,11 @@ use super::string::{Module, write_modules};
 /// use ramus::lsystem::{Grammar, Limits};
 ///
 /// let algae = Grammar::parse("axiom b\na -> ab\nb -> a\n", "algae").unwrap();
-/// let string = algae.unwritten(57, &Limits::default(), &AtomicBool::new(false)).unwrap().unwrap();
+/// let string = algae.unwritten(58, &Limits::default(), &AtomicBool::new(false)).unwrap().unwrap();
 /// assert_eq!(string.modules(), 956_722_026_041); // the 59th number of Fibonacci
 /// assert!(string.growth().take(6).eq([1, 1, 2, 3, 5, 8]));
 /// let module = string.iter_from(600_000_000_000).next().unwrap();
-/// assert_eq!(algae.name(module.symbol), "b");
+/// assert_eq!((algae.name(module.symbol), module.birth), ("a", 55));
 /// ```
 #[derive(Debug)]
 pub struct Unwritten {
@@ -63,7 +63,6 @@ impl Unwritten {
     }
 
     /// Modules after each step, the axiom's first.
-    #[must_use]
     pub fn growth(&self) -> impl Iterator<Item = u128> + '_ {
         (0..=self.steps).map(|step| self.graph.size(step).modules)
     }
