@@ -9,16 +9,15 @@ use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
 use super::inputs::grammar_text;
+use super::moment::{Moment, step_at, time};
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::Progress;
 use super::unwritten::{self, Wanted};
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
-use crate::lsystem::{
-    DeriveError, DeriveProblem, Grammar, Limits, ModuleString, TurtleParams, interpret,
-};
-use crate::render::RenderError;
+use crate::lsystem::{DeriveError, DeriveProblem, Grammar, Limits, ModuleString, TurtleParams};
+use crate::render::{self, RenderError};
 use crate::sketch::Sketch;
 use crate::tree::radii::{self, FitParams, RadiusParams};
 use crate::tree::{Tree, tubes};
@@ -30,6 +29,9 @@ pub(super) struct Args {
     /// Steps to derive; without it the number that the file states
     #[arg(long, value_name = "N")]
     steps: Option<u32>,
+    /// Steps to grow, of which the last may be a part: 3.25 shows a quarter of the growth from step 3 to step 4
+    #[arg(long, value_name = "STEPS", value_parser = time, conflicts_with = "steps")]
+    time: Option<f64>,
     /// What to print
     #[arg(long, value_enum, value_name = "WHAT")]
     print: Option<Print>,
@@ -45,6 +47,9 @@ pub(super) struct Args {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     size: u32,
+    /// What the picture shows behind the tree
+    #[arg(long, value_enum, default_value_t = Backdrop::Stage, value_name = "WHICH")]
+    backdrop: Backdrop,
     /// How the grammar's widths are meant in exports and pictures
     #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
     widths: Widths,
@@ -154,6 +159,23 @@ enum Print {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Backdrop {
+    /// Sky and ground, as in the workshop
+    Stage,
+    /// Paper, as a figure in print has it
+    Paper,
+}
+
+impl Backdrop {
+    fn drawn(self) -> render::Backdrop {
+        match self {
+            Self::Stage => render::Backdrop::Stage,
+            Self::Paper => portrait::PAPER,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Widths {
     /// In metres, unless the trunk would be thicker than a fifth of the tree: then scaled to fit, as ABOP means them.
     /// Pictures also show no line thinner than about two pixels, and where all widths are equal none thicker than a sixth of the usual segment's length
@@ -173,7 +195,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     };
     let grammar = read(args)?;
     check_places(outputs())?;
-    let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
+    let whole = || args.steps.or(grammar.steps()).map(|steps| (steps, 1.0));
+    let (steps, age) = args.time.map(step_at).or_else(whole).ok_or_else(|| {
         anyhow!(
             "{} states no number of steps: give one with --steps N",
             args.file.display()
@@ -188,10 +211,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
     let named = || args.file.display().to_string();
     let explain = |error| budget.explain(error, &named());
-    let only_printed = !args.json && args.export.is_empty() && args.png.is_none();
+    let only_printed = !args.json && outputs().next().is_none();
     let wanted = match args.print {
         Some(Print::String) if only_printed => Some(Wanted::Text),
-        Some(Print::Counts) if only_printed => Some(Wanted::Counts),
+        Some(Print::Counts) if only_printed && age >= 1.0 => Some(Wanted::Counts),
         Some(Print::Growth) => Some(Wanted::Growth),
         _ => None,
     };
@@ -204,11 +227,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
     let began = Instant::now();
     let mut progress = Progress::new("deriving");
-    let string = grammar
-        .derive_watched(steps, &limits, &never, &mut |done| {
-            progress.show(done as usize, steps as usize);
-        })
-        .map_err(explain)?;
+    let moment = Moment::new(&grammar, (steps, age), &limits, &never, &mut |done| {
+        progress.show(done as usize, steps as usize);
+    })
+    .map_err(explain)?;
+    let string = moment.string();
     drop(progress);
     let derive_ms = began.elapsed().as_secs_f64() * 1e3;
 
@@ -227,19 +250,20 @@ pub(super) fn run(args: &Args) -> Result<()> {
     // The string stays until it is counted, so the tree has the rest.
     let turtle = TurtleParams {
         limits: Limits {
-            bytes: budget.bytes.saturating_sub(string.bytes()),
+            bytes: budget.bytes.saturating_sub(moment.bytes()),
             ..limits
         },
         ..TurtleParams::default()
     };
     let tree = Progress::during("drawing with the turtle", || {
-        interpret(&grammar, &string, &turtle, &never)
+        moment.tree(&grammar, &turtle, &never)
     })
     .map_err(explain)?;
     let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
-    let report = Report::new(&grammar, &string, &tree, steps, derive_ms, turtle_ms);
-    let outlines = has_outlines(&grammar, &string);
-    drop(string);
+    let mut report = Report::new(&grammar, string, &tree, steps, derive_ms, turtle_ms);
+    report.time = args.time;
+    let outlines = has_outlines(&grammar, string);
+    drop(moment);
     if args.print == Some(Print::Counts) {
         let counts = report.counts_text();
         printed = printed.and(print_result("the counts", |out| {
@@ -252,10 +276,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
             .and(json.and_then(|json| print_result("the JSON", |out| writeln!(out, "{json}"))));
     } else if args.print.is_none() {
         tell!(
-            "{}: {} modules and {} segments after {steps} steps",
+            "{}: {} modules and {} segments after {} steps",
             args.file.display(),
             report.modules,
-            report.segments
+            report.segments,
+            args.time.unwrap_or(f64::from(steps))
         );
     }
     if tree.segment_count() == 0 && (args.png.is_some() || !args.export.is_empty()) {
@@ -325,7 +350,9 @@ fn write_files(
     }
     if let Some(path) = &args.png {
         budget.check(&path.display().to_string(), &tree, PICTURE_BYTES)?;
-        let picture = Progress::during("drawing", || portrait::of_tree(tree, args.size, args.widths == Widths::Auto))
+        let set_widths = args.widths == Widths::Auto;
+        let backdrop = args.backdrop.drawn();
+        let picture = Progress::during("drawing", || portrait::of_tree(tree, args.size, set_widths, backdrop))
             .map_err(|error| match error.downcast_ref() {
                 Some(RenderError::OutOfMemory(_)) => anyhow!(
                     "the graphics memory does not hold a picture of {0} × {0} pixels: choose a smaller --size, or close other programs that draw",

@@ -21,6 +21,7 @@ mod doctor;
 mod fmt;
 mod import;
 mod inputs;
+mod moment;
 mod outputs;
 mod progress;
 mod replay;

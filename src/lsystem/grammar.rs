@@ -9,6 +9,7 @@ use super::code::Expression;
 use super::derive::{self, Limits};
 use super::dialect::Remark;
 use super::error::{DeriveError, GrammarErrors};
+use super::growth::Curves;
 use super::lanes::{self, Values};
 use super::names::{Names, Symbol};
 use super::output::Spare;
@@ -38,6 +39,8 @@ pub struct Grammar {
     pub(crate) seed: u64,
     pub(crate) angle: Option<f64>,
     pub(crate) tropism: Option<DVec3>,
+    /// How modules grow between two steps.
+    pub(crate) curves: Curves,
     pub(crate) shapes: Vec<Shape>,
     /// For each symbol its dictionary entry.
     pub(crate) shape_of: Vec<Option<u16>>,

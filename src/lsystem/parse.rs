@@ -14,6 +14,7 @@ use super::column::Column;
 use super::dialect::{self, Remark};
 use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
+use super::growth::Curves;
 use super::include::{folder_of, gather};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
 use super::query::{ANSWERS, Query};
@@ -41,6 +42,7 @@ pub(crate) struct Parser {
     seed: Option<u64>,
     angle: Option<f64>,
     tropism: Option<DVec3>,
+    curves: Curves,
     shapes: Vec<Shape>,
     shape_names: BTreeSet<String>,
     wrap: Wrap,
@@ -118,10 +120,16 @@ fn read(source: Source) -> (Parser, Vec<Source>) {
             p.statement(cursor, statement)
         });
     }
-    for statement in all
-        .iter()
-        .filter(|s| !lists(s) && !matches!(s.keyword, "module" | "const" | "include" | "context"))
-    {
+    let other = |s: &&Statement| {
+        !lists(s)
+            && !matches!(
+                s.keyword,
+                "module" | "const" | "include" | "context" | "growth"
+            )
+    };
+    // Growth is that of modules that the grammar has.
+    let growth = all.iter().filter(|s| s.keyword == "growth");
+    for statement in all.iter().filter(other).chain(growth) {
         parser.try_statement(&sources, statement, |p, cursor| {
             p.statement(cursor, statement)
         });
@@ -402,6 +410,7 @@ impl Parser {
             seed: self.seed.unwrap_or(0),
             angle: self.angle,
             tropism: self.tropism,
+            curves: self.curves,
             shapes: self.shapes,
             shape_of,
             has_queries,

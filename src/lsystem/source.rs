@@ -13,7 +13,7 @@ use super::error::{GrammarError, GrammarErrors};
 pub(crate) const MAX_SOURCE_BYTES: usize = 256 << 20;
 
 /// The words that begin a statement.
-pub(crate) const KEYWORDS: [&str; 17] = [
+pub(crate) const KEYWORDS: [&str; 18] = [
     "angle",
     "axiom",
     "consider",
@@ -21,6 +21,7 @@ pub(crate) const KEYWORDS: [&str; 17] = [
     "context",
     "decompose",
     "dialect",
+    "growth",
     "ignore",
     "include",
     "interpret",

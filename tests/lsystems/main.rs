@@ -10,6 +10,7 @@
 
 mod canvas;
 mod dialects;
+mod growth;
 mod hostile;
 mod include;
 mod language;

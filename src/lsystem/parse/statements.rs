@@ -10,6 +10,7 @@ use crate::lsystem::dialect::Dialect;
 use crate::lsystem::error::{GrammarError, nearest};
 use crate::lsystem::expression;
 use crate::lsystem::grammar::Order;
+use crate::lsystem::growth;
 use crate::lsystem::names::{Names, Symbol};
 use crate::lsystem::number::write_general;
 use crate::lsystem::rules;
@@ -93,7 +94,7 @@ impl Parser {
         statement: &Statement,
     ) -> Result<(), GrammarError> {
         let keyword = statement.keyword;
-        if !matches!(keyword, "" | "ignore" | "shape") {
+        if !matches!(keyword, "" | "ignore" | "shape" | "growth") {
             self.once(cursor, keyword)?;
         }
         match keyword {
@@ -189,6 +190,7 @@ impl Parser {
                 self.shapes.push(shape);
                 Ok(())
             }
+            "growth" => self.growth(cursor),
             "decompose" => {
                 let depth = self.block(cursor, DECOMPOSE_DEPTH)?;
                 self.decompose.get_or_insert_with(|| (Vec::new(), 0)).1 = depth;
@@ -201,6 +203,35 @@ impl Parser {
             }
             _ => self.production(cursor, statement),
         }
+    }
+
+    /// `growth F linear`, `growth default once`.
+    fn growth(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
+        cursor.skip_blank();
+        let at = cursor.pos();
+        let mut ahead = cursor.clone();
+        let twice = if ahead.identifier() == Some("default") {
+            *cursor = ahead;
+            let curve = growth::curve(cursor)?;
+            self.curves.default.replace(curve).is_some()
+        } else {
+            let name = self.names.read(cursor)?.to_owned();
+            let curve = growth::curve(cursor)?;
+            if !self.names.is_used(&name) {
+                let known = nearest(&name, self.names.used());
+                let hint = known.map_or(String::new(), |n| {
+                    format!("; the nearest known one is `{n}`")
+                });
+                let message = format!("no module of this grammar is called `{name}`{hint}");
+                return Err(cursor.error_at(at, message));
+            }
+            self.curves.of.insert(name, curve).is_some()
+        };
+        if twice {
+            let message = "this module's growth is given a second time; expected it once";
+            return Err(cursor.error_at(at, message.into()));
+        }
+        Ok(())
     }
 
     fn production(
