@@ -38,6 +38,9 @@ pub(super) struct Args {
     /// Print counts, sums and bounds as one JSON object on one line
     #[arg(long)]
     json: bool,
+    /// Count and measure the string as it comes, holding neither it nor a tree: for strings of any length, in the time that they take
+    #[arg(long, requires = "json", conflicts_with_all = ["print", "export", "png", "time"])]
+    stream: bool,
     /// Write the tree; the ending tells the format: .glb, .obj or .swc (may be given more than once)
     #[arg(long, value_name = "FILE", value_parser = tree_file())]
     export: Vec<PathBuf>,
@@ -218,6 +221,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
         Some(Print::Growth) => Some(Wanted::Growth),
         _ => None,
     };
+    if args.stream {
+        return unwritten::stream(&grammar, steps, &limits, &named(), explain);
+    }
     if let Some(wanted) = wanted
         && unwritten::print(wanted, &grammar, steps, &limits, explain)?
         && only_printed
