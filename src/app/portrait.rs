@@ -9,7 +9,7 @@ use ramus_xr::{Fov, Frame, Pose, View};
 
 use crate::app::picture::Picture;
 use crate::render::{Gpu, GpuParams, Headless};
-use crate::tree::{Tree, radii};
+use crate::tree::{Drawing, radii};
 use crate::world::scene::{PlacedTree, Scene};
 
 /// How a tree is placed for its picture.
@@ -47,19 +47,19 @@ pub fn open_gpu() -> Result<Gpu> {
 /// Half the width of the finest line that is drawn whole, pixels.
 const FINEST_PX: f32 = 0.9;
 
-/// Draws a tree of any size on the stage's ground, as seen from before it; `pixels` wide and high, its widths as they are or
+/// Draws a drawing of any size on the stage's ground, as seen from before it; `pixels` wide and high, its widths as they are or
 /// set for the picture's sake ([`radii::for_picture`]).
 ///
 /// # Errors
-/// Where the tree has no segment or no device can draw it.
-pub fn of_tree(mut tree: Tree, pixels: u32, set_widths: bool) -> Result<RgbaImage> {
+/// Where there is nothing to see or no device can draw it.
+pub fn of_drawing(drawing: Drawing, pixels: u32, set_widths: bool) -> Result<RgbaImage> {
     let params = PortraitParams::default();
-    if tree.segment_count() == 0 {
+    if drawing.is_empty() {
         bail!(
             "the tree has no segment, so there is nothing to draw: segments are drawn by `F` and by the letters of shapes"
         );
     }
-    let Some((low, high)) = tree.bounds() else {
+    let Some((low, high)) = drawing.bounds() else {
         bail!("the tree has no node, so there is nothing to draw");
     };
     let half = ((high - low) * 0.5).max_element();
@@ -68,6 +68,7 @@ pub fn of_tree(mut tree: Tree, pixels: u32, set_widths: bool) -> Result<RgbaImag
             "the tree's nodes all stand in one place, so there is nothing to draw: give its segments a length"
         );
     }
+    let Drawing { mut tree, organs } = drawing;
     let scale = params.radius / half;
     let middle = (low + high) * 0.5;
     // What is lowest touches the ground.
@@ -93,6 +94,7 @@ pub fn of_tree(mut tree: Tree, pixels: u32, set_widths: bool) -> Result<RgbaImag
     let scene = Scene {
         tree: Some(PlacedTree {
             tree: Arc::new(tree),
+            organs: Arc::new(organs),
             radius_before: Arc::default(),
             revision: 1,
             world_from_tree,
@@ -230,7 +232,7 @@ pub fn looking_at(eye: Vec3, target: Vec3, field: f32) -> View {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "tests")]
     use super::*;
-    use crate::tree::NO_PARENT;
+    use crate::tree::{NO_PARENT, Tree};
     use crate::world::World;
     use crate::world::history::History;
 
@@ -259,7 +261,7 @@ mod tests {
             ("the root alone", row(1, 0.0), "no segment"),
             ("all in one place", row(3, 0.0), "in one place"),
         ] {
-            let error = of_tree(tree, 16, true).unwrap_err().to_string();
+            let error = of_drawing(tree.into(), 16, true).unwrap_err().to_string();
             assert!(error.contains(expected), "{what}: {error}");
         }
     }
@@ -274,6 +276,7 @@ mod tests {
             let top = Vec3::new(0.0, apart * f32::from(nodes - 1), -6.0);
             stage.tree = Some(PlacedTree {
                 tree: Arc::new(tree),
+                organs: Arc::default(),
                 radius_before: Arc::default(),
                 revision: 1,
                 world_from_tree: Affine3A::from_translation(Vec3::new(-10.0, 0.0, -6.0)),

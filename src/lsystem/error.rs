@@ -213,6 +213,28 @@ pub enum DeriveProblem {
         /// The limit.
         depth: usize,
     },
+    /// Polygons, spheres and surfaces beyond the memory.
+    #[error(
+        "module {position}: the drawing has no memory for more than {drawn} polygons, spheres and surfaces with their colours; take fewer steps"
+    )]
+    TooManyOrgans {
+        /// Index of the module that draws the next.
+        position: u64,
+        /// Those that there is memory for.
+        drawn: u64,
+    },
+    /// A polygon with more corners than can be cut into triangles in bounded time.
+    #[error(
+        "module {position}: this polygon has {corners} corners, and {most} are the most; draw it as several polygons"
+    )]
+    TooManyCorners {
+        /// Index of its `}`.
+        position: u64,
+        /// Its corners.
+        corners: usize,
+        /// The limit.
+        most: usize,
+    },
     /// A position cannot be held in metres as f32.
     #[error(
         "module {position} (`{module}`): the turtle has left the range of numbers; make lengths smaller"

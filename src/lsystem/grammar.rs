@@ -8,12 +8,14 @@ use glam::DVec3;
 use super::code::Expression;
 use super::derive::{self, Limits};
 use super::error::{DeriveError, GrammarErrors};
+use super::look::NamedSurface;
 use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
 use super::record::{self, Recorded};
 use super::shape::Shape;
 use super::string::ModuleString;
+use crate::tree::organs::Palette;
 
 /// A grammar that has been read and checked.
 #[derive(Clone, Debug)]
@@ -38,6 +40,12 @@ pub struct Grammar {
     pub(crate) shapes: Vec<Shape>,
     /// For each symbol its dictionary entry.
     pub(crate) shape_of: Vec<Option<u16>>,
+    /// What the indices of colours and materials mean.
+    pub(crate) palette: Palette,
+    /// What `~` places.
+    pub(crate) surfaces: Vec<NamedSurface>,
+    /// For each symbol that begins with `~` and names no shape its surface.
+    pub(crate) surface_of: Vec<Option<u16>>,
 }
 
 /// What a symbol is to the rewriting.

@@ -13,10 +13,12 @@ use glam::DVec3;
 use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::include::{folder_of, gather};
+use super::look::{self, NamedSurface};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
 use super::shape::{Shape, Wrap};
 use super::source::{Block, Cursor, Source, Statement};
 use super::string::ModuleString;
+use crate::tree::organs::Palette;
 
 mod statements;
 
@@ -40,6 +42,8 @@ pub(crate) struct Parser {
     tropism: Option<DVec3>,
     shapes: Vec<Shape>,
     shape_names: BTreeSet<String>,
+    surfaces: Vec<NamedSurface>,
+    palette: Palette,
     wrap: Wrap,
     /// Statements that may stand only once.
     seen: BTreeSet<&'static str>,
@@ -326,6 +330,9 @@ impl Parser {
                     .and_then(|shape| u16::try_from(*shape).ok())
             })
             .collect();
+        let names = &self.names;
+        let surface_of =
+            look::surfaces_by_symbol(names, &mut self.surfaces, |name| by_name.contains_key(name));
         let count = symbols.len();
         let mut axiom = self.axiom.unwrap_or_default();
         axiom.arity = Arc::clone(&arity);
@@ -349,6 +356,9 @@ impl Parser {
             tropism: self.tropism,
             shapes: self.shapes,
             shape_of,
+            palette: self.palette,
+            surfaces: self.surfaces,
+            surface_of,
             names: self.names,
         })
     }

@@ -12,9 +12,10 @@ use super::error::{GrammarError, GrammarErrors};
 pub(crate) const MAX_SOURCE_BYTES: usize = 256 << 20;
 
 /// The words that begin a statement.
-pub(crate) const KEYWORDS: [&str; 17] = [
+pub(crate) const KEYWORDS: [&str; 20] = [
     "angle",
     "axiom",
+    "colour",
     "consider",
     "const",
     "context",
@@ -23,11 +24,13 @@ pub(crate) const KEYWORDS: [&str; 17] = [
     "ignore",
     "include",
     "interpret",
+    "material",
     "module",
     "order",
     "seed",
     "shape",
     "steps",
+    "surface",
     "tropism",
     "wrap",
 ];

@@ -8,6 +8,7 @@ use super::{Brackets, Parser, parameters};
 use crate::lsystem::error::{GrammarError, nearest};
 use crate::lsystem::expression;
 use crate::lsystem::grammar::Order;
+use crate::lsystem::look;
 use crate::lsystem::names::Names;
 use crate::lsystem::number::write_general;
 use crate::lsystem::rules;
@@ -91,7 +92,10 @@ impl Parser {
         statement: &Statement,
     ) -> Result<(), GrammarError> {
         let keyword = statement.keyword;
-        if !matches!(keyword, "" | "ignore" | "shape") {
+        if !matches!(
+            keyword,
+            "" | "ignore" | "shape" | "surface" | "colour" | "material"
+        ) {
             self.once(cursor, keyword)?;
         }
         match keyword {
@@ -173,10 +177,23 @@ impl Parser {
                 let at = cursor.pos();
                 let shape = shape::read(&self.names, cursor)?;
                 if !self.shape_names.insert(shape.name.clone()) {
-                    let message = format!("the shape `{}` is given twice", shape.name);
+                    let message = format!("`{}` is a shape or surface already", shape.name);
                     return Err(cursor.error_at(at, message));
                 }
                 self.shapes.push(shape);
+                Ok(())
+            }
+            "colour" => look::colour(&mut self.palette, cursor),
+            "material" => look::material(&mut self.palette, cursor),
+            "surface" => {
+                cursor.skip_blank();
+                let at = cursor.pos();
+                let named = look::surface(&self.names, cursor)?;
+                if !self.shape_names.insert(named.name.clone()) {
+                    let message = format!("`{}` is a shape or surface already", named.name);
+                    return Err(cursor.error_at(at, message));
+                }
+                self.surfaces.push(named);
                 Ok(())
             }
             "decompose" => {

@@ -19,12 +19,14 @@ use crate::tree::Tree;
 
 mod action;
 mod canvas;
+mod drawing;
 mod extent;
 mod pen;
 mod tree;
 mod walk;
 
 pub use canvas::{Canvas, Drawn, Outline};
+pub use drawing::{DrawingCanvas, draw};
 pub use extent::Extent;
 pub use pen::{Cylinder, Pen};
 pub use tree::TreeCanvas;
