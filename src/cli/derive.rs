@@ -1,7 +1,6 @@
 //! `ramus derive`: a grammar file grown, printed, drawn and exported.
 
-use std::fs::File;
-use std::io::{Read as _, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -9,6 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
+use super::inputs::grammar_text;
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::Progress;
@@ -20,9 +20,6 @@ use crate::sketch::Sketch;
 use crate::tree::organs::{Organist, refined_len};
 use crate::tree::radii::{self, FitParams, RadiusParams};
 use crate::tree::{Drawing, Organs, tubes};
-
-/// Larger files are no grammars.
-const MAX_GRAMMAR_BYTES: u64 = 64 << 20;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
@@ -300,21 +297,8 @@ fn is_skeleton(path: &Path) -> bool {
 }
 
 fn read(args: &Args) -> Result<Grammar> {
-    let path = &args.file;
-    let name = path.display().to_string();
-    let failed = || format!("cannot read {name}");
-    let file = File::open(path).with_context(failed)?;
-    let mut bytes = Vec::new();
-    file.take(MAX_GRAMMAR_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .with_context(failed)?;
-    if bytes.len() as u64 > MAX_GRAMMAR_BYTES {
-        bail!("{name} is longer than {MAX_GRAMMAR_BYTES} bytes, and no grammar is");
-    }
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        anyhow!("{name} is no UTF-8 text (byte {at}): save the grammar as UTF-8")
-    })?;
+    let name = args.file.display().to_string();
+    let text = grammar_text(&args.file)?;
     let grammar = Grammar::parse(&text, &name).map_err(|errors| anyhow!("{errors}"))?;
     Ok(match args.seed {
         Some(seed) => grammar.with_seed(seed),

@@ -18,6 +18,8 @@ macro_rules! whisper {
 
 mod derive;
 mod doctor;
+mod fmt;
+mod inputs;
 mod outputs;
 mod progress;
 mod replay;
@@ -43,6 +45,7 @@ use clap::{Parser, Subcommand};
         ramus --project oak.ramus                     go on with a project\n  \
         ramus replay assets/sessions/first-tree.session --png out\n  \
         ramus derive assets/grammars/honda.lsys --steps 10 --export tree.glb\n  \
+        ramus fmt *.lsys                              lay grammars out in the canonical way\n  \
         ramus doctor                                  what this machine has and what it lacks"
 )]
 struct Cli {
@@ -58,6 +61,8 @@ enum Command {
     Replay(replay::Args),
     /// Derives a grammar file and prints or exports what grew.
     Derive(derive::Args),
+    /// Lays grammar files out in the canonical way.
+    Fmt(fmt::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
     Doctor,
 }
@@ -72,6 +77,7 @@ pub fn run() -> ExitCode {
         None => workshop::run(&cli.workshop),
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Derive(args)) => derive::run(&args),
+        Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Doctor) => doctor::run(),
     };
     match result {

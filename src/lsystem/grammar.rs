@@ -18,7 +18,7 @@ use super::string::ModuleString;
 use crate::tree::organs::Palette;
 
 /// A grammar that has been read and checked.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Grammar {
     pub(crate) names: Names,
     pub(crate) arity: Arc<[u8]>,
@@ -46,6 +46,8 @@ pub struct Grammar {
     pub(crate) surfaces: Vec<NamedSurface>,
     /// For each symbol that begins with `~` and names no shape its surface.
     pub(crate) surface_of: Vec<Option<u16>>,
+    /// The turtle answers queries after each step.
+    pub(crate) has_queries: bool,
 }
 
 /// What a symbol is to the rewriting.
@@ -94,7 +96,7 @@ pub(crate) enum Pattern {
 }
 
 /// Where a production looks for its contexts.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Looks {
     pub(crate) left: bool,
     /// To the right, past branches.
@@ -106,7 +108,7 @@ pub(crate) struct Looks {
 }
 
 /// One production.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rule {
     /// Its text, for messages.
     pub(crate) text: String,
@@ -177,7 +179,7 @@ pub(crate) enum Plan {
 }
 
 /// A production that depends on no more than the symbols of two neighbours.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Near {
     /// The neighbour that it needs; none: any.
     pub(crate) left: Option<Symbol>,
@@ -203,7 +205,7 @@ impl Near {
 }
 
 /// Productions, found by symbol.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RuleSet {
     pub(crate) rules: Vec<Rule>,
     /// For each symbol its productions, best first.
@@ -435,6 +437,21 @@ impl Grammar {
     #[must_use]
     pub fn name(&self, symbol: Symbol) -> &str {
         self.names.name(symbol)
+    }
+
+    /// The same without where in the text its productions stand and how they are spelled: what two texts that mean the
+    /// same have in common.
+    pub(super) fn meaning(mut self) -> Self {
+        let sets = [
+            Some(&mut self.rules),
+            self.decompose.as_mut(),
+            self.interpret.as_mut(),
+        ];
+        for rule in sets.into_iter().flatten().flat_map(|set| &mut set.rules) {
+            rule.text.clear();
+            rule.location.clear();
+        }
+        self
     }
 
     pub(crate) fn role(&self, symbol: Symbol) -> Role {

@@ -14,16 +14,18 @@
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
 //! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change; `record` keeps which production did it),
-//! `turtle` draws it, `report` says what `ramus derive` prints.
+//! `turtle` draws it and answers what `query` asks, `report` says what `ramus derive` prints, `format` lays the text out.
 
 mod active;
 mod blocks;
 mod choice;
 mod code;
+mod column;
 mod context;
 mod derive;
 mod error;
 mod expression;
+mod format;
 mod grammar;
 mod include;
 mod look;
@@ -31,6 +33,7 @@ mod names;
 mod number;
 mod output;
 mod parse;
+mod query;
 mod random;
 mod record;
 pub mod report;
@@ -43,6 +46,7 @@ pub mod turtle;
 
 pub use derive::Limits;
 pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
+pub use format::{FormatError, format};
 pub use grammar::Grammar;
 pub use names::Symbol;
 pub use record::Recorded;

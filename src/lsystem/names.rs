@@ -18,7 +18,7 @@ const MAX_NAME_CHARS: usize = 64;
 /// Signs that are modules by themselves, besides letters and digits.
 const SIGNS: &str = "+-&^\\/|$![]%{}.',;";
 /// Modules of the turtle that have two or three characters.
-const LONG_SIGNS: [&str; 5] = ["@Gs", "@Ge", "@O", "?P", "?H"];
+const LONG_SIGNS: [&str; 7] = ["@Gs", "@Ge", "@O", "?P", "?H", "?U", "?L"];
 
 /// One symbol.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub(crate) struct SymbolInfo {
 }
 
 /// All names and symbols that a grammar uses.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Names {
     names: Vec<String>,
     name_of: HashMap<String, u16>,
@@ -146,7 +146,7 @@ impl Names {
         }
         Err(match first {
             '@' => cursor.expected("one of the turtle's `@O`, `@Gs`, `@Ge`"),
-            '?' => cursor.expected("one of the turtle's `?P`, `?H`"),
+            '?' => cursor.expected("one of the turtle's `?P`, `?H`, `?U`, `?L`"),
             '(' => cursor.expected("a module; parameters follow a module's name"),
             '*' => cursor.expected("a module; `*` means no module at all and stands alone"),
             _ => cursor.expected("a module"),

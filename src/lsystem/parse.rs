@@ -10,11 +10,13 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::column::Column;
 use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::include::{folder_of, gather};
 use super::look::{self, NamedSurface};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
+use super::query::{ANSWERS, Query};
 use super::shape::{Shape, Wrap};
 use super::source::{Block, Cursor, Source, Statement};
 use super::string::ModuleString;
@@ -50,6 +52,19 @@ pub(crate) struct Parser {
 }
 
 pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> {
+    let (parser, sources) = read(text, file);
+    parser.finish(&sources, true)
+}
+
+/// A grammar, or a part of one to be included, with its own text as it was cut.
+pub(super) fn with_text(text: &str, file: &str) -> Result<(Grammar, Source), GrammarErrors> {
+    let (parser, sources) = read(text, file);
+    let grammar = parser.finish(&sources, false)?;
+    Ok((grammar, sources.into_iter().next().unwrap_or_default()))
+}
+
+/// Tries all statements of a text and of what it includes.
+fn read(text: &str, file: &str) -> (Parser, Vec<Source>) {
     let mut parser = Parser::default();
     let mut sources = Vec::new();
     let mut all = Vec::new();
@@ -95,7 +110,7 @@ pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> 
             p.statement(cursor, statement)
         });
     }
-    parser.finish(&sources)
+    (parser, sources)
 }
 
 /// Nothing may be left of the statement.
@@ -134,11 +149,13 @@ pub(crate) fn parameters(
 }
 
 /// Follows brackets and braces and says where they do not fit. A polygon's braces are counted apart from the
-/// brackets, since ABOP's leaves begin an outline in a branch and end it outside: `[+A{.].C.}`.
+/// brackets, since ABOP's leaves begin an outline in a branch and end it outside: `[+A{.].C.}`. Their order is free, since its
+/// rose (Fig. 5.8) ends in each segment the outline that the one before began: `.}][+B{.`; the turtle tells where that does not work out.
 #[derive(Default)]
 pub(crate) struct Brackets {
     open: Vec<usize>,
     polygons: Vec<usize>,
+    ends: Vec<usize>,
 }
 
 impl Brackets {
@@ -161,22 +178,22 @@ impl Brackets {
                 ));
             }
             "{" => self.polygons.push(at),
-            "}" if self.polygons.pop().is_none() => {
-                return Err(cursor.error_at(
-                    at,
-                    "this `}` closes no polygon; expected a `{` before it".into(),
-                ));
-            }
+            "}" => self.ends.push(at),
             _ => {}
         }
         Ok(())
     }
 
     pub(crate) fn end(&self, cursor: &Cursor<'_>) -> Result<(), GrammarError> {
-        let unclosed = match (self.open.last(), self.polygons.last()) {
-            (Some(at), _) => Some((at, "this `[` is not closed; expected a `]`")),
-            (None, Some(at)) => Some((at, "this polygon's `{` is not closed; expected a `}`")),
-            (None, None) => None,
+        let (begun, ended) = (self.polygons.len(), self.ends.len());
+        let unclosed = if let Some(at) = self.open.last() {
+            Some((at, "this `[` is not closed; expected a `]`"))
+        } else if begun > ended {
+            let last = self.polygons.last();
+            last.map(|at| (at, "this polygon's `{` is not closed; expected a `}`"))
+        } else {
+            let more = self.ends.get(begun);
+            more.map(|at| (at, "this `}` closes no polygon; expected a `{` before it"))
         };
         unclosed.map_or(Ok(()), |(at, message)| {
             Err(cursor.error_at(*at, message.into()))
@@ -235,9 +252,10 @@ impl Parser {
             );
             self.errors.push(cursor.error_at(at, message));
         }
-        if matches!(name, "?P" | "?H") {
-            let message =
-                format!("the query `{name}` cannot be answered yet; expected another module");
+        if Query::of(name).is_some() && !ANSWERS.contains(&arity) {
+            let message = format!(
+                "found `{name}` with {arity} parameters; expected the two or three that the turtle writes its answer into, as in `{name}(0, 0, 0)`"
+            );
             self.errors.push(cursor.error_at(at, message));
         }
         self.names.intern(name, arity).ok_or_else(|| {
@@ -266,9 +284,11 @@ impl Parser {
         None
     }
 
-    fn finish(mut self, sources: &[Source]) -> Result<Grammar, GrammarErrors> {
+    /// Checks what only the whole text shows. A part of a grammar needs no axiom.
+    fn finish(mut self, sources: &[Source], whole: bool) -> Result<Grammar, GrammarErrors> {
         let first = sources.first();
         let (file, text) = first.map_or(("", ""), |s| (s.name.as_str(), s.text.as_str()));
+        let index = |i: usize| Symbol::try_from(i).unwrap_or(Symbol::MAX);
         let mut general = |message: &str| {
             self.errors.push(GrammarError::new(
                 file,
@@ -277,7 +297,7 @@ impl Parser {
                 message.to_owned(),
             ))
         };
-        if self.axiom.is_none() && !self.seen.contains("axiom") {
+        if whole && self.axiom.is_none() && !self.seen.contains("axiom") {
             general("this grammar has no axiom; expected a line such as `axiom A`");
         }
         if self.literal && (!self.ignored.is_empty() || self.considered.is_some()) {
@@ -291,6 +311,19 @@ impl Parser {
         if self.shapes.len() >= usize::from(u16::MAX) {
             general("this grammar has more than 65,000 shapes");
         }
+        let is_query = |symbol: Symbol| Query::of(self.names.name(symbol)).is_some();
+        let has_queries = (0..self.names.symbols().len()).any(|i| is_query(index(i)));
+        let shown = self.interpret.iter().flat_map(|(rules, _)| rules);
+        let hides = |rule: &Rule| {
+            let cuts = |symbol: &Symbol| self.names.name(*symbol) == "%";
+            let queries = |symbol: &Symbol| is_query(*symbol);
+            queries(&rule.predecessor) || rule.successor.iter().any(|s| queries(s) || cuts(s))
+        };
+        if has_queries && shown.into_iter().any(hides) {
+            general(
+                "a query (`?P`) is answered where it stands in the string, so the `interpret` block of a grammar with queries holds neither queries nor `%`; take them out of it",
+            );
+        }
         if !self.errors.errors.is_empty() {
             // Passes find faults out of order; a person reads a file from its top.
             let file_of = |name: &str| sources.iter().position(|s| s.name == name);
@@ -301,7 +334,6 @@ impl Parser {
         }
         let symbols = self.names.symbols();
         let arity: Arc<[u8]> = symbols.iter().map(|s| s.arity).collect();
-        let index = |i: usize| Symbol::try_from(i).unwrap_or(Symbol::MAX);
         let roles = (0..symbols.len())
             .map(|i| match self.names.name(index(i)) {
                 "[" => Role::Open,
@@ -338,6 +370,14 @@ impl Parser {
         axiom.arity = Arc::clone(&arity);
         let (decompose, decompose_depth) = self.decompose.unwrap_or_default();
         let (interpret, interpret_depth) = self.interpret.unwrap_or_default();
+        // The width of a string's symbols is that of its choices, too: productions are numbered from 1.
+        let productions = [&self.rules, &decompose, &interpret].map(Vec::len);
+        let most = productions
+            .into_iter()
+            .fold(count.saturating_sub(1), usize::max);
+        let most = u32::try_from(most).unwrap_or(u32::MAX);
+        axiom.symbols =
+            Column::from_numbers(most.min(u32::from(Symbol::MAX)), axiom.symbols.iter());
         let set =
             |rules: Vec<Rule>| (!rules.is_empty()).then(|| RuleSet::new(rules, count, self.order));
         Ok(Grammar {
@@ -359,6 +399,7 @@ impl Parser {
             palette: self.palette,
             surfaces: self.surfaces,
             surface_of,
+            has_queries,
             names: self.names,
         })
     }

@@ -36,7 +36,7 @@ pub(crate) const KEYWORDS: [&str; 20] = [
 ];
 
 /// One file's text.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Source {
     pub(crate) name: String,
     pub(crate) text: String,
@@ -86,8 +86,13 @@ pub(crate) struct Statement {
     pub(crate) block: Block,
 }
 
+/// Blanks, and the mark that some editors put before a text, which is left inside where texts were joined.
+pub(super) fn is_blank(c: char) -> bool {
+    c.is_whitespace() || c == '\u{feff}'
+}
+
 /// Where the keyword at the beginning of `line` ends, if it begins with one.
-fn keyword_of(line: &str) -> Option<&'static str> {
+pub(super) fn keyword_of(line: &str) -> Option<&'static str> {
     let length = line
         .find(|c: char| !c.is_ascii_lowercase())
         .unwrap_or(line.len());
@@ -95,7 +100,7 @@ fn keyword_of(line: &str) -> Option<&'static str> {
     let ends = rest
         .chars()
         .next()
-        .is_none_or(|c| c.is_whitespace() || matches!(c, '{' | '"' | '#'));
+        .is_none_or(|c| is_blank(c) || matches!(c, '{' | '"' | '#'));
     if ends {
         KEYWORDS.iter().copied().find(|k| *k == word)
     } else {
@@ -104,7 +109,7 @@ fn keyword_of(line: &str) -> Option<&'static str> {
 }
 
 /// The line without its comment.
-fn code_of(line: &str) -> &str {
+pub(super) fn code_of(line: &str) -> &str {
     line.split('#').next().unwrap_or("")
 }
 
@@ -122,11 +127,11 @@ pub(crate) fn statements(
         let line_start = at;
         at += line.len();
         let code = code_of(line);
-        let trimmed = code.trim();
+        let trimmed = code.trim_matches(is_blank);
         if trimmed.is_empty() {
             continue;
         }
-        let indent = code.len() - code.trim_start().len();
+        let indent = code.len() - code.trim_start_matches(is_blank).len();
         let start = line_start + indent;
         let end = start + trimmed.len();
         if block != Block::Main && trimmed == "}" {
@@ -134,9 +139,9 @@ pub(crate) fn statements(
             continue;
         }
         let keyword = keyword_of(trimmed);
-        let continues = (indent > 0 || trimmed.starts_with(']'))
-            && keyword.is_none()
-            && !trimmed.contains("->");
+        let indented = code.starts_with(char::is_whitespace);
+        let continues =
+            (indented || trimmed.starts_with(']')) && keyword.is_none() && !trimmed.contains("->");
         if continues
             && let Some(last) = found.last_mut()
             && last.block == block
@@ -234,7 +239,7 @@ impl<'a> Cursor<'a> {
             if c == '#' {
                 let rest = self.rest();
                 self.advance(rest.find('\n').unwrap_or(rest.len()));
-            } else if c.is_whitespace() || c == '\u{feff}' {
+            } else if is_blank(c) {
                 self.bump();
             } else {
                 break;

@@ -8,14 +8,18 @@
     reason = "a test fails by panic, and its data is known"
 )]
 
+mod canvas;
 mod hostile;
 mod include;
 mod language;
 mod oracle;
+mod organs;
+mod queries;
 mod record;
 mod reference;
 mod sketch_cases;
 mod turtle;
+mod widths;
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;

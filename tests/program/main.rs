@@ -16,6 +16,7 @@ use tempfile::TempDir;
 
 mod disk;
 mod doctor;
+mod fmt;
 mod memory;
 mod older;
 mod outputs;

@@ -94,6 +94,7 @@ pub(super) enum Action {
     Sphere,
     /// What the name behind a `~` names, where it is no shape.
     Surface,
+    Query,
     BeginCylinder,
     EndCylinder,
     Tropism,
@@ -142,6 +143,7 @@ fn action(grammar: &Grammar, symbol: Symbol, angle: f64) -> Action {
         "@Gs" => Action::BeginCylinder,
         "@Ge" => Action::EndCylinder,
         "T" => Action::Tropism,
+        "?P" | "?H" | "?U" | "?L" => Action::Query,
         name => name.strip_prefix('~').map_or(Action::Nothing, |placed| {
             let shape = grammar.shapes.iter().position(|s| s.name == placed);
             let index = shape.and_then(|index| u16::try_from(index).ok());

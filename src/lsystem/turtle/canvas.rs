@@ -66,6 +66,14 @@ pub trait Canvas {
         Ok(())
     }
 
+    /// A query module, `?P ?H ?U ?L`.
+    ///
+    /// # Errors
+    /// What the canvas cannot answer.
+    fn query(&mut self, _pen: &Pen, _by: Drawn) -> Result<(), DeriveError> {
+        Ok(())
+    }
+
     /// What the name behind the `~` of the module's name names, in the pen's frame and so many times as large.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 //! Bark comes first: tubes without a colour of their own, with texture coordinates. Then, for each material, painted tubes and organs, with
 //! a colour at each vertex.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::io;
 
 use glam::Vec3;
@@ -149,16 +149,16 @@ impl<'a> Surface<'a> {
 
     /// What there is of each group.
     fn measured(&self) -> Result<Vec<Group>, TreeError> {
-        let mut matters = BTreeMap::new();
+        let mut matters = BTreeSet::new();
         for record in &self.records {
-            matters.insert(self.matter(record), ());
+            matters.insert(self.matter(record));
         }
         let organist = Organist::new(self.organs);
         for organ in (0..self.organs.len()).filter_map(|index| organist.organ(index)) {
-            matters.insert(Matter::Painted(organ.paint.material), ());
+            matters.insert(Matter::Painted(organ.paint.material));
         }
         let mut groups = Vec::new();
-        for matter in matters.into_keys() {
+        for matter in matters {
             let mut group = Group {
                 matter,
                 vertices: 0,

@@ -189,24 +189,6 @@ impl Surface {
             _ => tone.colour,
         }
     }
-
-    /// Corners of the box round it.
-    pub(super) fn box_corners(&self) -> impl Iterator<Item = Vec3> {
-        let first = self.positions.first().copied().unwrap_or(Vec3::ZERO);
-        let (low, high) = self
-            .positions
-            .iter()
-            .fold((first, first), |(l, h), p| (l.min(*p), h.max(*p)));
-        (0..8_u8).map(move |corner| {
-            let pick =
-                |bit: u8, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
-            Vec3::new(
-                pick(0, low.x, high.x),
-                pick(1, low.y, high.y),
-                pick(2, low.z, high.z),
-            )
-        })
-    }
 }
 
 fn next(mesh: &OrganMesh) -> u32 {

@@ -249,8 +249,8 @@ impl Organs {
             let Some(surface) = self.surfaces.get(usize::from(placed.surface)) else {
                 continue;
             };
-            for corner in surface.box_corners() {
-                let at = placed.position + placed.orientation * (corner * placed.scale);
+            for position in &surface.positions {
+                let at = placed.position + placed.orientation * (*position * placed.scale);
                 add(at, at);
             }
         }

@@ -266,7 +266,7 @@ impl Surface {
 
 /// A petal of length 1, `half` wide to each side, cupped, its tip bent back.
 fn petal(t: f32, side: f32, half: f32) -> Vec3 {
-    let width = half * (PI * (0.06 + 0.94 * t.powf(1.35))).sin().max(0.0).powf(0.6);
+    let width = half * (PI * (0.06 + 0.87 * t.powf(1.35))).sin().max(0.0).powf(0.6);
     let across = side * width;
     Vec3::new(
         across,

@@ -1,0 +1,115 @@
+//! Query modules: the turtle answers after each step, and productions act on the answers.
+
+use std::sync::atomic::AtomicBool;
+
+use ramus::lsystem::{Grammar, Limits, ModuleString};
+
+use super::{derive, draw, parse, text_of};
+
+#[test]
+fn answers() {
+    for (text, steps, expected) in [
+        ("axiom F(2)?P(0,0,0)", 0, "F(2)?P(0,2,0)"),
+        (
+            "axiom ?P(9,9,9)?H(0,0,0)?U(0,0,0)?L(0,0,0)",
+            0,
+            "?P(0,0,0)?H(0,1,0)?U(0,0,1)?L(-1,0,0)",
+        ),
+        // Two parameters: x and y.
+        ("axiom f(3)F[+(180)F]?P(7,7)", 0, "f(3)F[+(180)F]?P(0,4)"),
+        // After each step, before anything reads them.
+        ("axiom A?P(0,0,0)\nA -> F A", 3, "FFFA?P(0,3,0)"),
+        (
+            "axiom A?P(0,0,0)\nA > ?P(x,y,z) : y < 2 -> F A",
+            5,
+            "FFA?P(0,2,0)",
+        ),
+        (
+            "axiom B\nB -> F(4)?P(0,0,0) B\n?P(x,y,z) : y > 0 -> C(y)",
+            2,
+            "F(4)C(4)F(4)?P(0,8,0)B",
+        ),
+        // What a block draws counts, though it is not in the string.
+        (
+            "axiom A?P(0,0,0)\nA -> A A\ninterpret {\n A -> F(5)\n}",
+            1,
+            "AA?P(0,10,0)",
+        ),
+        (
+            "axiom A?P(0,0,0)\ndecompose {\n A -> F(5)\n}",
+            0,
+            "F(5)?P(0,5,0)",
+        ),
+        // Branches give the turtle back, outlines do not draw but move it.
+        (
+            "axiom [F?P(0,0,0)]{.F}?P(0,0,0)",
+            0,
+            "[F?P(0,1,0)]{.F}?P(0,1,0)",
+        ),
+        // Turned by the step before.
+        ("angle 90\naxiom ?H(0,0)A\nA -> +?H(0,0)A", 0, "?H(0,1)A"),
+    ] {
+        let grammar = parse(&format!("{text}\n"));
+        assert_eq!(text_of(&grammar, steps), expected, "{text}");
+        // Step by step it is the same.
+        let mut string = derive(&grammar, 0);
+        for step in 1..=steps {
+            let limits = Limits::default();
+            string = grammar
+                .derive_next(&string, step, &limits, &AtomicBool::new(false))
+                .unwrap();
+        }
+        assert_eq!(string.to_text(&grammar), expected, "{text}, step by step");
+    }
+}
+
+#[test]
+fn refusals() {
+    for (text, expected) in [
+        (
+            "axiom ?P\n",
+            "the two or three that the turtle writes its answer into",
+        ),
+        ("axiom ?H(1)\n", "?H(0, 0, 0)"),
+        ("axiom ?L(1,2,3,4)\n", "with 4 parameters"),
+        ("axiom ?X(1,2,3)\n", "`?P`, `?H`, `?U`, `?L`"),
+        (
+            "axiom A?P(0,0)\ninterpret {\n A -> ?P(0,0)\n}\n",
+            "`interpret` block",
+        ),
+        (
+            "axiom A?P(0,0)\ninterpret {\n A -> F%\n}\n",
+            "neither queries nor `%`",
+        ),
+    ] {
+        let errors = Grammar::parse(text, "test.lsys").unwrap_err().to_string();
+        assert!(errors.contains(expected), "{text}\n{errors}");
+    }
+}
+
+/// A branching structure pruned to a square, after Prusinkiewicz, James and Měch 1994, "Synthetic topiary", section 5: an apex out of
+/// the square is cut, the signal S runs down its branch and wakes the dormant buds.
+#[test]
+fn topiary_stays_in_its_square() {
+    let grammar = parse(include_str!("../../assets/grammars/topiary.lsys"));
+    let apices = |string: &ModuleString| string.to_text(&grammar).matches('A').count();
+    let mut most = 0;
+    for steps in [4, 12, 30, 70] {
+        let string = derive(&grammar, steps);
+        let tree = draw(&grammar, &string);
+        let (min, max) = tree.bounds().unwrap();
+        let (half, side, reach) = (10.0, 20.0, 1.001);
+        assert!(
+            min.x > -half - reach && max.x < half + reach && min.y > -reach && max.y < side + reach,
+            "{steps} steps: {min} {max}"
+        );
+        most = most.max(apices(&string));
+        if steps == 70 {
+            assert!(
+                max.x > half - 2.0 && min.x < 2.0 - half,
+                "it fills the square: {min} {max}"
+            );
+        }
+    }
+    assert!(most > 3, "cut branches wake others: {most}");
+}
