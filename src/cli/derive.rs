@@ -9,13 +9,14 @@ use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
 use super::inputs::grammar_text;
+use super::moment::{Moment, step_at, time};
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::Progress;
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
-use crate::lsystem::{DeriveError, DeriveProblem, Grammar, Limits, TurtleParams, draw};
-use crate::render::RenderError;
+use crate::lsystem::{DeriveError, DeriveProblem, Grammar, Limits, TurtleParams};
+use crate::render::{self, RenderError};
 use crate::sketch::Sketch;
 use crate::tree::organs::{Organist, refined_len};
 use crate::tree::radii::{self, FitParams, RadiusParams};
@@ -28,6 +29,9 @@ pub(super) struct Args {
     /// Steps to derive; without it the number that the file states
     #[arg(long, value_name = "N")]
     steps: Option<u32>,
+    /// Steps to grow, of which the last may be a part: 3.25 shows a quarter of the growth from step 3 to step 4
+    #[arg(long, value_name = "STEPS", value_parser = time, conflicts_with = "steps")]
+    time: Option<f64>,
     /// What to print
     #[arg(long, value_enum, value_name = "WHAT")]
     print: Option<Print>,
@@ -43,6 +47,9 @@ pub(super) struct Args {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     size: u32,
+    /// What the picture shows behind the tree
+    #[arg(long, value_enum, default_value_t = Backdrop::Stage, value_name = "WHICH")]
+    backdrop: Backdrop,
     /// How the grammar's widths are meant in exports and pictures
     #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
     widths: Widths,
@@ -157,6 +164,23 @@ enum Print {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Backdrop {
+    /// Sky and ground, as in the workshop
+    Stage,
+    /// Paper, as a figure in print has it
+    Paper,
+}
+
+impl Backdrop {
+    fn drawn(self) -> render::Backdrop {
+        match self {
+            Self::Stage => render::Backdrop::Stage,
+            Self::Paper => portrait::PAPER,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Widths {
     /// In metres, unless the trunk would be thicker than a fifth of the tree: then scaled to fit, as ABOP means them.
     /// Pictures also show no line thinner than about two pixels, and where all widths are equal none thicker than a sixth of the usual segment's length
@@ -176,7 +200,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     };
     let grammar = read(args)?;
     check_places(outputs())?;
-    let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
+    let whole = || args.steps.or(grammar.steps()).map(|steps| (steps, 1.0));
+    let (steps, age) = args.time.map(step_at).or_else(whole).ok_or_else(|| {
         anyhow!(
             "{} states no number of steps: give one with --steps N",
             args.file.display()
@@ -193,11 +218,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let mut progress = Progress::new("deriving");
     let named = || args.file.display().to_string();
     let explain = |error| budget.explain(error, &named());
-    let string = grammar
-        .derive_watched(steps, &limits, &never, &mut |done| {
-            progress.show(done as usize, steps as usize);
-        })
-        .map_err(explain)?;
+    let moment = Moment::new(&grammar, (steps, age), &limits, &never, &mut |done| {
+        progress.show(done as usize, steps as usize);
+    })
+    .map_err(explain)?;
+    let string = moment.string();
     drop(progress);
     let derive_ms = began.elapsed().as_secs_f64() * 1e3;
 
@@ -216,25 +241,19 @@ pub(super) fn run(args: &Args) -> Result<()> {
     // The string stays until it is counted, so the tree has the rest.
     let turtle = TurtleParams {
         limits: Limits {
-            bytes: budget.bytes.saturating_sub(string.bytes()),
+            bytes: budget.bytes.saturating_sub(moment.bytes()),
             ..limits
         },
         ..TurtleParams::default()
     };
     let drawing = Progress::during("drawing with the turtle", || {
-        draw(&grammar, &string, &turtle, &never)
+        moment.drawing(&grammar, &turtle, &never)
     })
     .map_err(explain)?;
     let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
-    let report = Report::new(
-        &grammar,
-        &string,
-        &drawing.tree,
-        steps,
-        derive_ms,
-        turtle_ms,
-    );
-    drop(string);
+    let mut report = Report::new(&grammar, string, &drawing.tree, steps, derive_ms, turtle_ms);
+    report.time = args.time;
+    drop(moment);
     if args.print == Some(Print::Counts) {
         let counts = report.counts_text();
         printed = printed.and(print_result("the counts", |out| {
@@ -247,11 +266,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
             .and(json.and_then(|json| print_result("the JSON", |out| writeln!(out, "{json}"))));
     } else if args.print.is_none() {
         tell!(
-            "{}: {} modules and {} segments{} after {steps} steps",
+            "{}: {} modules and {} segments{} after {} steps",
             args.file.display(),
             report.modules,
             report.segments,
-            carried(&drawing.organs)
+            carried(&drawing.organs),
+            args.time.unwrap_or(f64::from(steps))
         );
     }
     let bare = drawing.tree.segment_count() == 0;
@@ -300,6 +320,9 @@ fn read(args: &Args) -> Result<Grammar> {
     let name = args.file.display().to_string();
     let text = grammar_text(&args.file)?;
     let grammar = Grammar::parse(&text, &name).map_err(|errors| anyhow!("{errors}"))?;
+    for remark in grammar.remarks() {
+        whisper!("{remark}");
+    }
     Ok(match args.seed {
         Some(seed) => grammar.with_seed(seed),
         None => grammar,
@@ -354,7 +377,8 @@ fn write_files(
         let organs = picture_bytes(&drawing.organs);
         budget.check(&path.display().to_string(), &drawing, PICTURE_BYTES, organs)?;
         let set_widths = args.widths == Widths::Auto;
-        let picture = Progress::during("drawing", || portrait::of_drawing(drawing, args.size, set_widths))
+        let backdrop = args.backdrop.drawn();
+        let picture = Progress::during("drawing", || portrait::of_drawing(drawing, args.size, set_widths, backdrop))
             .map_err(|error| match error.downcast_ref() {
                 Some(RenderError::OutOfMemory(_)) => anyhow!(
                     "the graphics memory does not hold a picture of {0} × {0} pixels: choose a smaller --size, or close other programs that draw",

@@ -19,7 +19,9 @@ macro_rules! whisper {
 mod derive;
 mod doctor;
 mod fmt;
+mod import;
 mod inputs;
+mod moment;
 mod outputs;
 mod progress;
 mod replay;
@@ -63,6 +65,8 @@ enum Command {
     Derive(derive::Args),
     /// Lays grammar files out in the canonical way.
     Fmt(fmt::Args),
+    /// Writes a grammar of cpfg, L-Py or Houdini in the notation of Ramus.
+    Import(import::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
     Doctor,
 }
@@ -78,6 +82,7 @@ pub fn run() -> ExitCode {
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Derive(args)) => derive::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
+        Some(Command::Import(args)) => import::run(&args),
         Some(Command::Doctor) => doctor::run(),
     };
     match result {

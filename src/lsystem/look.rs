@@ -174,7 +174,7 @@ fn outline(cursor: &mut Cursor<'_>, at: usize) -> Result<Surface, GrammarError> 
             let given = signed(cursor)?;
             #[expect(clippy::cast_possible_truncation, reason = "what is beyond is refused")]
             let narrow = given as f32;
-            if !(narrow.abs() <= 1e6) {
+            if !(-1e6..=1e6).contains(&narrow) {
                 return Err(cursor.error_at(
                     at,
                     "a surface is about 1 long; expected numbers from -1000000 to 1000000".into(),

@@ -13,21 +13,27 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change; `record` keeps which production did it),
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` and `fill` all of it, with `choice` for each module or `batch` and `lanes` for many at once, `blocks` what is alike once, `active` what may change; `record` keeps which production did it),
 //! `turtle` draws it and answers what `query` asks, `report` says what `ramus derive` prints, `format` lays the text out.
 
 mod active;
+mod batch;
 mod blocks;
 mod choice;
 mod code;
 mod column;
 mod context;
 mod derive;
+pub mod dialect;
 mod error;
 mod expression;
+mod fill;
 mod format;
 mod grammar;
+mod growing;
+mod growth;
 mod include;
+mod lanes;
 mod look;
 mod names;
 mod number;
@@ -48,8 +54,9 @@ pub use derive::Limits;
 pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
 pub use format::{FormatError, format};
 pub use grammar::Grammar;
+pub use growing::Growing;
 pub use names::Symbol;
 pub use record::Recorded;
 pub use shape::shape_frames;
 pub use string::{Module, ModuleString};
-pub use turtle::{TurtleParams, draw, draw_on, interpret};
+pub use turtle::{DrawingCanvas, TurtleParams, draw, draw_on, interpret};

@@ -9,6 +9,8 @@
 )]
 
 mod canvas;
+mod dialects;
+mod growth;
 mod hostile;
 mod include;
 mod language;
