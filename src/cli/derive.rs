@@ -8,6 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
+use super::explain;
 use super::inputs::grammar_text;
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
@@ -15,7 +16,8 @@ use super::progress::Progress;
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
 use crate::lsystem::{
-    DeriveError, DeriveProblem, Grammar, Limits, ModuleString, TurtleParams, interpret,
+    DeriveError, DeriveProblem, ExplainParams, Grammar, Limits, ModuleString, TurtleParams,
+    interpret,
 };
 use crate::render::RenderError;
 use crate::sketch::Sketch;
@@ -35,6 +37,21 @@ pub(super) struct Args {
     /// Print counts, sums and bounds as one JSON object on one line
     #[arg(long)]
     json: bool,
+    /// Say which production rewrote each module in a step: the last one, or STEP
+    #[arg(long, value_name = "STEP", num_args = 0..=1, value_parser = explain::step(),
+        conflicts_with_all = ["print", "export", "png"])]
+    explain: Option<Option<u32>>,
+    /// The first module that --explain shows, as its position from 0
+    #[arg(
+        long,
+        value_name = "POSITION",
+        requires = "explain",
+        default_value_t = 0
+    )]
+    at: usize,
+    /// Lines of modules that --explain shows at most
+    #[arg(long, value_name = "N", requires = "explain", default_value_t = ExplainParams::default().entries)]
+    entries: usize,
     /// Write the tree; the ending tells the format: .glb, .obj or .swc (may be given more than once)
     #[arg(long, value_name = "FILE", value_parser = tree_file())]
     export: Vec<PathBuf>,
@@ -182,6 +199,16 @@ pub(super) fn run(args: &Args) -> Result<()> {
         ..Limits::default()
     };
     let never = AtomicBool::new(false);
+    if let Some(step) = args.explain {
+        let params = ExplainParams {
+            from: args.at,
+            entries: args.entries,
+            ..ExplainParams::default()
+        };
+        let explained = explain::explained(&grammar, step.unwrap_or(steps), &params, &limits)?
+            .map_err(|error| budget.explain(error, &args.file.display().to_string()))?;
+        return explain::print(&explained, args.json);
+    }
 
     let began = Instant::now();
     let mut progress = Progress::new("deriving");

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change; `record` keeps which production did it),
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change; `record` keeps which production did it, `explain` tells it),
 //! `turtle` draws it and answers what `query` asks, `report` says what `ramus derive` prints, `format` lays the text out.
 
 mod active;
@@ -23,6 +23,7 @@ mod code;
 mod context;
 mod derive;
 mod error;
+mod explain;
 mod expression;
 mod format;
 mod grammar;
@@ -44,6 +45,7 @@ pub mod turtle;
 
 pub use derive::Limits;
 pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
+pub use explain::{Chance, ExplainParams, Explanation, Fate, ProductionUse, Seen};
 pub use format::{FormatError, format};
 pub use grammar::Grammar;
 pub use names::Symbol;
