@@ -287,10 +287,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
 /// Whether a string draws polygons.
 fn has_outlines(grammar: &Grammar, string: &ModuleString) -> bool {
-    string
-        .symbols()
-        .iter()
-        .any(|symbol| grammar.name(*symbol) == "{")
+    string.symbols().any(|symbol| grammar.name(symbol) == "{")
 }
 
 fn read(args: &Args) -> Result<Grammar> {

@@ -19,7 +19,7 @@ use super::error::DeriveError;
 use super::grammar::{Grammar, Role, Rule, RuleSet};
 use super::names::Symbol;
 use super::rewrite::Round;
-use super::string::ModuleString;
+use super::string::{Module, ModuleString};
 
 /// No module: before the first and behind the last one, and between the successors of a step.
 const SEAM: Symbol = Symbol::MAX;
@@ -60,6 +60,8 @@ pub(crate) struct Chain<'g> {
     live: usize,
     /// Modules to the left and to the right that a production reads.
     reach: (usize, usize),
+    /// The largest birth.
+    newest: u32,
 }
 
 /// A step could not be made this way; nothing was changed.
@@ -88,6 +90,7 @@ impl<'g> Chain<'g> {
                 reads(|rule| rule.left.len()).unwrap_or(0),
                 reads(|rule| rule.right.len()).unwrap_or(0),
             ),
+            newest: string.births().max().unwrap_or(0),
         };
         chain.places.push(Place {
             next: ENDS,
@@ -135,17 +138,15 @@ impl<'g> Chain<'g> {
 
     /// The string.
     pub(crate) fn string(&self) -> ModuleString {
-        let mut string = ModuleString {
-            symbols: Vec::with_capacity(self.live),
-            births: Vec::with_capacity(self.live),
-            parameters: Vec::new(),
-            arity: self.grammar.arity.clone(),
-        };
+        let axiom = &self.grammar.axiom;
+        let mut string = ModuleString::up_to(axiom.symbols.most(), self.newest, &axiom.arity);
         let mut at = self.next(ENDS);
         while let Some(place) = self.module(at) {
-            string.symbols.push(place.symbol);
-            string.births.push(place.birth);
-            string.parameters.extend_from_slice(self.own(at));
+            string.push(&Module {
+                symbol: place.symbol,
+                birth: place.birth,
+                parameters: self.own(at),
+            });
             at = place.next;
         }
         string
@@ -172,6 +173,7 @@ impl<'g> Chain<'g> {
             return Err(Unfit);
         }
         let changes = self.replace(&rewritten, &successors).ok_or(Unfit)?;
+        self.newest = step;
         self.wake(&changes, step);
         if self.places.len() > WASTE * self.live.max(SHORT) {
             self.pack();
@@ -196,26 +198,26 @@ impl<'g> Chain<'g> {
                 return Err(Unfit);
             }
         }
-        let mut made = ModuleString {
-            arity: self.grammar.arity.clone(),
-            ..ModuleString::default()
-        };
+        let mut made = ModuleString::up_to(u32::from(SEAM), round.step, &self.grammar.arity);
+        let mut written = Vec::new();
+        let mut births: Vec<u32> = Vec::new();
         for &(at, rule) in &chosen {
             let Some(place) = self.module(at) else {
                 continue;
             };
             let own = self.own(at);
-            let (symbols, parameters) = (made.symbols.len(), made.parameters.len());
-            made.parameters
-                .resize(parameters + rule.arguments.len(), 0.0);
-            let written = made.parameters.get_mut(parameters..).unwrap_or(&mut []);
-            work.evaluate(rule, at as usize, 0, own, written)?;
-            made.symbols.extend_from_slice(&rule.successor);
-            made.births.resize(made.symbols.len(), 0);
-            if let Some(births) = made.births.get_mut(symbols..) {
-                round.date(rule, own, place.birth, written, births);
+            written.clear();
+            written.resize(rule.arguments.len(), 0.0);
+            work.evaluate(rule, at as usize, 0, own, &mut written)?;
+            births.clear();
+            births.resize(rule.successor.len(), 0);
+            round.date(rule, own, place.birth, &written, &mut births);
+            for (symbol, birth) in rule.successor.iter().zip(&births) {
+                made.symbols.push(u32::from(*symbol));
+                made.births.push(*birth);
             }
-            made.symbols.push(SEAM);
+            made.parameters.extend_from_slice(&written);
+            made.symbols.push(u32::from(SEAM));
             made.births.push(0);
         }
         let rewritten = chosen.into_iter().map(|(at, _)| at).collect();
@@ -445,7 +447,7 @@ mod tests {
         let grammar = Grammar::parse(PLANT, "plant").unwrap();
         let chain = chain_after(&grammar, 400);
         let string = chain.string();
-        let ends = string.symbols().iter().filter(|s| grammar.name(**s) == "B");
+        let ends = string.symbols().filter(|s| grammar.name(*s) == "B");
         // An end, what grew there and what stands before it; the end itself has no production.
         assert!(chain.active.len() <= 3 * ends.count());
         assert!(chain.live > 5_000 && chain.places.len() <= WASTE * chain.live);

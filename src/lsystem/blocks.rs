@@ -10,6 +10,8 @@
 //! One module of a successor may be the same as the one it replaces ([`Round::heir`]) and keeps its birth; so each block knows where
 //! the module that it stands for ends up.
 
+mod write;
+
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,7 +23,6 @@ use super::derive::{Limits, past, productions};
 use super::error::DeriveError;
 use super::grammar::{Grammar, Role};
 use super::names::Symbol;
-use super::output::zeroed;
 use super::rewrite::{Round, STAYS};
 use super::string::ModuleString;
 
@@ -31,10 +32,8 @@ const MANY: usize = 1 << 12;
 const SHARED: u128 = 8;
 /// The graph may take so much of what the strings may.
 const SHARE_OF_BYTES: u64 = 4;
-/// Modules worked on between two looks at the cancel flag,
+/// Modules worked on between two looks at the cancel flag.
 const BETWEEN_CHECKS: usize = 1 << 10;
-/// and modules copied.
-const COPIED_AT_ONCE: usize = 1 << 22;
 
 /// What a module has become at the end.
 #[derive(Clone, Debug)]
@@ -68,7 +67,7 @@ pub(crate) struct Size {
 impl Size {
     pub(crate) fn of(string: &ModuleString) -> Self {
         Self {
-            modules: string.symbols.len() as u128,
+            modules: string.len() as u128,
             parameters: string.parameters.len() as u128,
         }
     }
@@ -87,6 +86,8 @@ pub(crate) struct Blocks {
     /// Of the modules that stay.
     parameters: Vec<f64>,
     arity: Arc<[u8]>,
+    /// No symbol is larger.
+    most_symbol: u32,
     /// Of each step's string, the axiom's first. Where it ends early, the string stays as it is.
     sizes: Vec<Size>,
 }
@@ -135,6 +136,7 @@ impl Blocks {
                 pieces: Vec::new(),
                 parameters: Vec::new(),
                 arity: Arc::clone(&grammar.arity),
+                most_symbol: grammar.axiom.symbols.most(),
                 sizes: Vec::new(),
             },
             found: HashMap::new(),
@@ -145,7 +147,9 @@ impl Blocks {
         let mut growing = making.axiom(&grammar.axiom)?;
         for step in 1..=steps {
             // Beyond a string that is too large nothing is asked for.
-            if growing.is_empty() || past(making.graph.size(step - 1), step - 1, limits).is_some() {
+            if growing.is_empty()
+                || past(grammar, making.graph.size(step - 1), step - 1, limits).is_some()
+            {
                 break;
             }
             growing = making.step(step, &growing)?;
@@ -211,27 +215,6 @@ impl Blocks {
 
     fn pieces_of(&self, block: &Block) -> &[Piece] {
         self.pieces.get(block.pieces.clone()).unwrap_or(&[])
-    }
-
-    /// Writes the string. `None`: cancelled, or the memory is not there.
-    pub(crate) fn string(&self, cancel: &AtomicBool) -> Option<ModuleString> {
-        let root = self.blocks.first()?;
-        let modules = usize::try_from(root.size.modules).ok()?;
-        let parameters = usize::try_from(root.size.parameters).ok()?;
-        let mut string = ModuleString {
-            symbols: zeroed(modules)?,
-            births: zeroed(modules)?,
-            parameters: zeroed(parameters)?,
-            arity: Arc::clone(&self.arity),
-        };
-        let writing = Writing {
-            graph: self,
-            string: &mut string,
-            at: Place::default(),
-            written: vec![None; self.blocks.len()],
-        };
-        writing.all(cancel)?;
-        Some(string)
     }
 }
 
@@ -363,135 +346,6 @@ impl Making<'_> {
         self.graph.sizes.push(size);
         std::mem::take(&mut self.next)
     }
-}
-
-/// Modules and parameters before a place in a string.
-#[derive(Clone, Copy, Default)]
-struct Place {
-    module: usize,
-    parameter: usize,
-}
-
-/// A string while it is written.
-struct Writing<'a> {
-    graph: &'a Blocks,
-    string: &'a mut ModuleString,
-    at: Place,
-    /// Where each block was first written.
-    written: Vec<Option<Place>>,
-}
-
-impl Writing<'_> {
-    fn all(mut self, cancel: &AtomicBool) -> Option<()> {
-        // Blocks that are being written: the block, its next piece, its start.
-        let mut open = vec![(0, 0, Place::default())];
-        let mut since_check = 0;
-        while let Some((index, number, start)) = open.pop() {
-            let block = self.graph.blocks.get(index)?;
-            let Some(piece) = self.graph.pieces_of(block).get(number) else {
-                if let Some(written) = self.written.get_mut(index) {
-                    *written = Some(start);
-                }
-                self.date(block, start);
-                continue;
-            };
-            open.push((index, number + 1, start));
-            match *piece {
-                Piece::Module(symbol, from) => self.module(symbol, from, block.step)?,
-                Piece::Block(inner) => match self.written.get(inner).copied().flatten() {
-                    Some(source) => self.copy(inner, source, cancel)?,
-                    None => open.push((inner, 0, self.at)),
-                },
-            }
-            since_check += 1;
-            if since_check >= BETWEEN_CHECKS {
-                since_check = 0;
-                if cancel.load(Ordering::Relaxed) {
-                    return None;
-                }
-            }
-        }
-        Some(())
-    }
-
-    fn module(&mut self, symbol: Symbol, from: usize, birth: u32) -> Option<()> {
-        let arity = self.graph.arity(symbol);
-        let Place { module, parameter } = self.at;
-        *self.string.symbols.get_mut(module)? = symbol;
-        *self.string.births.get_mut(module)? = birth;
-        let own = self.graph.parameters.get(from..from + arity)?;
-        let target = self
-            .string
-            .parameters
-            .get_mut(parameter..parameter + arity)?;
-        target.copy_from_slice(own);
-        self.at = Place {
-            module: module + 1,
-            parameter: parameter + arity,
-        };
-        Some(())
-    }
-
-    /// Repeats a block that was written before.
-    fn copy(&mut self, index: usize, source: Place, cancel: &AtomicBool) -> Option<()> {
-        let block = self.graph.blocks.get(index)?;
-        let modules = usize::try_from(block.size.modules).ok()?;
-        let parameters = usize::try_from(block.size.parameters).ok()?;
-        let string = &mut *self.string;
-        let start = self.at;
-        repeat(
-            &mut string.symbols,
-            source.module,
-            start.module,
-            modules,
-            cancel,
-        )?;
-        repeat(
-            &mut string.births,
-            source.module,
-            start.module,
-            modules,
-            cancel,
-        )?;
-        let (from, to) = (source.parameter, start.parameter);
-        repeat(&mut string.parameters, from, to, parameters, cancel)?;
-        self.at = Place {
-            module: start.module + modules,
-            parameter: start.parameter + parameters,
-        };
-        self.date(block, start);
-        Some(())
-    }
-
-    /// Gives the module that a block stands for its own birth: it was born one step before its successor. Where it is
-    /// older, the block around knows.
-    fn date(&mut self, block: &Block, start: Place) {
-        let heir = block.heir.and_then(|at| usize::try_from(at).ok());
-        if let Some(birth) = heir.and_then(|at| self.string.births.get_mut(start.module + at)) {
-            *birth = block.step.saturating_sub(1);
-        }
-    }
-}
-
-/// Copies `length` values from one place to another further on. `None`: cancelled.
-fn repeat<T: Copy>(
-    values: &mut [T],
-    from: usize,
-    to: usize,
-    length: usize,
-    cancel: &AtomicBool,
-) -> Option<()> {
-    let end = to.checked_add(length)?;
-    let (before, target) = values.get_mut(..end)?.split_at_mut_checked(to)?;
-    let source = before.get(from..from.checked_add(length)?)?;
-    let parts = source.chunks(COPIED_AT_ONCE);
-    for (part, copy) in parts.zip(target.chunks_mut(COPIED_AT_ONCE)) {
-        if length > COPIED_AT_ONCE && cancel.load(Ordering::Relaxed) {
-            return None;
-        }
-        copy.copy_from_slice(part);
-    }
-    Some(())
 }
 
 #[cfg(test)]

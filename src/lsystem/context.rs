@@ -7,10 +7,11 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::column::Narrow;
 use super::grammar::{Grammar, Pattern, Role, Rule, RuleSet};
 use super::names::Symbol;
 use super::rewrite::pays_in_parallel;
-use super::string::ModuleString;
+use super::string::{arity_of, parameters_of};
 
 /// Modules between two entries of the index of parameters.
 const BLOCK: usize = 8;
@@ -47,40 +48,40 @@ impl ContextIndex {
     }
 
     /// `None`: cancelled.
-    pub(crate) fn new(
+    pub(crate) fn new<S: Narrow>(
         grammar: &Grammar,
         rules: &RuleSet,
-        string: &ModuleString,
+        symbols: &[S],
         cancel: &AtomicBool,
     ) -> Option<Self> {
         let mut index = Self::default();
         let looks = rules.looks;
-        let skipped = |symbol: &Symbol| grammar.role(*symbol) != Role::Module;
-        if !grammar.literal && string.symbols.iter().any(skipped) {
+        let skipped = |symbol: &S| grammar.role((*symbol).into()) != Role::Module;
+        if !grammar.literal && symbols.iter().any(skipped) {
             let side = |looked, side| match looked {
-                true => neighbours(grammar, string, cancel, side),
+                true => neighbours(grammar, symbols, cancel, side),
                 false => Some(Vec::new()),
             };
             let (left, right) = (
                 || side(looks.left, Side::Left),
                 || side(looks.right, Side::Right),
             );
-            let (left, right) = if pays_in_parallel(string.len() / JOINED_AT_ONCE) {
+            let (left, right) = if pays_in_parallel(symbols.len() / JOINED_AT_ONCE) {
                 rayon::join(left, right)
             } else {
                 (left(), right())
             };
             (index.left, index.right) = (left?, right?);
             if looks.into_branches {
-                index.partner = partners(grammar, string, cancel)?;
+                index.partner = partners(grammar, symbols, cancel)?;
             }
         }
         if looks.binds {
             let mut offset = 0_u64;
-            index.blocks.reserve_exact(string.len() / BLOCK + 1);
-            for block in string.symbols.chunks(BLOCK) {
+            index.blocks.reserve_exact(symbols.len() / BLOCK + 1);
+            for block in symbols.chunks(BLOCK) {
                 index.blocks.push(offset);
-                offset += block.iter().map(|s| string.arity(*s) as u64).sum::<u64>();
+                offset += parameters_of(&grammar.arity, block) as u64;
             }
         }
         Some(index)
@@ -100,19 +101,19 @@ enum Side {
 
 /// For each module the place of the next one that contexts see on a side: branches and ignored modules are skipped, and
 /// to the left a branch goes on with what it stands on. `None`: cancelled.
-fn neighbours(
+fn neighbours<S: Narrow>(
     grammar: &Grammar,
-    string: &ModuleString,
+    symbols: &[S],
     cancel: &AtomicBool,
     side: Side,
 ) -> Option<Vec<u32>> {
-    let mut near = vec![NOTHING; string.len()];
+    let mut near = vec![NOTHING; symbols.len()];
     let mut last = NOTHING;
     // What was last seen before each open branch.
     let mut outside: Vec<u32> = Vec::new();
-    let mut visit = |at: usize, symbol: Symbol, place: &mut u32| {
+    let mut visit = |at: usize, symbol: S, place: &mut u32| {
         *place = last;
-        match (grammar.role(symbol), side) {
+        match (grammar.role(symbol.into()), side) {
             (Role::Module | Role::Cut, _) => last = u32::try_from(at).unwrap_or(NOTHING),
             (Role::Open, Side::Left) => outside.push(last),
             (Role::Close, Side::Right) => {
@@ -126,8 +127,8 @@ fn neighbours(
             (Role::Ignored, _) => {}
         }
     };
-    let starts = (0..string.len()).step_by(INDEXED_AT_ONCE);
-    let symbols = string.symbols.chunks(INDEXED_AT_ONCE);
+    let starts = (0..symbols.len()).step_by(INDEXED_AT_ONCE);
+    let symbols = symbols.chunks(INDEXED_AT_ONCE);
     let mut chunks: Vec<_> = starts
         .zip(symbols.zip(near.chunks_mut(INDEXED_AT_ONCE)))
         .collect();
@@ -150,17 +151,17 @@ fn neighbours(
 }
 
 /// For each bracket the place of its partner. `None`: cancelled.
-fn partners(grammar: &Grammar, string: &ModuleString, cancel: &AtomicBool) -> Option<Vec<u32>> {
-    let mut partner = vec![0; string.len()];
+fn partners<S: Narrow>(grammar: &Grammar, symbols: &[S], cancel: &AtomicBool) -> Option<Vec<u32>> {
+    let mut partner = vec![0; symbols.len()];
     let mut open: Vec<u32> = Vec::new();
-    for (at, symbol) in string.symbols.iter().enumerate() {
+    for (at, symbol) in symbols.iter().enumerate() {
         if at % INDEXED_AT_ONCE == 0 && cancel.load(Ordering::Relaxed) {
             return None;
         }
         let Ok(here) = u32::try_from(at) else {
             continue;
         };
-        match grammar.role(*symbol) {
+        match grammar.role((*symbol).into()) {
             Role::Open => open.push(here),
             Role::Close => {
                 let start = open.pop().unwrap_or(here);
@@ -210,12 +211,20 @@ pub(crate) fn bind(bound: &mut [f64], slot: usize, source: &[f64]) {
 }
 
 /// A packed string with its index: places are positions.
-pub(crate) struct Indexed<'a> {
-    pub(crate) string: &'a ModuleString,
-    pub(crate) index: ContextIndex,
+pub(crate) struct Indexed<'a, S> {
+    pub(super) symbols: &'a [S],
+    pub(super) parameters: &'a [f64],
+    /// Number of parameters of each symbol.
+    pub(super) arity: &'a [u8],
+    pub(super) index: ContextIndex,
 }
 
-impl Indexed<'_> {
+impl<S: Narrow> Indexed<'_, S> {
+    #[inline]
+    pub(super) fn arity(&self, symbol: S) -> usize {
+        arity_of(self.arity, symbol)
+    }
+
     /// Where the parameters of the module at `at` begin.
     fn offset(&self, at: usize) -> usize {
         let block = at / BLOCK;
@@ -224,14 +233,15 @@ impl Indexed<'_> {
             .blocks
             .get(block)
             .map_or(0, |o| usize::try_from(*o).unwrap_or(usize::MAX));
-        let before = self.string.symbols.get(block * BLOCK..at).unwrap_or(&[]);
-        start + before.iter().map(|s| self.string.arity(*s)).sum::<usize>()
+        let before = self.symbols.get(block * BLOCK..at).unwrap_or(&[]);
+        start + parameters_of(self.arity, before)
     }
 }
 
-impl Modules for Indexed<'_> {
+impl<S: Narrow> Modules for Indexed<'_, S> {
+    #[inline]
     fn symbol(&self, at: usize) -> Option<Symbol> {
-        self.string.symbols.get(at).copied()
+        self.symbols.get(at).copied().map(Into::into)
     }
 
     #[inline]
@@ -255,7 +265,7 @@ impl Modules for Indexed<'_> {
     }
 
     fn parameters(&self, at: usize, symbol: Symbol, base: Base) -> &[f64] {
-        let arity = self.string.arity(symbol);
+        let arity = arity_of(self.arity, symbol);
         if arity == 0 {
             return &[];
         }
@@ -263,14 +273,11 @@ impl Modules for Indexed<'_> {
             base.offset.saturating_sub(arity)
         } else if at == base.at + 1 {
             let own = self.symbol(base.at);
-            base.offset + own.map_or(0, |own| self.string.arity(own))
+            base.offset + own.map_or(0, |own| arity_of(self.arity, own))
         } else {
             self.offset(at)
         };
-        self.string
-            .parameters
-            .get(from..from + arity)
-            .unwrap_or(&[])
+        self.parameters.get(from..from + arity).unwrap_or(&[])
     }
 }
 

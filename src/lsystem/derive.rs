@@ -6,11 +6,11 @@
 //! Two others give the same result sooner where they can: [`super::blocks`] where each module develops alone and many alike,
 //! [`super::active`] where most of the string rests.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::active::Chain;
 use super::blocks::{Blocks, Size};
+use super::column::{Column, bytes_up_to};
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, Role, RuleSet};
 use super::output::Spare;
@@ -48,7 +48,7 @@ pub(crate) fn derive(
     progress: &mut dyn FnMut(u32),
 ) -> Result<ModuleString, DeriveError> {
     let mut string = cut(grammar, &grammar.axiom);
-    if let Some(problem) = past(Size::of(&string), 0, limits) {
+    if let Some(problem) = past(grammar, Size::of(&string), 0, limits) {
         return Err(problem.into());
     }
     let mut spare = Spare::default();
@@ -103,7 +103,7 @@ fn by_blocks(
 ) -> Result<ModuleString, DeriveError> {
     let too_large = (1..=steps)
         .take(graph.steps())
-        .find_map(|step| Some((step, past(graph.size(step), step, limits)?)));
+        .find_map(|step| Some((step, past(grammar, graph.size(step), step, limits)?)));
     let (kept, problem) = match too_large {
         Some((step, problem)) => (step - 1, problem),
         None => match graph.string(cancel) {
@@ -114,7 +114,7 @@ fn by_blocks(
                 (kept, DeriveProblem::Cancelled { step: kept + 1 })
             }
             None => {
-                let bytes = bytes_of(graph.size(steps));
+                let bytes = bytes_of(grammar, graph.size(steps), steps);
                 (0, DeriveProblem::Memory { step: steps, bytes })
             }
         },
@@ -128,15 +128,22 @@ fn by_blocks(
     Err(error)
 }
 
-fn bytes_of(size: Size) -> u64 {
+/// Bytes of a string of this size after a step.
+fn bytes_of(grammar: &Grammar, size: Size, step: u32) -> u64 {
     let number = |n: u128| u64::try_from(n).unwrap_or(u64::MAX);
-    string_bytes(number(size.modules), number(size.parameters))
+    let module = grammar.axiom.symbols.cell_bytes() + bytes_up_to(step);
+    string_bytes(module, number(size.modules), number(size.parameters))
 }
 
 /// What is wrong with a string of this size.
-pub(super) fn past(size: Size, step: u32, limits: &Limits) -> Option<DeriveProblem> {
+pub(super) fn past(
+    grammar: &Grammar,
+    size: Size,
+    step: u32,
+    limits: &Limits,
+) -> Option<DeriveProblem> {
     let modules = u64::try_from(size.modules).unwrap_or(u64::MAX);
-    let bytes = bytes_of(size);
+    let bytes = bytes_of(grammar, size, step);
     let most = limits.modules.min(u64::from(u32::MAX));
     let limit = if modules > most {
         format!("{most} modules")
@@ -205,7 +212,7 @@ pub(crate) fn decomposed(
 }
 
 /// Is shown the productions of a round that changed something, and the choices that it made.
-pub(super) type Watch<'w> = dyn FnMut(&RuleSet, &[u16]) -> Result<(), DeriveError> + 'w;
+pub(super) type Watch<'w> = dyn FnMut(&RuleSet, &Column) -> Result<(), DeriveError> + 'w;
 
 /// The same, round by round before the eyes of `watch`.
 pub(super) fn decomposed_watched(
@@ -262,7 +269,7 @@ pub(crate) fn interpreted(
     let Some(rules) = &grammar.interpret else {
         return Ok(None);
     };
-    let step = string.births.iter().copied().max().unwrap_or(0);
+    let step = string.births().max().unwrap_or(0);
     let mut shown: Option<ModuleString> = None;
     for number in 1..=grammar.interpret_depth {
         // Interpretation draws from a stream of its own.
@@ -293,8 +300,7 @@ pub(super) fn cut_owned(grammar: &Grammar, string: ModuleString) -> ModuleString
 }
 
 pub(super) fn has_cut(grammar: &Grammar, string: &ModuleString) -> bool {
-    grammar.roles.contains(&Role::Cut)
-        && string.symbols.iter().any(|s| grammar.role(*s) == Role::Cut)
+    grammar.roles.contains(&Role::Cut) && string.symbols().any(|s| grammar.role(s) == Role::Cut)
 }
 
 /// The string without each `%` and what follows it in its branch.
@@ -302,15 +308,10 @@ fn cut(grammar: &Grammar, string: &ModuleString) -> ModuleString {
     if !has_cut(grammar, string) {
         return string.clone();
     }
-    let mut kept = ModuleString {
-        arity: Arc::clone(&string.arity),
-        ..ModuleString::default()
-    };
+    let mut kept = string.empty_like();
     for (module, keep) in string.iter().zip(kept_by_cuts(grammar, string)) {
         if keep {
-            kept.symbols.push(module.symbol);
-            kept.births.push(module.birth);
-            kept.parameters.extend_from_slice(module.parameters);
+            kept.push(&module);
         }
     }
     kept

@@ -20,6 +20,7 @@ mod active;
 mod blocks;
 mod choice;
 mod code;
+mod column;
 mod context;
 mod derive;
 mod error;

@@ -1,19 +1,19 @@
 //! What rounds write into: places of the next string, successors as templates, memory that is used again.
 
+use super::column::{Cell, Column};
 use super::grammar::Rule;
-use super::names::Symbol;
 use super::rewrite::Round;
 use super::string::ModuleString;
 
 /// Places for modules that are written one after the other.
 #[derive(Default)]
-pub(super) struct Output<'s> {
-    pub(super) symbols: &'s mut [Symbol],
-    pub(super) births: &'s mut [u32],
+pub(super) struct Output<'s, S, B> {
+    pub(super) symbols: &'s mut [S],
+    pub(super) births: &'s mut [B],
     pub(super) parameters: &'s mut [f64],
 }
 
-impl<'s> Output<'s> {
+impl<'s, S, B> Output<'s, S, B> {
     /// The next places; fewer where the count was wrong, which cannot be.
     pub(super) fn take(&mut self, modules: usize, parameters: usize) -> Self {
         fn front<'s, T>(rest: &mut &'s mut [T], length: usize) -> &'s mut [T] {
@@ -36,18 +36,18 @@ pub(super) const TEMPLATE: usize = 16;
 pub(super) const MOST_TEMPLATES: usize = 256;
 
 /// A successor without parameters, to be written at once.
-pub(super) struct Template {
+pub(super) struct Template<S> {
     /// Its first modules, then zeros.
-    pub(super) symbols: [Symbol; TEMPLATE],
+    pub(super) symbols: [S; TEMPLATE],
     pub(super) length: usize,
     pub(super) heir: Option<usize>,
 }
 
-impl Template {
+impl<S: Cell> Template<S> {
     pub(super) fn of(rule: &Rule) -> Self {
-        let mut symbols = [0; TEMPLATE];
+        let mut symbols = [S::default(); TEMPLATE];
         for (place, symbol) in symbols.iter_mut().zip(&rule.successor) {
-            *place = *symbol;
+            *place = S::of(u32::from(*symbol));
         }
         Self {
             symbols,
@@ -62,7 +62,7 @@ impl Template {
 pub(super) struct Spare {
     /// A string that is no longer needed.
     pub(super) string: ModuleString,
-    pub(super) choices: Vec<u16>,
+    pub(super) choices: Column,
     /// Modules that the last round rewrote.
     pub(super) rewritten: usize,
 }
@@ -71,6 +71,7 @@ pub(super) struct Spare {
 pub(super) fn reused<T: Clone + Default>(mut old: Vec<T>, length: usize) -> Option<Vec<T>> {
     // Never much more than is needed: a string may shrink.
     if old.capacity() < length || old.capacity() / 2 > length {
+        drop(old);
         return zeroed(length);
     }
     old.resize(length, T::default());

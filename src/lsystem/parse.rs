@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::column::Column;
 use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::include::{folder_of, gather};
@@ -360,6 +361,14 @@ impl Parser {
         axiom.arity = Arc::clone(&arity);
         let (decompose, decompose_depth) = self.decompose.unwrap_or_default();
         let (interpret, interpret_depth) = self.interpret.unwrap_or_default();
+        // The width of a string's symbols is that of its choices, too: productions are numbered from 1.
+        let productions = [&self.rules, &decompose, &interpret].map(Vec::len);
+        let most = productions
+            .into_iter()
+            .fold(count.saturating_sub(1), usize::max);
+        let most = u32::try_from(most).unwrap_or(u32::MAX);
+        axiom.symbols =
+            Column::from_numbers(most.min(u32::from(Symbol::MAX)), axiom.symbols.iter());
         let set =
             |rules: Vec<Rule>| (!rules.is_empty()).then(|| RuleSet::new(rules, count, self.order));
         Ok(Grammar {

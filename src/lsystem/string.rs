@@ -1,11 +1,13 @@
-//! A string of modules, packed: 6 bytes a module plus its parameters.
+//! A string of modules, packed: mostly 2 bytes a module plus its parameters.
 //!
-//! Symbols, births and parameters stand in three flat arrays. How many parameters a module has is a property of its symbol,
+//! Symbols, births and parameters stand in three flat arrays, symbols and births as narrow as grammar and number of steps
+//! allow: a byte each for up to 256 symbols and 255 steps. How many parameters a module has is a property of its symbol,
 //! so reading from the front needs no offsets; only context lookups do, and they make their own index.
 
 use std::io;
 use std::sync::Arc;
 
+use super::column::{Cell, Column, Narrow};
 use super::grammar::Grammar;
 use super::names::Symbol;
 use super::number::write_general;
@@ -13,8 +15,8 @@ use super::number::write_general;
 /// A derived string.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModuleString {
-    pub(crate) symbols: Vec<Symbol>,
-    pub(crate) births: Vec<u32>,
+    pub(crate) symbols: Column,
+    pub(crate) births: Column,
     pub(crate) parameters: Vec<f64>,
     /// Number of parameters of each symbol.
     pub(crate) arity: Arc<[u8]>,
@@ -41,19 +43,17 @@ impl ModuleString {
     /// True for the empty string.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.symbols.is_empty()
+        self.len() == 0
     }
 
     /// The symbols in order.
-    #[must_use]
-    pub fn symbols(&self) -> &[Symbol] {
-        &self.symbols
+    pub fn symbols(&self) -> impl ExactSizeIterator<Item = Symbol> + '_ {
+        self.symbols.iter().map(Symbol::of)
     }
 
     /// The step of birth of each module.
-    #[must_use]
-    pub fn births(&self) -> &[u32] {
-        &self.births
+    pub fn births(&self) -> impl ExactSizeIterator<Item = u32> + '_ {
+        self.births.iter()
     }
 
     /// All parameters one after the other.
@@ -65,24 +65,17 @@ impl ModuleString {
     /// Bytes that the modules take.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        string_bytes(self.symbols.len() as u64, self.parameters.len() as u64)
-    }
-
-    /// How many parameters a module of this symbol has.
-    pub(super) fn arity(&self, symbol: Symbol) -> usize {
-        self.arity
-            .get(usize::from(symbol))
-            .map_or(0, |a| usize::from(*a))
+        let module = self.symbols.cell_bytes() + self.births.cell_bytes();
+        string_bytes(module, self.len() as u64, self.parameters.len() as u64)
     }
 
     /// The modules in order.
     pub fn iter(&self) -> impl Iterator<Item = Module<'_>> {
         let mut rest = self.parameters.as_slice();
-        self.symbols
-            .iter()
-            .zip(&self.births)
-            .map(move |(&symbol, &birth)| {
-                let arity = self.arity(symbol);
+        self.symbols()
+            .zip(self.births())
+            .map(move |(symbol, birth)| {
+                let arity = arity_of(&self.arity, symbol);
                 let (parameters, after) = rest.split_at(arity.min(rest.len()));
                 rest = after;
                 Module {
@@ -91,6 +84,28 @@ impl ModuleString {
                     parameters,
                 }
             })
+    }
+
+    /// An empty string for modules with symbols and births up to these.
+    pub(super) fn up_to(symbol: u32, birth: u32, arity: &Arc<[u8]>) -> Self {
+        Self {
+            symbols: Column::up_to(symbol),
+            births: Column::up_to(birth),
+            parameters: Vec::new(),
+            arity: Arc::clone(arity),
+        }
+    }
+
+    /// An empty string for modules of this one's symbols and births.
+    pub(super) fn empty_like(&self) -> Self {
+        Self::up_to(self.symbols.most(), self.births.most(), &self.arity)
+    }
+
+    /// Adds a module, which the columns must hold.
+    pub(super) fn push(&mut self, module: &Module<'_>) {
+        self.symbols.push(u32::from(module.symbol));
+        self.births.push(module.birth);
+        self.parameters.extend_from_slice(module.parameters);
     }
 
     /// The text, as `ramus derive --print string` prints it: no blanks, parameters as `%.10g`.
@@ -130,9 +145,19 @@ impl ModuleString {
     }
 }
 
-/// Bytes of a string of so many modules and parameters.
-pub(crate) fn string_bytes(modules: u64, parameters: u64) -> u64 {
-    let module = (size_of::<Symbol>() + size_of::<u32>()) as u64;
+/// How many parameters a module of this symbol has.
+#[inline]
+pub(super) fn arity_of(arity: &[u8], symbol: impl Into<usize>) -> usize {
+    arity.get(symbol.into()).map_or(0, |a| usize::from(*a))
+}
+
+/// How many parameters modules of these symbols have.
+pub(super) fn parameters_of<S: Narrow>(arity: &[u8], symbols: &[S]) -> usize {
+    symbols.iter().map(|s| arity_of(arity, *s)).sum()
+}
+
+/// Bytes of a string of so many modules and parameters, where a module without its parameters takes so many.
+pub(super) fn string_bytes(module: u64, modules: u64, parameters: u64) -> u64 {
     modules
         .saturating_mul(module)
         .saturating_add(parameters.saturating_mul(size_of::<f64>() as u64))

@@ -18,6 +18,7 @@ mod record;
 mod reference;
 mod sketch_cases;
 mod turtle;
+mod widths;
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;

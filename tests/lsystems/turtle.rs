@@ -3,7 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
-use ramus::lsystem::{DeriveProblem, Grammar, TurtleParams, interpret};
+use ramus::lsystem::turtle::TreeCanvas;
+use ramus::lsystem::{DeriveProblem, Grammar, ModuleString, TurtleParams, draw_on, interpret};
 use ramus::tree::{NO_PARENT, Tree};
 
 use super::{derive, draw, parse};
@@ -324,7 +325,8 @@ fn branches_begin_in_the_parents_frame() {
 fn births() {
     let grammar = parse("axiom F(0) B\nF(x) > B -> F(x) F(x+1)\n");
     let string = derive(&grammar, 3);
-    assert_eq!(string.births(), [0, 1, 2, 3, 0], "F(0) F(1) F(2) F(3) B");
+    let born = |string: &ModuleString| string.births().collect::<Vec<_>>();
+    assert_eq!(born(&string), [0, 1, 2, 3, 0], "F(0) F(1) F(2) F(3) B");
     assert_eq!(
         draw(&grammar, &string).birth,
         [0, 0, 1, 2, 3],
@@ -337,7 +339,7 @@ fn births() {
         ("axiom A B\nA -> B A(1) A\n", 1, &[1, 1, 0, 0]),
         ("axiom A\nA -> B\ndecompose {\n  B -> C C\n}\n", 1, &[1, 1]),
     ] {
-        assert_eq!(derive(&parse(text), steps).births(), expected, "{text}");
+        assert_eq!(born(&derive(&parse(text), steps)), expected, "{text}");
     }
     // Interpretation draws parts as old as the module they show.
     let shown = parse("axiom A\nA -> A A\ninterpret {\n  A -> F[+F]\n}\n");
@@ -395,4 +397,92 @@ fn limits_of_the_turtle() {
         &AtomicBool::new(true),
     );
     assert!(cancelled.unwrap_err().is_cancelled());
+}
+
+/// A tree drawn in parts beside each other is that of one thread, for whatever stands across their borders.
+#[test]
+fn trees_do_not_depend_on_threads() {
+    let long = "F+(3)F".repeat(3000);
+    for (text, steps) in [
+        (
+            include_str!("../../assets/grammars/honda.lsys").to_owned(),
+            14,
+        ),
+        (
+            include_str!("../../assets/grammars/ternary.lsys").to_owned(),
+            8,
+        ),
+        // Large branches with moves, outlines in branches and across them, branches at once after a move.
+        (
+            format!("axiom f A\nA -> [{long} f F]f(2)[+A F]F[f[A]F]{{.F[+F.]F}}A\n"),
+            6,
+        ),
+        (format!("axiom A\nA -> F[{long}{{.]F.}}[{long}A]F\n"), 5),
+        // Shapes, whole and by the segment, placed and across brackets.
+        (
+            format!(
+                "shape S = [(0 1 0) (1 0 0) (0 0 2)]\naxiom A(0)\n\
+                 A(x) -> S(x)[+(50)S ~S(2){long}f ~S S A(x+1)]S(x+1)f[{long}~S[F]A(x)]\n"
+            ),
+            5,
+        ),
+        // One long branch that begins with moves, and another depth of brackets at each border.
+        (
+            format!("axiom f[[[{long}[A]]]]F\nA -> [f{long}]{long}[A]\n"),
+            8,
+        ),
+    ] {
+        let grammar = parse(&text);
+        let string = derive(&grammar, steps);
+        assert!(
+            string.len() > 1 << 15,
+            "long enough to be drawn in parts: {}",
+            string.len()
+        );
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| draw(&grammar, &string))
+        };
+        let alone = on(1);
+        tree_is_whole(&alone);
+        for threads in [2, 5] {
+            assert!(
+                on(threads) == alone,
+                "{threads} threads: {}",
+                &text[..text.len().min(80)]
+            );
+        }
+        // And it is that of the canvas that is drawn on in one go.
+        let (params, cancel) = (TurtleParams::default(), AtomicBool::new(false));
+        let canvas = draw_on(&grammar, &string, &params, &cancel, |params| {
+            TreeCanvas::new(&grammar, params)
+        });
+        assert!(canvas.unwrap().finish() == alone, "in one go");
+    }
+}
+
+/// The first fault of the string is told, whoever finds one first.
+#[test]
+fn faults_do_not_depend_on_threads() {
+    let long = "F".repeat(40_000);
+    let text = format!("axiom [{long}][{long}F(1e300)][F(1e300){long}][!(1e300)F]{long}F(1e300)\n");
+    let grammar = parse(&text);
+    let string = derive(&grammar, 0);
+    for threads in [1, 2, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let error = pool.unwrap().install(|| {
+            let (params, cancel) = (TurtleParams::default(), AtomicBool::new(false));
+            interpret(&grammar, &string, &params, &cancel).unwrap_err()
+        });
+        assert!(
+            matches!(
+                *error.problem,
+                DeriveProblem::TooFar {
+                    position: 80_003,
+                    ..
+                }
+            ),
+            "{threads} threads: {error}"
+        );
+    }
 }

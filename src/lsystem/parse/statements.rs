@@ -5,10 +5,11 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::{Brackets, Parser, parameters};
+use crate::lsystem::column::Column;
 use crate::lsystem::error::{GrammarError, nearest};
 use crate::lsystem::expression;
 use crate::lsystem::grammar::Order;
-use crate::lsystem::names::Names;
+use crate::lsystem::names::{Names, Symbol};
 use crate::lsystem::number::write_general;
 use crate::lsystem::rules;
 use crate::lsystem::shape::{self, Wrap};
@@ -237,7 +238,10 @@ impl Parser {
     }
 
     fn axiom(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
-        let mut axiom = ModuleString::default();
+        let mut axiom = ModuleString {
+            symbols: Column::up_to(u32::from(Symbol::MAX)),
+            ..ModuleString::default()
+        };
         let mut brackets = Brackets::default();
         if cursor.take("*") {
             self.axiom = Some(axiom);
@@ -257,10 +261,11 @@ impl Parser {
                 Ok(())
             })?;
             brackets.module(cursor, name, at, arity)?;
-            axiom.symbols.push(self.symbol(cursor, name, at, arity)?);
+            let symbol = self.symbol(cursor, name, at, arity)?;
+            axiom.symbols.push(u32::from(symbol));
         }
         brackets.end(cursor)?;
-        axiom.births = vec![0; axiom.symbols.len()];
+        axiom.births = Column::from_numbers(0, axiom.symbols.iter().map(|_| 0));
         self.axiom = Some(axiom);
         Ok(())
     }

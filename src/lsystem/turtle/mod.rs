@@ -5,7 +5,7 @@
 //!                                                                                                   Extent ─▶ counts and bounds
 //! ```
 //!
-//! What a symbol does is in `action`, where the turtle stands and how it turns in `pen`, the reading in `walk`. The turtle
+//! What a symbol does is in `action`, where the turtle stands and how it turns in `pen`, the reading in `walk`. A tree is counted first (`plan`) and drawn in parts beside each other (`parts`). The turtle
 //! itself holds a pen for each open bracket and the vertices of open outlines, whatever the length of the string; the stack is on the heap.
 //! `docs/src/language.md` lists each symbol.
 
@@ -20,7 +20,9 @@ use crate::tree::Tree;
 mod action;
 mod canvas;
 mod extent;
+mod parts;
 mod pen;
+mod plan;
 mod tree;
 mod walk;
 
@@ -76,10 +78,22 @@ pub fn interpret(
     params: &TurtleParams,
     cancel: &AtomicBool,
 ) -> Result<Tree, DeriveError> {
-    let canvas = draw_on(grammar, string, params, cancel, |params| {
-        TreeCanvas::new(grammar, params)
-    })?;
-    Ok(canvas.finish())
+    let (shown, params) = shown(grammar, string, params, cancel)?;
+    parts::tree(grammar, shown.as_ref().unwrap_or(string), &params, cancel)
+}
+
+/// What is drawn where that is not the string itself, and what is left of the memory.
+fn shown(
+    grammar: &Grammar,
+    string: &ModuleString,
+    params: &TurtleParams,
+    cancel: &AtomicBool,
+) -> Result<(Option<ModuleString>, TurtleParams), DeriveError> {
+    let shown = interpreted(grammar, string, &params.limits, cancel)?;
+    let mut params = *params;
+    let shown_bytes = shown.as_ref().map_or(0, ModuleString::bytes);
+    params.limits.bytes = params.limits.bytes.saturating_sub(shown_bytes);
+    Ok((shown, params))
 }
 
 /// Draws a string on the canvas that `make` makes, which may take the memory that its parameters say: the string that is shown lies
@@ -94,10 +108,7 @@ pub fn draw_on<C: Canvas>(
     cancel: &AtomicBool,
     make: impl FnOnce(&TurtleParams) -> C,
 ) -> Result<C, DeriveError> {
-    let shown = interpreted(grammar, string, &params.limits, cancel)?;
-    let mut params = *params;
-    let shown_bytes = shown.as_ref().map_or(0, ModuleString::bytes);
-    params.limits.bytes = params.limits.bytes.saturating_sub(shown_bytes);
+    let (shown, params) = shown(grammar, string, params, cancel)?;
     let canvas = make(&params);
     let mut turtle = Turtle::new(grammar, &params, canvas);
     turtle.read(shown.as_ref().unwrap_or(string).iter(), cancel)?;

@@ -16,6 +16,20 @@ const NODE_BYTES: u64 = 28;
 /// Nodes that room is made for at least.
 const LEAST_ROOM: usize = 64;
 
+/// Nodes that a tree may have.
+pub(super) fn most_nodes(params: &TurtleParams) -> u64 {
+    params
+        .max_nodes
+        .min(params.limits.bytes / NODE_BYTES)
+        .min(u64::from(NO_PARENT) - 1)
+}
+
+/// The name of the letter that a symbol draws: a shape that is placed is the shape.
+pub(super) fn letter_name(grammar: &Grammar, symbol: Symbol) -> &str {
+    let name = grammar.name(symbol);
+    name.strip_prefix('~').unwrap_or(name)
+}
+
 /// A node for the start, for each root and for each segment's end. What is no skeleton (polygons, spheres, surfaces) is left out.
 pub struct TreeCanvas<'a> {
     grammar: &'a Grammar,
@@ -47,10 +61,7 @@ impl<'a> TreeCanvas<'a> {
             grammar,
             tree,
             letters: vec![None; grammar.names.symbols().len()],
-            limit: params
-                .max_nodes
-                .min(params.limits.bytes / NODE_BYTES)
-                .min(u64::from(NO_PARENT) - 1),
+            limit: most_nodes(params),
             bare: narrow(params.width.abs() / 2.0),
             started: false,
         }
@@ -109,9 +120,7 @@ impl<'a> TreeCanvas<'a> {
 
     #[cold]
     fn new_letter(&mut self, symbol: Symbol) -> u16 {
-        let name = self.grammar.name(symbol);
-        // A shape that is placed is the shape.
-        let name = name.strip_prefix('~').unwrap_or(name);
+        let name = letter_name(self.grammar, symbol);
         let known = self.tree.letters.iter().position(|l| l == name);
         let index = known.unwrap_or_else(|| {
             self.tree.letters.push(name.to_owned());

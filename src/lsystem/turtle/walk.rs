@@ -38,6 +38,8 @@ pub struct Turtle<'a, C> {
     actions: Vec<Action>,
     pen: Pen,
     stack: Vec<Pen>,
+    /// Brackets that were open where it began.
+    below: usize,
     outlines: Vec<Open>,
     /// Of all open outlines, the outermost first.
     vertices: Vec<DVec3>,
@@ -50,12 +52,23 @@ impl<'a, C: Canvas> Turtle<'a, C> {
     /// A turtle at its start, on a canvas with nothing but the start.
     #[must_use]
     pub fn new(grammar: &'a Grammar, params: &'a TurtleParams, canvas: C) -> Self {
+        Self::within(grammar, params, actions(grammar, params), canvas)
+    }
+
+    /// The same with what each symbol does.
+    pub(super) fn within(
+        grammar: &'a Grammar,
+        params: &'a TurtleParams,
+        actions: Vec<Action>,
+        canvas: C,
+    ) -> Self {
         Self {
             grammar,
             params,
-            actions: actions(grammar, params),
+            actions,
             pen: Pen::new(params.width),
             stack: Vec::new(),
+            below: 0,
             outlines: Vec::new(),
             vertices: Vec::new(),
             position: 0,
@@ -67,6 +80,33 @@ impl<'a, C: Canvas> Turtle<'a, C> {
     #[must_use]
     pub fn pen(&self) -> &Pen {
         &self.pen
+    }
+
+    /// Puts it into a branch with so many brackets round it.
+    pub(super) fn go_to(&mut self, pen: Pen, depth: usize) {
+        (self.pen, self.below) = (pen, depth);
+    }
+
+    /// The pen in a branch that begins here, and the brackets round it.
+    pub(super) fn inside(&mut self) -> Result<(Pen, usize), DeriveError> {
+        self.push()?;
+        let depth = self.below + self.stack.len();
+        let before = self.stack.pop().unwrap_or(self.pen);
+        Ok((std::mem::replace(&mut self.pen, before), depth))
+    }
+
+    /// Index of the module that is read next, or was refused.
+    pub(super) fn position(&self) -> u64 {
+        self.position
+    }
+
+    /// Goes on at another module.
+    pub(super) fn set_position(&mut self, position: u64) {
+        self.position = position;
+    }
+
+    pub(super) fn canvas_mut(&mut self) -> &mut C {
+        &mut self.canvas
     }
 
     /// Reads modules, which may be a part of a string whose parts before it are read.
@@ -160,12 +200,12 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             Action::EndPolygon => return self.end_outline(by),
             Action::Sphere => {
                 let radius = first.unwrap_or(self.pen.width / 2.0).abs();
-                self.within(by, radius)?;
+                self.fits(by, radius)?;
                 return self.canvas.sphere(&self.pen, by, radius);
             }
             Action::Surface => {
                 let scale = first.unwrap_or(1.0);
-                self.within(by, scale)?;
+                self.fits(by, scale)?;
                 return self.canvas.surface(&self.pen, by, scale);
             }
         }
@@ -173,7 +213,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
     }
 
     fn push(&mut self) -> Result<(), DeriveError> {
-        if self.stack.len() >= self.params.max_depth {
+        if self.below + self.stack.len() >= self.params.max_depth {
             let problem = DeriveProblem::TooDeep {
                 position: self.position,
                 depth: self.params.max_depth,
@@ -234,7 +274,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             return Ok(());
         };
         match index {
-            Some(index) => self.follow_segment(by, letter, shape, index.floor(), 1.0),
+            Some(index) => self.follow_segment(by, letter, shape, whole(index), 1.0),
             None => self.follow_all(by, letter, shape, 1.0),
         }
     }
@@ -279,13 +319,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         index: f64,
         scale: f64,
     ) -> Result<(), DeriveError> {
-        let length = f64::from(u32::try_from(shape.segments.len()).unwrap_or(u32::MAX));
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "0 ≤ remainder < length"
-        )]
-        let Some(segment) = shape.segments.get(index.rem_euclid(length) as usize) else {
+        let Some(segment) = shape.segments.get(remainder(index, shape.segments.len())) else {
             return Ok(());
         };
         let goes_on = match self.pen.shape {
@@ -371,7 +405,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
     }
 
     /// Whether something of this size here can be held.
-    fn within(&self, by: Drawn, size: f64) -> Result<(), DeriveError> {
+    fn fits(&self, by: Drawn, size: f64) -> Result<(), DeriveError> {
         if !narrowed(self.pen.position).is_finite() {
             return Err(self.too_far(by));
         }
@@ -396,6 +430,39 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             width,
         };
         problem.into()
+    }
+}
+
+/// Numbers from here on are no u32.
+const BEYOND: f64 = 4_294_967_296.0;
+
+/// The number rounded down. Small ones, which is to say all of them, without a call.
+#[inline]
+fn whole(number: f64) -> f64 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "in range"
+    )]
+    if (0.0..BEYOND).contains(&number) {
+        f64::from(number as u32)
+    } else {
+        number.floor()
+    }
+}
+
+/// A whole number modulo a length.
+#[inline]
+fn remainder(number: f64, length: usize) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "in range; 0 ≤ remainder < length"
+    )]
+    match u32::try_from(length) {
+        Ok(length) if (0.0..BEYOND).contains(&number) => (number as u32 % length.max(1)) as usize,
+        Ok(length) => number.rem_euclid(f64::from(length)) as usize,
+        Err(_) => 0,
     }
 }
 

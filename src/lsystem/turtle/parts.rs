@@ -1,0 +1,369 @@
+//! Drawing a string in parts beside each other, into one tree whose nodes have their places beforehand.
+//!
+//! A branch depends on what is before it by the pen at its opening bracket alone. So whoever draws a part of the string gives each
+//! large branch on its way to another thread, together with the nodes' places that the plan counted for it, and goes on
+//! behind it. The tree is that of the string read in one go, bit for bit.
+
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
+
+use glam::{DVec3, Vec3};
+use rayon::Scope;
+
+use super::super::column::Cell;
+use super::super::error::{DeriveError, DeriveProblem};
+use super::super::grammar::Grammar;
+use super::super::names::Symbol;
+use super::super::output::zeroed;
+use super::super::rewrite::pays_in_parallel;
+use super::super::string::{Module, ModuleString, arity_of};
+use super::action::{Action, actions};
+use super::canvas::{Canvas, Drawn, narrow, narrowed};
+use super::pen::Pen;
+use super::plan::{Branch, Plan};
+use super::tree::{letter_name, most_nodes};
+use super::walk::Turtle;
+use super::{TreeCanvas, TurtleParams};
+use crate::tree::{NO_PARENT, Tree};
+
+/// The tree of a string.
+pub(super) fn tree(
+    grammar: &Grammar,
+    string: &ModuleString,
+    params: &TurtleParams,
+    cancel: &AtomicBool,
+) -> Result<Tree, DeriveError> {
+    let actions = actions(grammar, params);
+    let plan = Plan::new(grammar, &actions, string, cancel);
+    let within = |plan: &Plan| (plan.nodes as u64) < most_nodes(params);
+    let Some(mut plan) = plan.filter(within) else {
+        // There is a fault in it, and reading it in one go finds the first.
+        let mut turtle = Turtle::new(grammar, params, TreeCanvas::new(grammar, params));
+        turtle.read(string.iter(), cancel)?;
+        return Ok(turtle.finish()?.finish());
+    };
+    if !pays_in_parallel(string.len()) {
+        plan.branches.clear();
+    }
+    let nodes = plan.nodes + 1;
+    let mut tree = empty(nodes).ok_or_else(|| {
+        let nodes = nodes as u64;
+        DeriveError::from(DeriveProblem::DrawingMemory { nodes })
+    })?;
+    let letter_of = letters(grammar, &plan, &mut tree);
+    let work = Work {
+        grammar,
+        params,
+        actions: &actions,
+        letter_of: &letter_of,
+        string,
+        branches: &plan.branches,
+        cancel,
+        failed: Mutex::new(None),
+    };
+    let mut places = Places::of(&mut tree);
+    let _start = places.take(1);
+    let whole = Part {
+        modules: [0, string.len()],
+        parameters: 0,
+        pen: Pen::new(params.width),
+        depth: 0,
+        places,
+    };
+    if plan.branches.is_empty() {
+        work.draw(None, whole);
+    } else {
+        rayon::scope(|scope| work.draw(Some(scope), whole));
+    }
+    let failed = work.failed.into_inner();
+    if let Some((_, error)) = failed.unwrap_or_else(PoisonError::into_inner) {
+        return Err(error);
+    }
+    begin(&mut tree, params);
+    Ok(tree)
+}
+
+/// The start is as thick as the first segment that leaves it, and has its letter.
+fn begin(tree: &mut Tree, params: &TurtleParams) {
+    let first = tree.parent.iter().skip(1).position(|parent| *parent == 0);
+    let (radius, letter) = match first.map(|at| at + 1) {
+        Some(first) => (
+            tree.radius.get(first).copied(),
+            tree.letter.get(first).copied(),
+        ),
+        None if tree.len() == 1 => (Some(narrow(params.width.abs() / 2.0)), None),
+        None => (None, None),
+    };
+    if let Some(start) = tree.parent.first_mut() {
+        *start = NO_PARENT;
+    }
+    if let (Some(r), Some(l)) = (tree.radius.first_mut(), tree.letter.first_mut()) {
+        (*r, *l) = (radius.unwrap_or(0.0), letter.unwrap_or(0));
+    }
+}
+
+/// A tree of so many nodes that are yet to be written; none where the memory is not there.
+fn empty(nodes: usize) -> Option<Tree> {
+    Some(Tree {
+        parent: zeroed(nodes)?,
+        // Zeros of arrays of numbers are the system's, those of vectors would be written.
+        position: bytemuck::allocation::cast_vec::<[f32; 3], Vec3>(zeroed(nodes)?),
+        radius: zeroed(nodes)?,
+        letter: zeroed(nodes)?,
+        order: zeroed(nodes)?,
+        birth: zeroed(nodes)?,
+        letters: Vec::new(),
+    })
+}
+
+/// Names the tree's letters, in the order in which they first draw; returns them by symbol.
+fn letters(grammar: &Grammar, plan: &Plan, tree: &mut Tree) -> Vec<u16> {
+    let mut letter_of = vec![0; grammar.names.symbols().len()];
+    for symbol in &plan.drawing {
+        let name = letter_name(grammar, *symbol);
+        let known = tree.letters.iter().position(|l| l == name);
+        let index = known.unwrap_or_else(|| {
+            tree.letters.push(name.to_owned());
+            tree.letters.len() - 1
+        });
+        if let Some(letter) = letter_of.get_mut(usize::from(*symbol)) {
+            *letter = u16::try_from(index).unwrap_or(0);
+        }
+    }
+    if tree.letters.is_empty() {
+        tree.letters.push(String::new());
+    }
+    letter_of
+}
+
+/// What all parts share.
+struct Work<'w> {
+    grammar: &'w Grammar,
+    params: &'w TurtleParams,
+    actions: &'w [Action],
+    /// By symbol.
+    letter_of: &'w [u16],
+    string: &'w ModuleString,
+    branches: &'w [Branch],
+    cancel: &'w AtomicBool,
+    /// The first fault of the string, and the module that it was found at.
+    failed: Mutex<Option<(u64, DeriveError)>>,
+}
+
+/// A part of the string.
+struct Part<'w> {
+    /// Its first module and the one behind it.
+    modules: [usize; 2],
+    /// Parameters before it.
+    parameters: usize,
+    pen: Pen,
+    /// Brackets round it.
+    depth: usize,
+    places: Places<'w>,
+}
+
+impl Work<'_> {
+    fn draw<'s>(&'s self, scope: Option<&Scope<'s>>, part: Part<'s>) {
+        let canvas = Placed {
+            letter_of: self.letter_of,
+            places: part.places,
+        };
+        let [from, end] = part.modules;
+        let mut turtle = Turtle::within(self.grammar, self.params, self.actions.to_vec(), canvas);
+        turtle.go_to(part.pen, part.depth);
+        turtle.set_position(from as u64);
+        let mut reader = Reader {
+            string: self.string,
+            module: from,
+            parameters: part.parameters,
+        };
+        if let Err(error) = self.read(scope, &mut turtle, &mut reader, end) {
+            let at = turtle.position();
+            let mut failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner);
+            if failed.as_ref().is_none_or(|(first, _)| at < *first) {
+                *failed = Some((at, error));
+            }
+        }
+    }
+
+    fn read<'s>(
+        &'s self,
+        scope: Option<&Scope<'s>>,
+        turtle: &mut Turtle<'_, Placed<'s>>,
+        reader: &mut Reader<'_>,
+        end: usize,
+    ) -> Result<(), DeriveError> {
+        let mut branches = self.branches;
+        loop {
+            let passed = branches.partition_point(|branch| branch.open < reader.module);
+            branches = branches.get(passed..).unwrap_or(&[]);
+            let next = branches.first().filter(|branch| branch.open < end);
+            turtle.set_position(reader.module as u64);
+            let until = next.map_or(end, |branch| branch.open);
+            turtle.read(reader.until(until), self.cancel)?;
+            let (Some(branch), Some(scope)) = (next, scope) else {
+                return Ok(());
+            };
+            let (pen, depth) = turtle.inside()?;
+            let part = Part {
+                modules: [branch.open + 1, branch.close],
+                parameters: branch.parameters[0],
+                pen,
+                depth,
+                places: turtle.canvas_mut().places.take(branch.nodes),
+            };
+            scope.spawn(move |scope| self.draw(Some(scope), part));
+            reader.module = branch.close + 1;
+            reader.parameters = branch.parameters[1];
+        }
+    }
+}
+
+/// Reads a string from a place on.
+struct Reader<'s> {
+    string: &'s ModuleString,
+    module: usize,
+    parameters: usize,
+}
+
+impl<'s> Reader<'s> {
+    /// The modules up to `end`, of which the reader stands behind each that was read.
+    fn until(&mut self, end: usize) -> impl Iterator<Item = Module<'s>> + use<'_, 's> {
+        let string = self.string;
+        std::iter::from_fn(move || {
+            if self.module >= end {
+                return None;
+            }
+            let symbol = Symbol::of(string.symbols.get(self.module)?);
+            let arity = arity_of(&string.arity, symbol);
+            let module = Module {
+                symbol,
+                birth: string.births.get(self.module)?,
+                parameters: match arity {
+                    0 => &[],
+                    _ => string
+                        .parameters
+                        .get(self.parameters..self.parameters + arity)?,
+                },
+            };
+            self.module += 1;
+            self.parameters += arity;
+            Some(module)
+        })
+    }
+}
+
+/// Places for a tree's nodes one after the other.
+struct Places<'w> {
+    /// The number of the first.
+    first: u32,
+    parent: &'w mut [u32],
+    position: &'w mut [Vec3],
+    radius: &'w mut [f32],
+    letter: &'w mut [u16],
+    order: &'w mut [u16],
+    birth: &'w mut [u32],
+    /// How many of them are written.
+    written: usize,
+}
+
+impl<'w> Places<'w> {
+    fn of(tree: &'w mut Tree) -> Self {
+        Self {
+            first: 0,
+            parent: &mut tree.parent,
+            position: &mut tree.position,
+            radius: &mut tree.radius,
+            letter: &mut tree.letter,
+            order: &mut tree.order,
+            birth: &mut tree.birth,
+            written: 0,
+        }
+    }
+
+    /// The next places, for somebody else.
+    fn take(&mut self, nodes: usize) -> Self {
+        let written = std::mem::take(&mut self.written);
+        fn next<'w, T>(all: &mut &'w mut [T], written: usize, nodes: usize) -> &'w mut [T] {
+            let whole = std::mem::take(all);
+            let (_, rest) = whole.split_at_mut(written.min(whole.len()));
+            let (taken, left) = rest.split_at_mut(nodes.min(rest.len()));
+            *all = left;
+            taken
+        }
+        // A tree has fewer than 2^32 nodes.
+        let number = |places: usize| u32::try_from(places).unwrap_or(u32::MAX);
+        let first = self.first.saturating_add(number(written));
+        self.first = first.saturating_add(number(nodes));
+        Self {
+            first,
+            parent: next(&mut self.parent, written, nodes),
+            position: next(&mut self.position, written, nodes),
+            radius: next(&mut self.radius, written, nodes),
+            letter: next(&mut self.letter, written, nodes),
+            order: next(&mut self.order, written, nodes),
+            birth: next(&mut self.birth, written, nodes),
+            written: 0,
+        }
+    }
+}
+
+/// The canvas of one part.
+struct Placed<'w> {
+    letter_of: &'w [u16],
+    places: Places<'w>,
+}
+
+impl Placed<'_> {
+    #[inline]
+    fn add(&mut self, parent: u32, position: DVec3, radius: f32, pen: &Pen, by: Drawn) -> u32 {
+        let Places {
+            first,
+            parent: parents,
+            position: positions,
+            radius: radii,
+            letter: letters,
+            order: orders,
+            birth: births,
+            written,
+        } = &mut self.places;
+        let at = *written;
+        if let (Some(p), Some(x), Some(r), Some(l), Some(o), Some(b)) = (
+            parents.get_mut(at),
+            positions.get_mut(at),
+            radii.get_mut(at),
+            letters.get_mut(at),
+            orders.get_mut(at),
+            births.get_mut(at),
+        ) {
+            let letter = self.letter_of.get(usize::from(by.symbol));
+            (*p, *x, *r) = (parent, narrowed(position), radius);
+            (*l, *o, *b) = (letter.copied().unwrap_or(0), pen.order, by.birth);
+        }
+        *written = at + 1;
+        // Fewer than 2^32 in all.
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "a tree has fewer than 2^32 nodes"
+        )]
+        let number = *first + at as u32;
+        number
+    }
+}
+
+impl Canvas for Placed<'_> {
+    fn root(&mut self, pen: &Pen, by: Drawn, radius: f32) -> Result<u32, DeriveError> {
+        Ok(self.add(NO_PARENT, pen.position, radius, pen, by))
+    }
+
+    #[inline]
+    fn segment(
+        &mut self,
+        pen: &Pen,
+        by: Drawn,
+        end: DVec3,
+        radius: f32,
+    ) -> Result<u32, DeriveError> {
+        Ok(self.add(pen.node, end, radius, pen, by))
+    }
+}
