@@ -12,6 +12,7 @@ use std::sync::atomic::AtomicBool;
 use serde::Serialize;
 
 use super::choice::Worker;
+use super::column::{Column, Narrow};
 use super::context::{ContextIndex, Indexed, Modules};
 use super::derive::{self, Limits};
 use super::error::DeriveError;
@@ -143,13 +144,11 @@ impl Grammar {
     ) -> Result<Explanation, DeriveError> {
         let record = recorded(self, before, step, limits, cancel)?;
         let round = derive::productions(self, step, limits, cancel);
-        let index = ContextIndex::new(self, &self.rules, before, cancel)
-            .ok_or_else(|| round.cancelled())?;
-        let indexed = Indexed {
-            string: before,
-            index,
+        let (modules, shown) = match &before.symbols {
+            Column::Byte(symbols) => fates_in(&round, before, symbols, &record, params)?,
+            Column::Half(symbols) => fates_in(&round, before, symbols, &record, params)?,
+            Column::Word(_) => (Vec::new(), 0), // no symbol is as large
         };
-        let (modules, shown) = fates(&round, &indexed, &record, params)?;
         let (productions, stayed) = uses(self, &record);
         Ok(Explanation {
             format: "ramus-explain/1",
@@ -163,6 +162,25 @@ impl Grammar {
             more: before.len().saturating_sub(shown),
         })
     }
+}
+
+/// [`fates`] for one width of symbols.
+fn fates_in<S: Narrow>(
+    round: &Round<'_>,
+    before: &ModuleString,
+    symbols: &[S],
+    record: &Recorded,
+    params: &ExplainParams,
+) -> Result<(Vec<Fate>, usize), DeriveError> {
+    let index = ContextIndex::new(round.grammar, round.rules, symbols, round.cancel)
+        .ok_or_else(|| round.cancelled())?;
+    let indexed = Indexed {
+        symbols,
+        parameters: &before.parameters,
+        arity: &before.arity,
+        index,
+    };
+    fates(round, before, &indexed, record, params)
 }
 
 /// How many modules each production rewrote, and how many none did.
@@ -205,18 +223,19 @@ fn used(rule: &Rule, modules: usize) -> ProductionUse {
 /// What became of the modules from the one asked for on, and the position after them.
 fn fates(
     round: &Round<'_>,
-    indexed: &Indexed<'_>,
+    before: &ModuleString,
+    indexed: &impl Modules,
     record: &Recorded,
     params: &ExplainParams,
 ) -> Result<(Vec<Fate>, usize), DeriveError> {
     let grammar = round.grammar;
     let mut work = Worker::new(round, indexed);
-    let places = Places::new(indexed);
+    let places = Places::new(before, indexed);
     let mut fates: Vec<Fate> = Vec::new();
     let mut following = record.string.iter();
     let mut passed = 0; // modules of the string after the step that were read
     let mut offset = 0;
-    for (position, module) in indexed.string.iter().enumerate() {
+    for (position, module) in before.iter().enumerate() {
         let own = offset;
         offset += module.parameters.len();
         let production = record.production(position);
@@ -281,7 +300,7 @@ fn fates(
         }
         fates.push(fate);
     }
-    Ok((fates, indexed.string.len()))
+    Ok((fates, before.len()))
 }
 
 /// The weight of the production among those that matched, which are numbered from 1.
@@ -318,7 +337,7 @@ fn text_of<'m>(
 }
 
 /// The places that the left context matched, the nearest first.
-fn left_of(rule: &Rule, indexed: &Indexed<'_>, mut at: usize) -> Vec<usize> {
+fn left_of(rule: &Rule, indexed: &impl Modules, mut at: usize) -> Vec<usize> {
     let next = |_: &Pattern| {
         at = indexed.left(at)?;
         Some(at)
@@ -327,7 +346,7 @@ fn left_of(rule: &Rule, indexed: &Indexed<'_>, mut at: usize) -> Vec<usize> {
 }
 
 /// The places of modules that the right context matched.
-fn right_of(grammar: &Grammar, rule: &Rule, indexed: &Indexed<'_>, mut at: usize) -> Vec<usize> {
+fn right_of(grammar: &Grammar, rule: &Rule, indexed: &impl Modules, mut at: usize) -> Vec<usize> {
     if rule.looks.into_branches {
         let mut seen = Vec::new();
         branches(grammar, indexed, &rule.right, at + 1, &mut seen);
@@ -344,7 +363,7 @@ fn right_of(grammar: &Grammar, rule: &Rule, indexed: &Indexed<'_>, mut at: usize
 /// branches in a pattern.
 fn branches(
     grammar: &Grammar,
-    indexed: &Indexed<'_>,
+    indexed: &impl Modules,
     pattern: &[Pattern],
     mut at: usize,
     seen: &mut Vec<usize>,
@@ -383,37 +402,40 @@ fn branches(
 const BLOCK: usize = 64;
 
 /// Where the parameters of modules anywhere in the string are.
-struct Places<'a> {
-    indexed: &'a Indexed<'a>,
+struct Places<'a, M> {
+    string: &'a ModuleString,
+    indexed: &'a M,
     starts: Vec<usize>,
 }
 
-impl<'a> Places<'a> {
-    fn new(indexed: &'a Indexed<'a>) -> Self {
+impl<'a, M: Modules> Places<'a, M> {
+    fn new(string: &'a ModuleString, indexed: &'a M) -> Self {
         let mut starts = Vec::new();
         let mut offset = 0;
-        for (at, module) in indexed.string.iter().enumerate() {
+        for (at, module) in string.iter().enumerate() {
             if at % BLOCK == 0 {
                 starts.push(offset);
             }
             offset += module.parameters.len();
         }
-        Self { indexed, starts }
+        Self {
+            string,
+            indexed,
+            starts,
+        }
     }
 
     /// The module at a place.
     fn seen(&self, grammar: &Grammar, at: usize) -> Seen {
         let symbol = self.indexed.symbol(at).unwrap_or(Symbol::MAX);
         let arity = |symbol: Symbol| {
-            grammar
-                .arity
-                .get(usize::from(symbol))
-                .map_or(0, |a| usize::from(*a))
+            let arity = grammar.arity.get(usize::from(symbol));
+            arity.map_or(0, |arity| usize::from(*arity))
         };
         let block = at / BLOCK;
         let within = (block * BLOCK..at).filter_map(|at| self.indexed.symbol(at));
         let start = self.starts.get(block).copied().unwrap_or(0) + within.map(arity).sum::<usize>();
-        let parameters = self.indexed.string.parameters();
+        let parameters = self.string.parameters();
         let module = Module {
             symbol,
             birth: 0,

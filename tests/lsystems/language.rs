@@ -365,7 +365,12 @@ fn faults_are_told_where_they_are() {
             3,
             &["expected the name of a parameter", "x == 0"],
         ),
-        ("axiom A\nA(x) > B(x) -> B\n", 2, 8, &["`x` is bound twice"]),
+        (
+            "axiom A\nA(x) > B(x) -> B\n",
+            2,
+            10,
+            &["`x` is bound twice"],
+        ),
         (
             "axiom A\nA[B] < C -> D\n",
             2,
@@ -522,7 +527,7 @@ fn several_faults_at_once() {
     let places: Vec<(usize, usize)> = errors.errors.iter().map(|e| (e.line, e.column)).collect();
     assert_eq!(
         places,
-        [(1, 9), (2, 11), (2, 14), (3, 6), (5, 1), (6, 14), (7, 8)],
+        [(1, 9), (2, 11), (2, 14), (3, 6), (5, 6), (6, 14), (7, 8)],
         "{errors}"
     );
     let shown = errors.to_string();

@@ -9,6 +9,7 @@
 )]
 
 mod canvas;
+mod faults;
 mod hostile;
 mod include;
 mod language;
