@@ -10,6 +10,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 
 use super::explain;
 use super::inputs::grammar_text;
+use super::moment::{Moment, step_at, time};
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::Progress;
@@ -17,7 +18,6 @@ use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
 use crate::lsystem::{
     DeriveError, DeriveProblem, ExplainParams, Grammar, Limits, ModuleString, TurtleParams,
-    interpret,
 };
 use crate::render::RenderError;
 use crate::sketch::Sketch;
@@ -31,6 +31,9 @@ pub(super) struct Args {
     /// Steps to derive; without it the number that the file states
     #[arg(long, value_name = "N")]
     steps: Option<u32>,
+    /// Steps to grow, of which the last may be a part: 3.25 shows a quarter of the growth from step 3 to step 4
+    #[arg(long, value_name = "STEPS", value_parser = time, conflicts_with = "steps")]
+    time: Option<f64>,
     /// What to print
     #[arg(long, value_enum, value_name = "WHAT")]
     print: Option<Print>,
@@ -187,7 +190,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     };
     let grammar = read(args)?;
     check_places(outputs())?;
-    let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
+    let whole = || args.steps.or(grammar.steps()).map(|steps| (steps, 1.0));
+    let (steps, age) = args.time.map(step_at).or_else(whole).ok_or_else(|| {
         anyhow!(
             "{} states no number of steps: give one with --steps N",
             args.file.display()
@@ -214,11 +218,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let mut progress = Progress::new("deriving");
     let named = || args.file.display().to_string();
     let explain = |error| budget.explain(error, &named());
-    let string = grammar
-        .derive_watched(steps, &limits, &never, &mut |done| {
-            progress.show(done as usize, steps as usize);
-        })
-        .map_err(explain)?;
+    let moment = Moment::new(&grammar, (steps, age), &limits, &never, &mut |done| {
+        progress.show(done as usize, steps as usize);
+    })
+    .map_err(explain)?;
+    let string = moment.string();
     drop(progress);
     let derive_ms = began.elapsed().as_secs_f64() * 1e3;
 
@@ -237,19 +241,20 @@ pub(super) fn run(args: &Args) -> Result<()> {
     // The string stays until it is counted, so the tree has the rest.
     let turtle = TurtleParams {
         limits: Limits {
-            bytes: budget.bytes.saturating_sub(string.bytes()),
+            bytes: budget.bytes.saturating_sub(moment.bytes()),
             ..limits
         },
         ..TurtleParams::default()
     };
     let tree = Progress::during("drawing with the turtle", || {
-        interpret(&grammar, &string, &turtle, &never)
+        moment.tree(&grammar, &turtle, &never)
     })
     .map_err(explain)?;
     let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
-    let report = Report::new(&grammar, &string, &tree, steps, derive_ms, turtle_ms);
-    let outlines = has_outlines(&grammar, &string);
-    drop(string);
+    let mut report = Report::new(&grammar, string, &tree, steps, derive_ms, turtle_ms);
+    report.time = args.time;
+    let outlines = has_outlines(&grammar, string);
+    drop(moment);
     if args.print == Some(Print::Counts) {
         let counts = report.counts_text();
         printed = printed.and(print_result("the counts", |out| {
@@ -262,10 +267,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
             .and(json.and_then(|json| print_result("the JSON", |out| writeln!(out, "{json}"))));
     } else if args.print.is_none() {
         tell!(
-            "{}: {} modules and {} segments after {steps} steps",
+            "{}: {} modules and {} segments after {} steps",
             args.file.display(),
             report.modules,
-            report.segments
+            report.segments,
+            args.time.unwrap_or(f64::from(steps))
         );
     }
     if tree.segment_count() == 0 && (args.png.is_some() || !args.export.is_empty()) {
@@ -294,6 +300,9 @@ fn read(args: &Args) -> Result<Grammar> {
     let name = args.file.display().to_string();
     let text = grammar_text(&args.file)?;
     let grammar = Grammar::parse(&text, &name).map_err(|errors| anyhow!("{errors}"))?;
+    for remark in grammar.remarks() {
+        whisper!("{remark}");
+    }
     Ok(match args.seed {
         Some(seed) => grammar.with_seed(seed),
         None => grammar,

@@ -20,7 +20,9 @@ mod derive;
 mod doctor;
 mod explain;
 mod fmt;
+mod import;
 mod inputs;
+mod moment;
 mod outputs;
 mod progress;
 mod replay;
@@ -64,6 +66,8 @@ enum Command {
     Derive(derive::Args),
     /// Lays grammar files out in the canonical way.
     Fmt(fmt::Args),
+    /// Writes a grammar of cpfg, L-Py or Houdini in the notation of Ramus.
+    Import(import::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
     Doctor,
 }
@@ -79,6 +83,7 @@ pub fn run() -> ExitCode {
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Derive(args)) => derive::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
+        Some(Command::Import(args)) => import::run(&args),
         Some(Command::Doctor) => doctor::run(),
     };
     match result {

@@ -110,6 +110,19 @@ impl<'g> Chain<'g> {
         Some(chain)
     }
 
+    /// [`Self::new`] for an axiom; `None`, too, where the list would be busy at once.
+    pub(crate) fn start(grammar: &'g Grammar, axiom: &ModuleString) -> Option<Self> {
+        let productions = |symbol| grammar.rules.by_symbol.get(usize::from(symbol));
+        let is_active = |symbol| productions(symbol).is_some_and(|rules| !rules.is_empty());
+        let active = axiom.iter().filter(|module| is_active(module.symbol));
+        let is_busy = axiom.len() > SHORT && active.count() > axiom.len() / RESTING;
+        if is_busy {
+            None
+        } else {
+            Self::new(grammar, axiom)
+        }
+    }
+
     /// Whether contexts are plain neighbours and nothing is drawn by chance, cut or asked of the turtle.
     fn fits(grammar: &Grammar) -> bool {
         let plain = grammar.literal

@@ -14,12 +14,12 @@ const CHOICE_STREAM: u32 = 1 << 31;
 pub(super) struct Worker<'r, 'a, M> {
     round: &'r Round<'a>,
     pub(super) matcher: Matcher<'r, M>,
-    key: PassKey,
+    pub(super) key: PassKey,
     choice_key: PassKey,
     /// Parameters bound by the production that is tried.
-    bound: Vec<f64>,
+    pub(super) bound: Vec<f64>,
     /// Productions that matched, with their weights.
-    drawn: Vec<(u16, f64)>,
+    pub(super) drawn: Vec<(u16, f64)>,
 }
 
 impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
@@ -113,7 +113,7 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
     }
 
     /// One of the weighted productions.
-    fn draw(&mut self, at: usize) -> Result<u16, DeriveError> {
+    pub(super) fn draw(&mut self, at: usize) -> Result<u16, DeriveError> {
         let Some((first, _)) = self.drawn.first().copied() else {
             return Ok(STAYS);
         };

@@ -112,6 +112,24 @@ pub(crate) enum Op {
     Call(Function),
 }
 
+impl Op {
+    /// Whether it makes one value of two.
+    #[inline]
+    pub(super) fn is_binary(self) -> bool {
+        !matches!(
+            self,
+            Self::Push(_)
+                | Self::Load(_)
+                | Self::Negate
+                | Self::Not
+                | Self::And(_)
+                | Self::Or(_)
+                | Self::Truth
+                | Self::Call(_)
+        )
+    }
+}
+
 /// A compiled expression. The two commonest kinds need no code.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Expression {
@@ -126,7 +144,8 @@ pub(crate) enum Expression {
     },
 }
 
-fn truth(value: bool) -> f64 {
+#[inline]
+pub(super) fn truth(value: bool) -> f64 {
     if value { 1.0 } else { 0.0 }
 }
 
@@ -167,7 +186,7 @@ impl Function {
     }
 
     /// The value for up to three arguments (unused ones are 0).
-    fn value(self, [a, b, c]: [f64; 3], draws: &mut Draws) -> Result<f64, ValueProblem> {
+    pub(super) fn value(self, [a, b, c]: [f64; 3], draws: &mut Draws) -> Result<f64, ValueProblem> {
         let value = match self {
             Fun::Sin => a.to_radians().sin(),
             Fun::Cos => a.to_radians().cos(),
@@ -221,6 +240,12 @@ impl Expression {
     pub(crate) fn draws(&self) -> bool {
         let drawn = |op: &Op| matches!(op, Op::Call(function) if function.draws());
         matches!(self, Self::Code { code, .. } if code.iter().any(drawn))
+    }
+
+    /// Whether it draws, and how often depends on the values.
+    pub(super) fn may_draw(&self) -> bool {
+        let jumps = |op: &Op| matches!(op, Op::And(_) | Op::Or(_));
+        matches!(self, Self::Code { code, .. } if self.draws() && code.iter().any(jumps))
     }
 
     /// The value, which may be infinite but is a number.

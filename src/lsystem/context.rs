@@ -47,6 +47,11 @@ impl ContextIndex {
             .saturating_add(modules / BLOCK as u64 * 8)
     }
 
+    /// Whether contexts see the modules next to each other.
+    pub(super) fn is_plain(&self) -> bool {
+        self.left.is_empty() && self.right.is_empty()
+    }
+
     /// `None`: cancelled.
     pub(crate) fn new<S: Narrow>(
         grammar: &Grammar,
@@ -93,10 +98,21 @@ const JOINED_AT_ONCE: usize = 8;
 /// Modules between two looks at the cancel flag while an index is made.
 const INDEXED_AT_ONCE: usize = 1 << 16;
 
+/// The side of a module on which a context stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
+pub(super) enum Side {
     Left,
     Right,
+}
+
+impl Side {
+    /// The context that a production has on this side.
+    pub(super) fn of(self, rule: &Rule) -> &[Pattern] {
+        match self {
+            Self::Left => &rule.left,
+            Self::Right => &rule.right,
+        }
+    }
 }
 
 /// For each module the place of the next one that contexts see on a side: branches and ignored modules are skipped, and
@@ -225,6 +241,12 @@ impl<S: Narrow> Indexed<'_, S> {
         arity_of(self.arity, symbol)
     }
 
+    /// The number of parameters of a symbol that is asked for by its number.
+    #[inline]
+    pub(super) fn arity_of(&self, symbol: Symbol) -> usize {
+        arity_of(self.arity, symbol)
+    }
+
     /// Where the parameters of the module at `at` begin.
     fn offset(&self, at: usize) -> usize {
         let block = at / BLOCK;
@@ -235,6 +257,74 @@ impl<S: Narrow> Indexed<'_, S> {
             .map_or(0, |o| usize::try_from(*o).unwrap_or(usize::MAX));
         let before = self.symbols.get(block * BLOCK..at).unwrap_or(&[]);
         start + parameters_of(self.arity, before)
+    }
+}
+
+impl<S: Narrow> Indexed<'_, S> {
+    /// Whether a context without branches stands beside the module at a place.
+    #[inline]
+    pub(super) fn fits(&self, pattern: &[Pattern], side: Side, mut at: usize) -> bool {
+        pattern.iter().all(|wanted| {
+            let place = match side {
+                Side::Left => self.left(at),
+                Side::Right => self.right(at),
+            };
+            at = place.unwrap_or(usize::MAX);
+            let found = self.symbol(at);
+            found.is_some() && found == wanted.symbol()
+        })
+    }
+
+    /// Whether the context surely stands beside each of the modules, which can be told where these stand next to each
+    /// other.
+    pub(super) fn fits_all(&self, pattern: &[Pattern], side: Side, at: &[usize]) -> bool {
+        let index = match side {
+            Side::Left => &self.index.left,
+            Side::Right => &self.index.right,
+        };
+        let (Some(&first), Some(&last)) = (at.first(), at.last()) else {
+            return true;
+        };
+        if !index.is_empty() || last - first + 1 != at.len() {
+            return false;
+        }
+        (1..).zip(pattern).all(|(distance, wanted)| {
+            let stretch = match side {
+                Side::Left => first.checked_sub(distance).zip(last.checked_sub(distance)),
+                Side::Right => Some((first + distance, last + distance)),
+            };
+            let stretch = stretch.and_then(|(first, last)| self.symbols.get(first..=last));
+            let wanted = wanted.symbol().map(|symbol| S::of(u32::from(symbol)));
+            wanted.is_some_and(|wanted| {
+                stretch.is_some_and(|all| all.iter().fold(true, |fit, s| fit & (*s == wanted)))
+            })
+        })
+    }
+
+    /// Goes from places to those that contexts see beside them, where modules with `arity` parameters stand; and from the near
+    /// edge of the former's parameters to the start of theirs.
+    pub(super) fn step(&self, side: Side, arity: usize, at: &mut [usize], edge: &mut [usize]) {
+        let index = match side {
+            Side::Left => &self.index.left,
+            Side::Right => &self.index.right,
+        };
+        let back = if side == Side::Left { arity } else { 0 };
+        for (at, edge) in at.iter_mut().zip(edge) {
+            let next = match side {
+                Side::Left => at.wrapping_sub(1),
+                Side::Right => at.wrapping_add(1),
+            };
+            let place = match index.get(*at) {
+                Some(place) => *place as usize,
+                None => next,
+            };
+            *edge = if place == next {
+                edge.saturating_sub(back)
+            } else {
+                self.offset(place)
+            };
+            *at = place;
+        }
     }
 }
 

@@ -59,7 +59,7 @@ pub(crate) fn derive(
     {
         return by_blocks(grammar, &graph, steps, limits, cancel);
     }
-    let mut chain = Chain::new(grammar, &string);
+    let mut chain = Chain::start(grammar, &string);
     for step in 1..=steps {
         progress(step - 1);
         if let Some(list) = &mut chain {

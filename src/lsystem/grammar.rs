@@ -7,7 +7,10 @@ use glam::DVec3;
 
 use super::code::Expression;
 use super::derive::{self, Limits};
+use super::dialect::Remark;
 use super::error::{DeriveError, GrammarErrors};
+use super::growth::Curves;
+use super::lanes::{self, Values};
 use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
@@ -35,11 +38,14 @@ pub struct Grammar {
     pub(crate) seed: u64,
     pub(crate) angle: Option<f64>,
     pub(crate) tropism: Option<DVec3>,
+    /// How modules grow between two steps.
+    pub(crate) curves: Curves,
     pub(crate) shapes: Vec<Shape>,
     /// For each symbol its dictionary entry.
     pub(crate) shape_of: Vec<Option<u16>>,
     /// The turtle answers queries after each step.
     pub(crate) has_queries: bool,
+    pub(crate) remarks: Vec<Remark>,
 }
 
 /// What a symbol is to the rewriting.
@@ -85,6 +91,17 @@ pub(crate) enum Pattern {
     },
     /// End of a branch.
     Close,
+}
+
+impl Pattern {
+    /// The symbol that it wants, if it wants one.
+    #[inline]
+    pub(crate) fn symbol(&self) -> Option<Symbol> {
+        match self {
+            Self::Module { symbol, .. } => Some(*symbol),
+            Self::Open { .. } | Self::Close => None,
+        }
+    }
 }
 
 /// Where a production looks for its contexts.
@@ -166,8 +183,8 @@ pub(crate) enum Plan {
     Near,
     /// Chance decides, by weights that never change.
     Draw,
-    /// It depends.
-    Choose,
+    /// It depends; the first of the candidates is given.
+    Choose(u16),
 }
 
 /// A production that depends on no more than the symbols of two neighbours.
@@ -212,6 +229,87 @@ pub(crate) struct RuleSet {
     pub(crate) has_context: bool,
     /// What any of them looks for.
     pub(crate) looks: Looks,
+    /// What the symbols of two neighbours decide, where nothing else does.
+    pub(crate) table: Option<NearTable>,
+    /// For each choice how many modules and parameters it makes; what stays makes itself, its parameters not counted.
+    made: Vec<(u32, u32)>,
+    /// Slots and depth that its expressions need in columns; none where they are not worth it.
+    pub(crate) columns: Option<(usize, usize)>,
+}
+
+fn table(plans: &[Plan], near: &[Vec<Near>]) -> Option<NearTable> {
+    let simple = |plan: &Plan| matches!(plan, Plan::Stay | Plan::Always(_) | Plan::Near);
+    let side = plans.len() + 1;
+    if side > MOST_IN_TABLE || !plans.contains(&Plan::Near) || !plans.iter().all(simple) {
+        return None;
+    }
+    let mut table = NearTable {
+        side,
+        choices: vec![0; side * side * side],
+    };
+    let places = (0..side).flat_map(|left| (0..side).map(move |symbol| (left, symbol)));
+    for ((left, symbol), row) in places.zip(table.choices.chunks_mut(side)) {
+        let is = |wanted: Option<Symbol>, found| wanted.is_none_or(|w| usize::from(w) == found);
+        for (right, choice) in row.iter_mut().enumerate() {
+            *choice = match plans.get(symbol) {
+                Some(Plan::Always(number)) => number + 1,
+                Some(Plan::Near) => near
+                    .get(symbol)
+                    .and_then(|all| all.iter().find(|n| is(n.left, left) && is(n.right, right)))
+                    .map_or(0, |near| near.number + 1),
+                _ => 0,
+            };
+        }
+    }
+    Some(table)
+}
+
+/// Sets of more productions are not worked on in columns.
+const MOST_IN_COLUMNS: usize = 256;
+
+/// Neighbours have at most so many symbols where a table says what becomes of each module.
+const MOST_IN_TABLE: usize = 32;
+
+/// What becomes of a module, by its symbol and those of its neighbours alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct NearTable {
+    /// Symbols, and one more where there is no neighbour.
+    side: usize,
+    /// Choices, by left neighbour, symbol, right neighbour.
+    choices: Vec<u16>,
+}
+
+impl NearTable {
+    /// The place of a neighbour in the table.
+    #[inline]
+    pub(crate) fn neighbour(&self, symbol: Option<Symbol>) -> usize {
+        symbol.map_or(self.side - 1, usize::from)
+    }
+
+    /// The choice for a module between two neighbours.
+    #[inline]
+    pub(crate) fn choice(&self, left: usize, symbol: usize, right: usize) -> u16 {
+        let place = (left * self.side + symbol) * self.side + right;
+        self.choices.get(place).copied().unwrap_or(0)
+    }
+}
+
+/// What expressions need in columns.
+fn columns(rules: &[Rule]) -> Option<(usize, usize)> {
+    fn asked(rule: &Rule) -> impl Iterator<Item = &Expression> {
+        rule.condition.iter().chain(&rule.weight)
+    }
+    let all = || {
+        rules
+            .iter()
+            .flat_map(move |rule| asked(rule).chain(&rule.arguments))
+    };
+    if rules.len() > MOST_IN_COLUMNS || all().any(Expression::may_draw) {
+        return None;
+    }
+    let slots = rules.iter().map(|rule| rule.slots).max()?;
+    let depth = all().map(lanes::depth).max().unwrap_or(0);
+    Values::fits(slots, depth).then_some((slots, depth))
 }
 
 /// Weights as parts of 1, added up; the last takes what rounding leaves. Empty where their sum is no number.
@@ -282,10 +380,18 @@ impl RuleSet {
             Some(first) if rule(first).is_some_and(Rule::unconditional) => Plan::Always(*first),
             Some(_) if near.get(index).is_some_and(|n| !n.is_empty()) => Plan::Near,
             Some(_) if weighted.get(index).is_some_and(|all| !all.is_empty()) => Plan::Draw,
-            Some(_) => Plan::Choose,
+            Some(first) => Plan::Choose(*first),
         };
-        let plans = by_symbol.iter().enumerate().map(plan).collect();
+        let plans: Vec<Plan> = by_symbol.iter().enumerate().map(plan).collect();
+        let table = table(&plans, &near);
+        let columns = columns(&rules);
+        let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let size = |rule: &Rule| (number(rule.successor.len()), number(rule.arguments.len()));
+        let made = std::iter::once((1, 0)).chain(rules.iter().map(size));
         Self {
+            table,
+            made: made.collect(),
+            columns,
             rules,
             by_symbol,
             plans,
@@ -301,6 +407,13 @@ impl RuleSet {
     pub(crate) fn plan(&self, symbol: Symbol) -> Plan {
         let plan = self.plans.get(usize::from(symbol));
         plan.copied().unwrap_or(Plan::Stay)
+    }
+
+    /// How many modules and parameters a choice makes.
+    #[inline]
+    pub(crate) fn made(&self, choice: u16) -> (u32, u32) {
+        let made = self.made.get(usize::from(choice));
+        made.copied().unwrap_or_default()
     }
 
     /// Choices and weights of a symbol whose plan is [`Plan::Draw`].
@@ -334,6 +447,12 @@ impl Grammar {
     /// All faults found, each with its line and column.
     pub fn parse(source: &str, file: &str) -> Result<Self, GrammarErrors> {
         parse::grammar(source, file)
+    }
+
+    /// What the text says in another program's notation and could not be carried over.
+    #[must_use]
+    pub fn remarks(&self) -> &[Remark] {
+        &self.remarks
     }
 
     /// The string after `steps` steps.

@@ -77,19 +77,30 @@ fn included(
     let name = rest.get(..length).unwrap_or("");
     cursor.advance(length + 1);
     end(&mut cursor)?;
-    let fail = |message: String| Err(cursor.error_at(start, message));
+    read_included(name, folder, chain).map_err(|message| cursor.error_at(start, message))
+}
+
+/// Reads a file of the grammar's folder.
+///
+/// # Errors
+/// Why it cannot be read, or may not be.
+pub(super) fn read_included(
+    name: &str,
+    folder: Option<&Path>,
+    chain: &[PathBuf],
+) -> Result<(PathBuf, Source), String> {
     let Some(folder) = folder else {
-        return fail(format!(
+        return Err(format!(
             "cannot include `{name}`: this grammar is not in a file, so it has no folder to read from"
         ));
     };
     if chain.len() >= MAX_INCLUDE_DEPTH {
-        return fail(format!("includes nest deeper than {MAX_INCLUDE_DEPTH}"));
+        return Err(format!("includes nest deeper than {MAX_INCLUDE_DEPTH}"));
     }
     let path = match folder.join(name).canonicalize() {
         Ok(path) if path.starts_with(folder) => path,
         Ok(_) => {
-            return fail(format!(
+            return Err(format!(
                 "`{name}` is outside the grammar's folder; copy it there"
             ));
         }
@@ -97,18 +108,18 @@ fn included(
             let hint = neighbour(folder, name).map_or(String::new(), |near| {
                 format!("; the nearest that is there is `{near}`")
             });
-            return fail(format!(
+            return Err(format!(
                 "there is no `{name}` in the grammar's folder{hint}"
             ));
         }
-        Err(error) => return fail(format!("cannot read `{name}`: {error}")),
+        Err(error) => return Err(format!("cannot read `{name}`: {error}")),
     };
     if chain.contains(&path) {
-        return fail(format!("`{name}` includes itself"));
+        return Err(format!("`{name}` includes itself"));
     }
     match read(&path) {
         Ok(text) => Ok((path, Source::new(name.to_owned(), text))),
-        Err(why) => fail(format!("cannot read `{name}`: {why}")),
+        Err(why) => Err(format!("cannot read `{name}`: {why}")),
     }
 }
 

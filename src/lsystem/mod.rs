@@ -13,22 +13,28 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` all of it with `choice` for each module, `blocks` what is alike once, `active` what may change; `record` keeps which production did it, `explain` tells it),
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` and `fill` all of it, with `choice` for each module or `batch` and `lanes` for many at once, `blocks` what is alike once, `active` what may change; `record` keeps which production did it, `explain` tells it),
 //! `turtle` draws it and answers what `query` asks, `report` says what `ramus derive` prints, `format` lays the text out.
 
 mod active;
+mod batch;
 mod blocks;
 mod choice;
 mod code;
 mod column;
 mod context;
 mod derive;
+pub mod dialect;
 mod error;
 mod explain;
 mod expression;
+mod fill;
 mod format;
 mod grammar;
+mod growing;
+mod growth;
 mod include;
+mod lanes;
 mod names;
 mod number;
 mod output;
@@ -49,6 +55,7 @@ pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValuePr
 pub use explain::{Chance, ExplainParams, Explanation, Fate, ProductionUse, Seen};
 pub use format::{FormatError, format};
 pub use grammar::Grammar;
+pub use growing::Growing;
 pub use names::Symbol;
 pub use record::Recorded;
 pub use shape::shape_frames;

@@ -55,6 +55,15 @@ impl Names {
             .map_or("", String::as_str)
     }
 
+    /// All names of modules that the grammar uses.
+    pub(crate) fn used(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().map(String::as_str)
+    }
+
+    pub(crate) fn is_used(&self, name: &str) -> bool {
+        self.name_of.contains_key(name)
+    }
+
     /// Declares a module; false if it is already declared.
     pub(crate) fn declare(&mut self, name: &str, parameters: Vec<String>) -> bool {
         if self.declared.contains_key(name) {

@@ -2,6 +2,7 @@
 
 use super::column::{Cell, Column};
 use super::grammar::Rule;
+use super::names::Symbol;
 use super::rewrite::Round;
 use super::string::ModuleString;
 
@@ -26,6 +27,17 @@ impl<'s, S, B> Output<'s, S, B> {
             symbols: front(&mut self.symbols, modules),
             births: front(&mut self.births, modules),
             parameters: front(&mut self.parameters, parameters),
+        }
+    }
+}
+
+impl<S: Cell, B> Output<'_, S, B> {
+    /// Writes a successor's modules over and over.
+    pub(super) fn tile(&mut self, successor: &[Symbol]) {
+        for place in self.symbols.chunks_exact_mut(successor.len().max(1)) {
+            for (cell, symbol) in place.iter_mut().zip(successor) {
+                *cell = S::of(u32::from(*symbol));
+            }
         }
     }
 }

@@ -11,8 +11,10 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::column::Column;
+use super::dialect::{self, Remark};
 use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
+use super::growth::Curves;
 use super::include::{folder_of, gather};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
 use super::query::{ANSWERS, Query};
@@ -40,6 +42,7 @@ pub(crate) struct Parser {
     seed: Option<u64>,
     angle: Option<f64>,
     tropism: Option<DVec3>,
+    curves: Curves,
     shapes: Vec<Shape>,
     shape_names: BTreeSet<String>,
     wrap: Wrap,
@@ -47,6 +50,8 @@ pub(crate) struct Parser {
     seen: BTreeSet<&'static str>,
     /// Comparisons of words with declared names that were made.
     compared: usize,
+    /// What was left out when the text was translated.
+    remarks: Vec<Remark>,
 }
 
 /// Comparisons of words with declared names, so that a long text of single letters is read no slower.
@@ -55,25 +60,42 @@ const MOST_COMPARISONS: usize = 200_000;
 const MISSPELT_LETTERS: std::ops::RangeInclusive<usize> = 4..=24;
 
 pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> {
-    let (parser, sources) = read(text, file);
+    let (source, remarks) = dialect::opened(Source::new(file.to_owned(), text.to_owned()))?;
+    of_source(source, remarks)
+}
+
+/// The grammar of a text in our notation, and what was left out when it was translated into it.
+pub(crate) fn of_source(source: Source, remarks: Vec<Remark>) -> Result<Grammar, GrammarErrors> {
+    let (mut parser, sources) = read(source);
+    parser.remarks = remarks;
     parser.finish(&sources, true)
 }
 
 /// A grammar, or a part of one to be included, with its own text as it was cut.
 pub(super) fn with_text(text: &str, file: &str) -> Result<(Grammar, Source), GrammarErrors> {
-    let (parser, sources) = read(text, file);
+    let source = Source::new(file.to_owned(), text.to_owned());
+    if let Some(dialect) = dialect::named(text) {
+        let message = format!(
+            "this is a file of {dialect}, whose layout is its own; bring it over with `ramus import`"
+        );
+        let mut errors = GrammarErrors::default();
+        errors.push(source.error(0, message));
+        return Err(errors);
+    }
+    let (parser, sources) = read(source);
     let grammar = parser.finish(&sources, false)?;
     Ok((grammar, sources.into_iter().next().unwrap_or_default()))
 }
 
 /// Tries all statements of a text and of what it includes.
-fn read(text: &str, file: &str) -> (Parser, Vec<Source>) {
+fn read(source: Source) -> (Parser, Vec<Source>) {
+    let file = source.name.clone();
     let mut parser = Parser::default();
     let mut sources = Vec::new();
     let mut all = Vec::new();
-    let folder = folder_of(file);
+    let folder = folder_of(&file);
     let mut chain = Vec::new();
-    if let Some(path) = Path::new(file)
+    if let Some(path) = Path::new(&file)
         .canonicalize()
         .ok()
         .filter(|_| folder.is_some())
@@ -84,7 +106,7 @@ fn read(text: &str, file: &str) -> (Parser, Vec<Source>) {
         &mut parser.errors,
         &mut sources,
         &mut all,
-        Source::new(file.to_owned(), text.to_owned()),
+        source,
         folder.as_deref(),
         &mut chain,
     );
@@ -105,10 +127,16 @@ fn read(text: &str, file: &str) -> (Parser, Vec<Source>) {
             p.statement(cursor, statement)
         });
     }
-    for statement in all
-        .iter()
-        .filter(|s| !lists(s) && !matches!(s.keyword, "module" | "const" | "include" | "context"))
-    {
+    let other = |s: &&Statement| {
+        !lists(s)
+            && !matches!(
+                s.keyword,
+                "module" | "const" | "include" | "context" | "growth"
+            )
+    };
+    // Growth is that of modules that the grammar has.
+    let growth = all.iter().filter(|s| s.keyword == "growth");
+    for statement in all.iter().filter(other).chain(growth) {
         parser.try_statement(&sources, statement, |p, cursor| {
             p.statement(cursor, statement)
         });
@@ -316,16 +344,13 @@ impl Parser {
 
     /// Checks what only the whole text shows. A part of a grammar needs no axiom.
     fn finish(mut self, sources: &[Source], whole: bool) -> Result<Grammar, GrammarErrors> {
-        let first = sources.first();
-        let (file, text) = first.map_or(("", ""), |s| (s.name.as_str(), s.text.as_str()));
         let index = |i: usize| Symbol::try_from(i).unwrap_or(Symbol::MAX);
         let mut general = |message: &str| {
-            self.errors.push(GrammarError::new(
-                file,
-                text,
-                text.len(),
-                message.to_owned(),
-            ))
+            let message = message.to_owned();
+            self.errors.push(match sources.first() {
+                Some(source) => source.error(source.text.len(), message),
+                None => GrammarError::new("", "", 0, message),
+            });
         };
         if whole && self.axiom.is_none() && !self.seen.contains("axiom") {
             general("this grammar has no axiom; expected a line such as `axiom A`");
@@ -413,10 +438,12 @@ impl Parser {
             seed: self.seed.unwrap_or(0),
             angle: self.angle,
             tropism: self.tropism,
+            curves: self.curves,
             shapes: self.shapes,
             shape_of,
             has_queries,
             names: self.names,
+            remarks: self.remarks,
         })
     }
 }

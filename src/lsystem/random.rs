@@ -8,7 +8,7 @@
 pub(crate) struct PassKey(u64);
 
 /// The draws of one module in one pass. Making them costs nothing; drawing does.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Draws {
     pass: u64,
     position: u64,

@@ -27,6 +27,9 @@ pub struct Report {
     pub format: &'static str,
     /// Steps derived.
     pub steps: u32,
+    /// The time in steps that is drawn, where the last step is partly grown: its modules are counted whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
     /// Modules, brackets included.
     pub modules: u64,
     /// Modules of each name.
@@ -194,6 +197,7 @@ impl Report {
         Self {
             format: "ramus-derive/1",
             steps,
+            time: None,
             modules: string.len() as u64,
             counts,
             max_depth,

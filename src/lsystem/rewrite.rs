@@ -11,14 +11,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+use super::batch::Choosing;
 use super::choice::{Worker, near};
 use super::column::{Cell, Column, Narrow, bytes_up_to};
-use super::context::{ContextIndex, Indexed};
+use super::context::{ContextIndex, Indexed, Modules as _};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, ValueProblem};
-use super::grammar::{Grammar, Plan, Rule, RuleSet};
+use super::grammar::{Grammar, NearTable, Plan, Rule, RuleSet};
 use super::names::Symbol;
-use super::output::{MOST_TEMPLATES, Output, Spare, TEMPLATE, Template, reused};
+use super::output::{Output, Spare, reused};
 use super::string::{ModuleString, parameters_of, string_bytes};
 
 /// Modules of a chunk.
@@ -66,11 +67,11 @@ struct Size {
 }
 
 /// A stretch of the string to read and the stretch of the next to write.
-struct Task<'s, S, B> {
-    from: usize,
-    parameters_from: usize,
-    choices: &'s [S],
-    out: Output<'s, S, B>,
+pub(super) struct Task<'s, S, B> {
+    pub(super) from: usize,
+    pub(super) parameters_from: usize,
+    pub(super) choices: &'s [S],
+    pub(super) out: Output<'s, S, B>,
 }
 
 impl<'a> Round<'a> {
@@ -308,35 +309,95 @@ impl<'a> Round<'a> {
         if self.cancel.load(Ordering::Relaxed) {
             return Err(self.cancelled());
         }
+        if let Some(table) = self.rules.table.as_ref()
+            && indexed.parameters.is_empty()
+        {
+            return Ok(self.count_near(table, indexed, from, choices));
+        }
         let mut work = Worker::new(self, indexed);
-        let mut size = Size::default();
+        let mut choosing = Choosing::new(self, indexed);
         let mut offset = parameters_from;
         let symbols = indexed.symbols.get(from..).unwrap_or(&[]);
         for (at, (cell, choice)) in (from..).zip(symbols.iter().zip(choices.iter_mut())) {
             let symbol: Symbol = (*cell).into();
-            let arity = indexed.arity(*cell);
+            let (arity, own) = (indexed.arity(*cell), offset);
+            offset += arity;
             let chosen = match self.rules.plan(symbol) {
                 Plan::Stay => STAYS,
                 Plan::Always(number) => number + 1,
                 Plan::Near => near(indexed, self.rules.near(symbol), at),
                 Plan::Draw => work.pick(self.rules.weighted(symbol), at),
-                Plan::Choose => {
-                    let own = indexed.parameters.get(offset..offset + arity);
-                    work.choose(symbol, at, offset, own.unwrap_or(&[]))?
+                Plan::Choose(first) => {
+                    if let Some(choosing) = &mut choosing {
+                        choosing.add(first, at, own, choice)?;
+                        continue;
+                    }
+                    let values = indexed.parameters.get(own..own + arity);
+                    work.choose(symbol, at, own, values.unwrap_or(&[]))?
                 }
             };
             *choice = S::of(u32::from(chosen));
-            offset += arity;
-            if let Some(rule) = self.rule(chosen) {
-                size.rewritten += 1;
-                size.modules += rule.successor.len() as u64;
-                size.parameters += rule.arguments.len() as u64;
+        }
+        if let Some(choosing) = choosing {
+            choosing.finish()?;
+        }
+        let mut size = Size::default();
+        for (cell, choice) in symbols.iter().zip(choices.iter()) {
+            let choice: u16 = (*choice).into();
+            let is_rewritten = choice != STAYS;
+            let (modules, parameters) = self.rules.made(choice);
+            let own = if is_rewritten {
+                0
             } else {
-                size.parameters += arity as u64;
+                indexed.arity(*cell)
+            };
+            size.rewritten += usize::from(is_rewritten);
+            size.modules += u64::from(modules);
+            size.parameters += u64::from(parameters) + own as u64;
+        }
+        Ok(size)
+    }
+
+    /// [`Self::count`] where modules have no parameters, and their neighbours decide.
+    fn count_near<S: Narrow>(
+        &self,
+        table: &NearTable,
+        indexed: &Indexed<'_, S>,
+        from: usize,
+        choices: &mut [S],
+    ) -> Size {
+        let mut size = Size::default();
+        let mut note = |choice: u16, place: &mut S| {
+            *place = S::of(u32::from(choice));
+            let (modules, parameters) = self.rules.made(choice);
+            size.rewritten += usize::from(choice != STAYS);
+            size.modules += u64::from(modules);
+            size.parameters += u64::from(parameters);
+        };
+        let all = indexed.symbols;
+        let symbol =
+            |place: Option<usize>| table.neighbour(place.and_then(|at| indexed.symbol(at)));
+        let symbols = all.get(from..).unwrap_or(&[]);
+        if indexed.index.is_plain() {
+            let mut left = symbol(from.checked_sub(1));
+            let following = all
+                .get(from + 1..)
+                .unwrap_or(&[])
+                .iter()
+                .map(|s| Into::<usize>::into(*s));
+            let following = following.chain(std::iter::once(symbol(None)));
+            for ((own, right), place) in symbols.iter().zip(following).zip(choices) {
+                let own: usize = (*own).into();
+                note(table.choice(left, own, right), place);
+                left = own;
+            }
+        } else {
+            for ((at, own), place) in (from..).zip(symbols).zip(choices) {
+                let (left, right) = (symbol(indexed.left(at)), symbol(indexed.right(at)));
+                note(table.choice(left, (*own).into(), right), place);
             }
         }
-        size.modules += (choices.len() - size.rewritten) as u64;
-        Ok(size)
+        size
     }
 
     /// The module of a successor that is the same as the one it replaces: that of its name and parameters.
@@ -365,142 +426,8 @@ impl<'a> Round<'a> {
             *same = birth;
         }
     }
-
-    /// Writes what the chosen productions make of a chunk.
-    fn fill<S: Narrow, B: Cell>(
-        &self,
-        indexed: &Indexed<'_, S>,
-        births: &[B],
-        templates: Option<&[Template<S>]>,
-        task: Task<'_, S, B>,
-    ) -> Result<(), DeriveError> {
-        if self.cancel.load(Ordering::Relaxed) {
-            return Err(self.cancelled());
-        }
-        if let Some(templates) = templates {
-            return self.fill_plain(indexed.symbols, births, templates, task);
-        }
-        let mut work = Worker::new(self, indexed);
-        let mut out = task.out;
-        let (mut at, mut offset) = (task.from, task.parameters_from);
-        // What stays is copied in whole stretches.
-        let stays = S::of(u32::from(STAYS));
-        for stretch in task.choices.chunk_by(|a, b| *a == stays && *b == stays) {
-            let end = at + stretch.len();
-            let symbols = indexed.symbols.get(at..end).unwrap_or(&[]);
-            let births = births.get(at..end).unwrap_or(&[]);
-            let parameters = match indexed.parameters.is_empty() {
-                true => 0,
-                false => parameters_of(indexed.arity, symbols),
-            };
-            let own = indexed.parameters.get(offset..offset + parameters);
-            let own = own.unwrap_or(&[]);
-            let made = match stretch.first().and_then(|c| self.rule((*c).into())) {
-                None => {
-                    let target = out.take(symbols.len(), parameters);
-                    target.symbols.copy_from_slice(symbols);
-                    target.births.copy_from_slice(births);
-                    target.parameters.copy_from_slice(own);
-                    symbols.len()
-                }
-                Some(rule) => {
-                    let target = out.take(rule.successor.len(), rule.arguments.len());
-                    work.evaluate(rule, at, offset, own, target.parameters)?;
-                    for (cell, symbol) in target.symbols.iter_mut().zip(&rule.successor) {
-                        *cell = S::of(u32::from(*symbol));
-                    }
-                    let birth = births.first().copied().unwrap_or_default();
-                    self.date(rule, own, birth, target.parameters, target.births);
-                    rule.successor.len()
-                }
-            };
-            (at, offset) = (end, offset + parameters);
-            if !work.matcher.go_on(u32::try_from(made).unwrap_or(u32::MAX)) {
-                return Err(self.cancelled());
-            }
-        }
-        Ok(())
-    }
 }
 
-impl Round<'_> {
-    /// The productions' successors for [`Self::fill_plain`]; none where modules have parameters.
-    fn templates<S: Cell>(&self, string: &ModuleString) -> Option<Vec<Template<S>>> {
-        let rules = &self.rules.rules;
-        let plain = rules.len() <= MOST_TEMPLATES
-            && self.births == Births::Step
-            && string.parameters.is_empty()
-            && rules.iter().all(|rule| rule.arguments.is_empty());
-        plain.then(|| rules.iter().map(Template::of).collect())
-    }
-
-    /// [`Self::fill`] where no module has parameters. A short successor is written as a whole template, whose excess
-    /// the next module overwrites: a copy of fixed length costs next to nothing.
-    fn fill_plain<S: Narrow, B: Cell>(
-        &self,
-        old_symbols: &[S],
-        old_births: &[B],
-        templates: &[Template<S>],
-        task: Task<'_, S, B>,
-    ) -> Result<(), DeriveError> {
-        let Output {
-            symbols, births, ..
-        } = task.out;
-        let (mut out, mut checked) = (0, 0);
-        let step = B::of(self.step);
-        let old = old_symbols.iter().zip(old_births).skip(task.from);
-        for ((symbol, birth), choice) in old.zip(task.choices) {
-            let choice: u16 = (*choice).into();
-            let template = match choice.checked_sub(1) {
-                None => {
-                    if let (Some(s), Some(b)) = (symbols.get_mut(out), births.get_mut(out)) {
-                        (*s, *b) = (*symbol, *birth);
-                    }
-                    out += 1;
-                    continue;
-                }
-                Some(rule) => templates.get(usize::from(rule)),
-            };
-            let Some(template) = template else { continue };
-            let length = template.length;
-            if length == 1
-                && let (Some(s), Some(b)) = (symbols.get_mut(out), births.get_mut(out))
-            {
-                (*s, *b) = (template.symbols[0], step);
-            } else if let (Some(s), Some(b)) = (
-                symbols.get_mut(out..out + TEMPLATE),
-                births.get_mut(out..out + TEMPLATE),
-            ) && length <= TEMPLATE
-            {
-                s.copy_from_slice(&template.symbols);
-                b.fill(step);
-            } else if let (Some(s), Some(b), Some(rule)) = (
-                symbols.get_mut(out..out + length),
-                births.get_mut(out..out + length),
-                self.rule(choice),
-            ) {
-                for (cell, symbol) in s.iter_mut().zip(&rule.successor) {
-                    *cell = S::of(u32::from(*symbol));
-                }
-                b.fill(step);
-                if out - checked > WRITTEN_AT_ONCE {
-                    checked = out;
-                    if self.cancel.load(Ordering::Relaxed) {
-                        return Err(self.cancelled());
-                    }
-                }
-            }
-            if let Some(same) = template.heir.and_then(|heir| births.get_mut(out + heir)) {
-                *same = *birth;
-            }
-            out += length;
-        }
-        Ok(())
-    }
-}
-
-/// Modules written between two looks at the cancel flag where successors are long.
-const WRITTEN_AT_ONCE: usize = 1 << 20;
 /// Where the parameters of each chunk begin; empty where there are none.
 fn parameter_starts<S: Narrow>(indexed: &Indexed<'_, S>) -> Vec<usize> {
     if indexed.parameters.is_empty() {

@@ -6,13 +6,14 @@
 
 use std::sync::OnceLock;
 
+use super::dialect::Origin;
 use super::error::{GrammarError, GrammarErrors, nearest};
 
 /// Bytes of grammar text accepted in all, includes counted.
 pub(crate) const MAX_SOURCE_BYTES: usize = 256 << 20;
 
 /// The words that begin a statement.
-pub(crate) const KEYWORDS: [&str; 17] = [
+pub(crate) const KEYWORDS: [&str; 18] = [
     "angle",
     "axiom",
     "consider",
@@ -20,6 +21,7 @@ pub(crate) const KEYWORDS: [&str; 17] = [
     "context",
     "decompose",
     "dialect",
+    "growth",
     "ignore",
     "include",
     "interpret",
@@ -39,6 +41,8 @@ pub(crate) struct Source {
     pub(crate) text: String,
     /// Where each line begins, once somebody asked: every production notes its line.
     lines: OnceLock<Vec<usize>>,
+    /// The foreign text that this one is a translation of.
+    origin: Option<Box<Origin>>,
 }
 
 impl Source {
@@ -47,6 +51,15 @@ impl Source {
             name,
             text,
             lines: OnceLock::new(),
+            origin: None,
+        }
+    }
+
+    /// A translation, whose faults are told where the foreign text has them.
+    pub(crate) fn translated(name: String, text: String, origin: Origin) -> Self {
+        Self {
+            origin: Some(Box::new(origin)),
+            ..Self::new(name, text)
         }
     }
 
@@ -58,6 +71,22 @@ impl Source {
         });
         let line = starts.partition_point(|&start| start <= at);
         [line, starts.get(line.wrapping_sub(1)).copied().unwrap_or(0)]
+    }
+
+    /// An error at the byte `at`.
+    pub(crate) fn error(&self, at: usize, message: String) -> GrammarError {
+        match &self.origin {
+            Some(origin) => origin.error(at, message),
+            None => GrammarError::on_line(&self.name, &self.text, at, self.line(at), message),
+        }
+    }
+
+    /// File and line of the byte `at`.
+    pub(crate) fn location(&self, at: usize) -> String {
+        match &self.origin {
+            Some(origin) => origin.location(at),
+            None => format!("{}:{}", self.name, self.line(at)[0]),
+        }
     }
 }
 
@@ -188,9 +217,7 @@ pub(crate) fn statements(
         }
     }
     if block != Block::Main {
-        errors.push(GrammarError::new(
-            &source.name,
-            &source.text,
+        errors.push(source.error(
             block_at,
             "this block is not closed; expected `}` on its own line".into(),
         ));
@@ -326,13 +353,12 @@ impl<'a> Cursor<'a> {
 
     /// File and line of the byte `at`.
     pub(crate) fn location(&self, at: usize) -> String {
-        format!("{}:{}", self.source.name, self.source.line(at)[0])
+        self.source.location(at)
     }
 
     /// An error at the byte `at`.
     pub(crate) fn error_at(&self, at: usize, message: String) -> GrammarError {
-        let Source { name, text, .. } = self.source;
-        GrammarError::on_line(name, text, at, self.source.line(at), message)
+        self.source.error(at, message)
     }
 
     /// An error here: what was found and what was expected.

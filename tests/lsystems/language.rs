@@ -430,20 +430,16 @@ fn faults_are_told_where_they_are() {
         ("steps 1.5\naxiom A\n", 1, 7, &["whole number"]),
         ("order best\naxiom A\n", 1, 11, &["`first` or `specific`"]),
         (
-            "dialect houdini\naxiom A\n",
-            1,
+            "axiom A\ndialect houdini\n",
+            2,
             9,
-            &["`houdini` cannot be read yet", "expected `ramus`"],
+            &["`houdini` is told too late", "before everything else"],
         ),
         (
             "dialect foo\naxiom A\n",
             1,
             9,
-            &[
-                "`foo` is not known",
-                "expected `ramus`, the only one that is read",
-                "`lpy`, `houdini` and `cpfg`",
-            ],
+            &["`foo` is not known", "`ramus`, `cpfg`, `lpy` or `houdini`"],
         ),
         (
             "steps 9999999999999999\naxiom A\n",

@@ -9,7 +9,9 @@
 )]
 
 mod canvas;
+mod dialects;
 mod faults;
+mod growth;
 mod hostile;
 mod include;
 mod language;

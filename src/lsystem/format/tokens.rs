@@ -63,6 +63,7 @@ pub(super) fn tokens<'a>(
         "order" | "wrap" | "context" | "dialect" => {
             reader.identifier(true)?;
         }
+        "growth" => reader.growth()?,
         "include" => reader.quoted()?,
         _ => return None,
     }
@@ -362,6 +363,26 @@ impl<'a> Reader<'a, '_> {
                 return None;
             }
             self.expression(true, true)?;
+        }
+        Some(())
+    }
+
+    /// A module's growth curve, and the numbers or points of it.
+    fn growth(&mut self) -> Option<()> {
+        if !self.word("default") {
+            self.module(true)?;
+        }
+        self.identifier(true)?;
+        while !self.cursor.at_end() {
+            if self.try_sign("(", true) {
+                self.signed(false)?;
+                self.try_sign(",", false);
+                self.signed(true)?;
+                self.sign(")", false)?;
+                self.try_sign(",", false);
+            } else {
+                self.signed(true)?;
+            }
         }
         Some(())
     }

@@ -6,9 +6,11 @@ use glam::DVec3;
 
 use super::{Brackets, Parser, parameters};
 use crate::lsystem::column::Column;
+use crate::lsystem::dialect::Dialect;
 use crate::lsystem::error::{GrammarError, nearest};
 use crate::lsystem::expression;
 use crate::lsystem::grammar::Order;
+use crate::lsystem::growth;
 use crate::lsystem::names::{Names, Symbol};
 use crate::lsystem::number::write_general;
 use crate::lsystem::rules;
@@ -111,7 +113,7 @@ impl Parser {
         statement: &Statement,
     ) -> Result<(), GrammarError> {
         let keyword = statement.keyword;
-        if !matches!(keyword, "" | "ignore" | "shape") {
+        if !matches!(keyword, "" | "ignore" | "shape" | "growth") {
             self.once(cursor, keyword)?;
         }
         match keyword {
@@ -157,25 +159,33 @@ impl Parser {
                 self.wrap = word_of(cursor, words)?;
                 Ok(())
             }
-            "dialect" => match cursor.identifier() {
-                Some("ramus") => Ok(()),
-                Some(name @ ("lpy" | "houdini" | "cpfg")) => {
-                    let at = cursor.pos().saturating_sub(name.len());
-                    Err(cursor.error_at(
+            "dialect" => {
+                match cursor.identifier() {
+                    Some("ramus") => Ok(()),
+                    Some(name) if name.parse::<Dialect>().is_ok() => {
+                        let at = cursor.pos().saturating_sub(name.len());
+                        let message = match statement.file {
+                            0 => format!(
+                                "the dialect `{name}` is told too late; expected it before everything else"
+                            ),
+                            _ => format!(
+                                "a file of the dialect `{name}` cannot be included; bring it over with `ramus import` and include that"
+                            ),
+                        };
+                        Err(cursor.error_at(at, message))
+                    }
+                    Some(name) => {
+                        let at = cursor.pos().saturating_sub(name.len());
+                        let name: String = name.chars().take(40).collect();
+                        Err(cursor.error_at(
                         at,
-                        format!("the dialect `{name}` cannot be read yet; expected `ramus`, the only one that is read"),
+                        format!("the dialect `{name}` is not known; expected `ramus`, `cpfg`, `lpy` or `houdini`"),
                     ))
+                    }
+                    None => Err(cursor
+                        .expected("the name of a dialect: `ramus`, `cpfg`, `lpy` or `houdini`")),
                 }
-                Some(name) => {
-                    let at = cursor.pos().saturating_sub(name.len());
-                    let name: String = name.chars().take(40).collect();
-                    Err(cursor.error_at(
-                        at,
-                        format!("the dialect `{name}` is not known; expected `ramus`, the only one that is read (`lpy`, `houdini` and `cpfg` are known and cannot be read yet)"),
-                    ))
-                }
-                None => Err(cursor.expected("the name of a dialect: `ramus`")),
-            },
+            }
             "tropism" => {
                 let mut axis = [0.0; 3];
                 for value in &mut axis {
@@ -195,6 +205,7 @@ impl Parser {
                 self.shapes.push(shape);
                 Ok(())
             }
+            "growth" => self.growth(cursor),
             "decompose" => {
                 let depth = self.block(cursor, DECOMPOSE_DEPTH)?;
                 self.decompose.get_or_insert_with(|| (Vec::new(), 0)).1 = depth;
@@ -207,6 +218,35 @@ impl Parser {
             }
             _ => self.production(cursor, statement),
         }
+    }
+
+    /// `growth F linear`, `growth default once`.
+    fn growth(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
+        cursor.skip_blank();
+        let at = cursor.pos();
+        let mut ahead = cursor.clone();
+        let twice = if ahead.identifier() == Some("default") {
+            *cursor = ahead;
+            let curve = growth::curve(cursor)?;
+            self.curves.default.replace(curve).is_some()
+        } else {
+            let name = self.names.read(cursor)?.to_owned();
+            let curve = growth::curve(cursor)?;
+            if !self.names.is_used(&name) {
+                let known = nearest(&name, self.names.used());
+                let hint = known.map_or(String::new(), |n| {
+                    format!("; the nearest known one is `{n}`")
+                });
+                let message = format!("no module of this grammar is called `{name}`{hint}");
+                return Err(cursor.error_at(at, message));
+            }
+            self.curves.of.insert(name, curve).is_some()
+        };
+        if twice {
+            let message = "this module's growth is given a second time; expected it once";
+            return Err(cursor.error_at(at, message.into()));
+        }
+        Ok(())
     }
 
     fn production(

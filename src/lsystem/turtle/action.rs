@@ -20,7 +20,7 @@ pub(super) struct Half {
 }
 
 impl Half {
-    fn of_degrees(degrees: f64) -> Self {
+    pub(super) fn of_degrees(degrees: f64) -> Self {
         let (sin, cos) = (degrees.to_radians() * 0.5).sin_cos();
         Self { sin, cos }
     }
@@ -35,6 +35,8 @@ pub(super) struct Turn {
     default: Half,
     last_degrees: f64,
     last: Half,
+    /// Degrees where the module has no parameter.
+    pub(super) default_degrees: f64,
 }
 
 impl Turn {
@@ -46,6 +48,7 @@ impl Turn {
             default: default_half,
             last_degrees: default,
             last: default_half,
+            default_degrees: default,
         }
     }
 

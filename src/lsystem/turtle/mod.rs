@@ -20,6 +20,7 @@ use crate::tree::Tree;
 mod action;
 mod canvas;
 mod extent;
+mod grown;
 mod parts;
 mod pen;
 mod plan;
@@ -28,6 +29,7 @@ mod walk;
 
 pub use canvas::{Canvas, Drawn, Outline};
 pub use extent::Extent;
+pub(super) use grown::{Grown, is_index, length_of};
 pub use pen::{Cylinder, Pen};
 pub use tree::TreeCanvas;
 pub use walk::Turtle;

@@ -6,11 +6,13 @@ use glam::DVec3;
 
 use super::super::error::{DeriveError, DeriveProblem};
 use super::super::grammar::Grammar;
+use super::super::names::Symbol;
 use super::super::shape::Shape;
 use super::super::string::Module;
 use super::TurtleParams;
 use super::action::{Action, actions};
 use super::canvas::{Canvas, Drawn, Outline, narrow, narrowed};
+use super::grown::Grown;
 use super::pen::{Cylinder, Pen};
 use crate::tree::NO_PARENT;
 
@@ -33,13 +35,15 @@ struct Open {
 /// The turtle: a pen, a pen for each open bracket, and the vertices of open outlines.
 pub struct Turtle<'a, C> {
     grammar: &'a Grammar,
-    params: &'a TurtleParams,
+    pub(super) params: &'a TurtleParams,
     /// By symbol.
     actions: Vec<Action>,
-    pen: Pen,
+    pub(super) pen: Pen,
     stack: Vec<Pen>,
     /// Brackets that were open where it began.
     below: usize,
+    /// How large the segments of shapes are drawn.
+    pub(super) shape_scale: f64,
     outlines: Vec<Open>,
     /// Of all open outlines, the outermost first.
     vertices: Vec<DVec3>,
@@ -69,6 +73,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             pen: Pen::new(params.width),
             stack: Vec::new(),
             below: 0,
+            shape_scale: 1.0,
             outlines: Vec::new(),
             vertices: Vec::new(),
             position: 0,
@@ -130,6 +135,26 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         Ok(())
     }
 
+    /// Reads modules that are partly grown.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(crate) fn read_grown<'m>(
+        &mut self,
+        modules: impl Iterator<Item = (Module<'m>, Grown)>,
+        cancel: &AtomicBool,
+    ) -> Result<(), DeriveError> {
+        for (module, grown) in modules {
+            if self.position.is_multiple_of(CHECK_EVERY) && cancel.load(Ordering::Relaxed) {
+                let step = module.birth;
+                return Err(DeriveProblem::Cancelled { step }.into());
+            }
+            self.step_grown(module, grown)?;
+            self.position += 1;
+        }
+        Ok(())
+    }
+
     /// The canvas, when everything is read.
     ///
     /// # Errors
@@ -144,8 +169,14 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         }
     }
 
+    /// What a symbol makes it do.
+    pub(super) fn action(&self, symbol: Symbol) -> Action {
+        let action = self.actions.get(usize::from(symbol));
+        action.copied().unwrap_or(Action::Nothing)
+    }
+
     #[inline]
-    fn step(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
+    pub(super) fn step(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
         let by = Drawn {
             symbol: module.symbol,
             birth: module.birth,
@@ -274,8 +305,8 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             return Ok(());
         };
         match index {
-            Some(index) => self.follow_segment(by, letter, shape, whole(index), 1.0),
-            None => self.follow_all(by, letter, shape, 1.0),
+            Some(index) => self.follow_segment(by, letter, shape, whole(index), self.shape_scale),
+            None => self.follow_all(by, letter, shape, self.shape_scale),
         }
     }
 
