@@ -383,7 +383,7 @@ fn faults_are_told_where_they_are() {
             5,
             &["`context literal`"],
         ),
-        ("context literal\nignore F\naxiom A\n", 4, 1, &["`ignore`"]),
+        ("context literal\nignore F\naxiom A\n", 2, 1, &["`ignore`"]),
         ("axiom A\nA(x) : x = 1 -> B\n", 2, 10, &["`==`"]),
         (
             "axiom A\nA(x) : weight -> B\n",
@@ -428,7 +428,7 @@ fn faults_are_told_where_they_are() {
         ),
         ("axiom A\n[ -> A\n", 2, 1, &["cannot be replaced"]),
         ("steps 1.5\naxiom A\n", 1, 7, &["whole number"]),
-        ("order best\naxiom A\n", 1, 11, &["`first` or `specific`"]),
+        ("order best\naxiom A\n", 1, 7, &["`first` or `specific`"]),
         (
             "axiom A\ndialect houdini\n",
             2,
