@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use image::{ImageFormat, RgbaImage};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{DynamicImage, RgbaImage};
 
 use crate::tree::export::{self, ExportParams};
 use crate::tree::file::{write_atomically, write_atomically_with};
@@ -109,12 +110,16 @@ pub fn check_picture(path: &Path) -> Result<(), ExportError> {
 /// # Errors
 /// [`ExportError`].
 pub fn png(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    picture
-        .write_to(&mut bytes, ImageFormat::Png)
+    let mut bytes = Vec::new();
+    // Nothing is seen through a picture, so its alpha would say nothing.
+    let opaque = DynamicImage::ImageRgba8(picture.clone()).into_rgb8();
+    let encoder =
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
+    opaque
+        .write_with_encoder(encoder)
         .map_err(|source| ExportError::Picture {
             source,
             path: path.to_owned(),
         })?;
-    Ok(write_atomically(path, bytes.get_ref())?)
+    Ok(write_atomically(path, &bytes)?)
 }

@@ -14,12 +14,13 @@ use super::moment::{Moment, step_at, time};
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::Progress;
+use super::unwritten::{self, Wanted};
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
 use crate::lsystem::{
     DeriveError, DeriveProblem, ExplainParams, Grammar, Limits, ModuleString, TurtleParams,
 };
-use crate::render::RenderError;
+use crate::render::{self, RenderError};
 use crate::sketch::Sketch;
 use crate::tree::radii::{self, FitParams, RadiusParams};
 use crate::tree::{Tree, tubes};
@@ -64,6 +65,9 @@ pub(super) struct Args {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     size: u32,
+    /// What the picture shows behind the tree
+    #[arg(long, value_enum, default_value_t = Backdrop::Stage, value_name = "WHICH")]
+    backdrop: Backdrop,
     /// How the grammar's widths are meant in exports and pictures
     #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
     widths: Widths,
@@ -168,6 +172,25 @@ enum Print {
     String,
     /// How many of each name, and their parameters' sums
     Counts,
+    /// How many modules after each step
+    Growth,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Backdrop {
+    /// Sky and ground, as in the workshop
+    Stage,
+    /// Paper, as a figure in print has it
+    Paper,
+}
+
+impl Backdrop {
+    fn drawn(self) -> render::Backdrop {
+        match self {
+            Self::Stage => render::Backdrop::Stage,
+            Self::Paper => portrait::PAPER,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -214,10 +237,24 @@ pub(super) fn run(args: &Args) -> Result<()> {
         return explain::print(&explained, args.json);
     }
 
-    let began = Instant::now();
-    let mut progress = Progress::new("deriving");
     let named = || args.file.display().to_string();
     let explain = |error| budget.explain(error, &named());
+    let only_printed = !args.json && outputs().next().is_none();
+    let wanted = match args.print {
+        Some(Print::String) if only_printed => Some(Wanted::Text),
+        Some(Print::Counts) if only_printed && age >= 1.0 => Some(Wanted::Counts),
+        Some(Print::Growth) => Some(Wanted::Growth),
+        _ => None,
+    };
+    if let Some(wanted) = wanted
+        && unwritten::print(wanted, &grammar, steps, &limits, explain)?
+        && only_printed
+    {
+        return Ok(());
+    }
+
+    let began = Instant::now();
+    let mut progress = Progress::new("deriving");
     let moment = Moment::new(&grammar, (steps, age), &limits, &never, &mut |done| {
         progress.show(done as usize, steps as usize);
     })
@@ -233,7 +270,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
             string.write_text(&grammar, out)?;
             writeln!(out)
         });
-        if !args.json && args.export.is_empty() && args.png.is_none() {
+        if only_printed {
             return printed;
         }
     }
@@ -341,7 +378,9 @@ fn write_files(
     }
     if let Some(path) = &args.png {
         budget.check(&path.display().to_string(), &tree, PICTURE_BYTES)?;
-        let picture = Progress::during("drawing", || portrait::of_tree(tree, args.size, args.widths == Widths::Auto))
+        let set_widths = args.widths == Widths::Auto;
+        let backdrop = args.backdrop.drawn();
+        let picture = Progress::during("drawing", || portrait::of_tree(tree, args.size, set_widths, backdrop))
             .map_err(|error| match error.downcast_ref() {
                 Some(RenderError::OutOfMemory(_)) => anyhow!(
                     "the graphics memory does not hold a picture of {0} × {0} pixels: choose a smaller --size, or close other programs that draw",

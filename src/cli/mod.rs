@@ -26,6 +26,7 @@ mod moment;
 mod outputs;
 mod progress;
 mod replay;
+mod unwritten;
 mod workshop;
 
 use std::io::{BufWriter, ErrorKind, IsTerminal as _, StdoutLock, Write as _};

@@ -159,6 +159,14 @@ pub enum DeriveProblem {
         /// The limit, with its unit.
         limit: String,
     },
+    /// A string of which only the size is asked for has more modules than are counted.
+    #[error(
+        "step {step} would make more than 3.4e38 (2^128) modules, which are no longer counted; take fewer steps"
+    )]
+    Countless {
+        /// The first such step.
+        step: u32,
+    },
     /// The machine did not give the memory.
     #[error(
         "{} needs {bytes} bytes, which this machine does not give; {}",

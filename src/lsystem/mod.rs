@@ -49,6 +49,7 @@ mod shape;
 mod source;
 mod string;
 pub mod turtle;
+mod unwritten;
 
 pub use derive::Limits;
 pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
@@ -61,3 +62,4 @@ pub use record::Recorded;
 pub use shape::shape_frames;
 pub use string::{Module, ModuleString};
 pub use turtle::{TurtleParams, draw_on, interpret};
+pub use unwritten::Unwritten;

@@ -132,17 +132,26 @@ impl ModuleString {
 
     /// Writes the text without ever holding all of it.
     pub fn write_text(&self, grammar: &Grammar, out: &mut dyn io::Write) -> io::Result<()> {
-        const BUFFER: usize = 1 << 16;
-        let mut text = String::with_capacity(BUFFER + 1024);
-        for module in self.iter() {
-            push_module(&mut text, grammar, &module);
-            if text.len() >= BUFFER {
-                out.write_all(text.as_bytes())?;
-                text.clear();
-            }
-        }
-        out.write_all(text.as_bytes())
+        write_modules(self.iter(), grammar, out)
     }
+}
+
+/// Writes modules as text without ever holding all of it.
+pub(super) fn write_modules<'m>(
+    modules: impl Iterator<Item = Module<'m>>,
+    grammar: &Grammar,
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
+    const BUFFER: usize = 1 << 16;
+    let mut text = String::with_capacity(BUFFER + 1024);
+    for module in modules {
+        push_module(&mut text, grammar, &module);
+        if text.len() >= BUFFER {
+            out.write_all(text.as_bytes())?;
+            text.clear();
+        }
+    }
+    out.write_all(text.as_bytes())
 }
 
 /// How many parameters a module of this symbol has.

@@ -21,6 +21,7 @@ mod record;
 mod reference;
 mod sketch_cases;
 mod turtle;
+mod unwritten;
 mod widths;
 
 use std::path::PathBuf;
