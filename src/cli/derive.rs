@@ -8,14 +8,16 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
+use super::explain;
 use super::inputs::grammar_text;
 use super::moment::{Moment, step_at, time};
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::Progress;
+use super::unwritten::{self, Wanted};
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
-use crate::lsystem::{DeriveError, DeriveProblem, Grammar, Limits, TurtleParams};
+use crate::lsystem::{DeriveError, DeriveProblem, ExplainParams, Grammar, Limits, TurtleParams};
 use crate::render::{self, RenderError};
 use crate::sketch::Sketch;
 use crate::tree::organs::{Organist, refined_len};
@@ -38,6 +40,21 @@ pub(super) struct Args {
     /// Print counts, sums and bounds as one JSON object on one line
     #[arg(long)]
     json: bool,
+    /// Say which production rewrote each module in a step: the last one, or STEP
+    #[arg(long, value_name = "STEP", num_args = 0..=1, value_parser = explain::step(),
+        conflicts_with_all = ["print", "export", "png"])]
+    explain: Option<Option<u32>>,
+    /// The first module that --explain shows, as its position from 0
+    #[arg(
+        long,
+        value_name = "POSITION",
+        requires = "explain",
+        default_value_t = 0
+    )]
+    at: usize,
+    /// Lines of modules that --explain shows at most
+    #[arg(long, value_name = "N", requires = "explain", default_value_t = ExplainParams::default().entries)]
+    entries: usize,
     /// Write the tree; the ending tells the format: .glb, .obj or .swc (may be given more than once)
     #[arg(long, value_name = "FILE", value_parser = tree_file())]
     export: Vec<PathBuf>,
@@ -161,6 +178,8 @@ enum Print {
     String,
     /// How many of each name, and their parameters' sums
     Counts,
+    /// How many modules after each step
+    Growth,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -213,11 +232,35 @@ pub(super) fn run(args: &Args) -> Result<()> {
         ..Limits::default()
     };
     let never = AtomicBool::new(false);
+    if let Some(step) = args.explain {
+        let params = ExplainParams {
+            from: args.at,
+            entries: args.entries,
+            ..ExplainParams::default()
+        };
+        let explained = explain::explained(&grammar, step.unwrap_or(steps), &params, &limits)?
+            .map_err(|error| budget.explain(error, &args.file.display().to_string()))?;
+        return explain::print(&explained, args.json);
+    }
+
+    let named = || args.file.display().to_string();
+    let explain = |error| budget.explain(error, &named());
+    let only_printed = !args.json && outputs().next().is_none();
+    let wanted = match args.print {
+        Some(Print::String) if only_printed => Some(Wanted::Text),
+        Some(Print::Counts) if only_printed && age >= 1.0 => Some(Wanted::Counts),
+        Some(Print::Growth) => Some(Wanted::Growth),
+        _ => None,
+    };
+    if let Some(wanted) = wanted
+        && unwritten::print(wanted, &grammar, steps, &limits, explain)?
+        && only_printed
+    {
+        return Ok(());
+    }
 
     let began = Instant::now();
     let mut progress = Progress::new("deriving");
-    let named = || args.file.display().to_string();
-    let explain = |error| budget.explain(error, &named());
     let moment = Moment::new(&grammar, (steps, age), &limits, &never, &mut |done| {
         progress.show(done as usize, steps as usize);
     })
@@ -233,7 +276,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
             string.write_text(&grammar, out)?;
             writeln!(out)
         });
-        if !args.json && args.export.is_empty() && args.png.is_none() {
+        if only_printed {
             return printed;
         }
     }

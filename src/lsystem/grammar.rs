@@ -18,6 +18,7 @@ use super::parse;
 use super::record::{self, Recorded};
 use super::shape::Shape;
 use super::string::ModuleString;
+use super::unwritten::Unwritten;
 use crate::tree::organs::Palette;
 
 /// A grammar that has been read and checked.
@@ -490,6 +491,21 @@ impl Grammar {
         progress: &mut dyn FnMut(u32),
     ) -> Result<ModuleString, DeriveError> {
         derive::derive(self, steps, limits, cancel, progress)
+    }
+
+    /// The string after `steps` steps, not written down: to be counted, walked through and printed whatever its length. `None`
+    /// where modules do not each develop alone and without chance (a context, a random draw, a `decompose` block, `%` or a
+    /// query), where too many of them differ, or a value cannot be computed: [`Grammar::derive`] does it or says why.
+    ///
+    /// # Errors
+    /// More modules than u128 counts, or `cancel` being set.
+    pub fn unwritten(
+        &self,
+        steps: u32,
+        limits: &Limits,
+        cancel: &AtomicBool,
+    ) -> Result<Option<Unwritten>, DeriveError> {
+        Unwritten::new(self, steps, limits, cancel)
     }
 
     /// One step on: the string of step `step` from that of step `step − 1`.

@@ -52,9 +52,16 @@ pub(crate) struct Parser {
     wrap: Wrap,
     /// Statements that may stand only once.
     seen: BTreeSet<&'static str>,
+    /// Comparisons of words with declared names that were made.
+    compared: usize,
     /// What was left out when the text was translated.
     remarks: Vec<Remark>,
 }
+
+/// Comparisons of words with declared names, so that a long text of single letters is read no slower.
+const MOST_COMPARISONS: usize = 200_000;
+/// Letters of a word that may be a declared name misspelt.
+const MISSPELT_LETTERS: std::ops::RangeInclusive<usize> = 4..=24;
 
 pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> {
     let (source, remarks) = dialect::opened(Source::new(file.to_owned(), text.to_owned()))?;
@@ -257,6 +264,35 @@ impl Parser {
         }
     }
 
+    /// Reads a module's name; a word that is nearly a declared one is told.
+    pub(crate) fn read_name<'a>(
+        &mut self,
+        cursor: &mut Cursor<'a>,
+    ) -> Result<&'a str, GrammarError> {
+        cursor.skip_blank();
+        let at = cursor.pos();
+        let rest = cursor.rest();
+        let name = self.names.read(cursor)?;
+        let first = name.chars().next().is_some_and(char::is_alphabetic);
+        if !first || self.names.declared(name).is_some() || cursor.goes_on_a_word(at) {
+            return Ok(name);
+        }
+        let length = rest
+            .find(|c: char| !c.is_alphabetic())
+            .unwrap_or(rest.len());
+        let word = rest.get(..length.min(100)).unwrap_or("");
+        if MISSPELT_LETTERS.contains(&word.chars().count())
+            && self.compared < MOST_COMPARISONS
+            && let Some(near) = self.names.misspelt(word, &mut self.compared)
+        {
+            let message = format!(
+                "found `{word}`, which reads as one module for each letter; the nearest declared module is `{near}` (blanks between the letters say that they are meant)"
+            );
+            self.errors.push(cursor.error_at(at, message));
+        }
+        Ok(name)
+    }
+
     /// The symbol of a module as used, checked against its declaration.
     pub(crate) fn symbol(
         &mut self,
@@ -324,14 +360,6 @@ impl Parser {
         };
         if whole && self.axiom.is_none() && !self.seen.contains("axiom") {
             general("this grammar has no axiom; expected a line such as `axiom A`");
-        }
-        if self.literal && (!self.ignored.is_empty() || self.considered.is_some()) {
-            general(
-                "`context literal` sees every module, so `ignore` and `consider` mean nothing with it; remove one of them",
-            );
-        }
-        if self.considered.is_some() && !self.ignored.is_empty() {
-            general("found both `ignore` and `consider`; expected one of them");
         }
         if self.shapes.len() >= usize::from(u16::MAX) {
             general("this grammar has more than 65,000 shapes");

@@ -90,7 +90,7 @@ const SCALE: f64 = f64::from_bits((1023 - 64) << 52);
 
 /// A sum that overflows only where its result does.
 #[derive(Clone, Copy, Default)]
-struct Sum {
+pub(super) struct Sum {
     plain: Neumaier,
     huge: Neumaier,
 }
@@ -101,6 +101,19 @@ impl Sum {
             self.plain.add(value);
         } else {
             self.huge.add(value * SCALE);
+        }
+    }
+
+    /// Adds a value so many times.
+    pub(super) fn add_times(&mut self, value: f64, times: u128) {
+        #[allow(clippy::cast_precision_loss, reason = "rounded as every product is")]
+        let times = times as f64;
+        let product = value * times;
+        if product.abs() < HUGE {
+            self.plain.add(product);
+            self.plain.add(value.mul_add(times, -product));
+        } else {
+            self.huge.add(value * SCALE * times);
         }
     }
 
@@ -147,7 +160,7 @@ impl Report {
         turtle_ms: f64,
     ) -> Self {
         let symbols = grammar.names.symbols().len();
-        let mut by_symbol = vec![0_u64; symbols];
+        let mut by_symbol = vec![0_u128; symbols];
         let mut sums: Vec<Vec<Sum>> = grammar
             .arity
             .iter()
@@ -178,34 +191,21 @@ impl Report {
                 _ => {}
             }
         }
-        // Symbols of one name with different numbers of parameters are one entry.
-        let mut counts: BTreeMap<String, u64> = BTreeMap::new();
-        let mut by_name: BTreeMap<String, Sum> = BTreeMap::new();
-        for ((symbol, count), parameters) in (0..).zip(&by_symbol).zip(&sums) {
-            if *count == 0 {
-                continue;
-            }
-            let name = grammar.name(symbol);
-            *counts.entry(name.to_owned()).or_default() += count;
-            for (i, part) in parameters.iter().enumerate() {
-                by_name
-                    .entry(format!("{name}.{i}"))
-                    .or_default()
-                    .merge(*part);
-            }
-        }
+        let (counts, param_sums) = by_name(grammar, &by_symbol, &sums);
+        // A string has fewer modules than u64 counts.
+        let narrow = |count| u64::try_from(count).unwrap_or(u64::MAX);
         Self {
             format: "ramus-derive/1",
             steps,
             time: None,
             modules: string.len() as u64,
-            counts,
+            counts: counts
+                .into_iter()
+                .map(|(name, count)| (name, narrow(count)))
+                .collect(),
             max_depth,
             fnv1a64: format!("{:016x}", hash.0),
-            param_sums: by_name
-                .into_iter()
-                .map(|(name, sum)| (name, sum.total()))
-                .collect(),
+            param_sums,
             segments: tree.parent.iter().filter(|p| **p != NO_PARENT).count() as u64,
             bounds: bounds(tree),
             derive_ms,
@@ -225,9 +225,43 @@ impl Report {
         }
     }
 
-    /// `--print counts`: a line for each name, its count and its parameters' sums.
+    /// `--print counts`, as [`Counts::text`].
     #[must_use]
     pub fn counts_text(&self) -> String {
+        let counts = self.counts.iter();
+        Counts {
+            steps: self.steps,
+            modules: u128::from(self.modules),
+            counts: counts.map(|(n, c)| (n.clone(), u128::from(*c))).collect(),
+            param_sums: self.param_sums.clone(),
+            max_depth: self.max_depth,
+            segments: Some(u128::from(self.segments)),
+        }
+        .text()
+    }
+}
+
+/// What a string holds, of which there need be no more than its graph ([`super::Unwritten`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counts {
+    /// Steps derived.
+    pub steps: u32,
+    /// Modules, brackets included.
+    pub modules: u128,
+    /// Modules of each name.
+    pub counts: BTreeMap<String, u128>,
+    /// Sum of each parameter over all modules of a name, as in [`Report`].
+    pub param_sums: BTreeMap<String, f64>,
+    /// Deepest bracket.
+    pub max_depth: u64,
+    /// Segments that the turtle draws; `None` where an `interpret` block says what is drawn.
+    pub segments: Option<u128>,
+}
+
+impl Counts {
+    /// A line for each name, its count and its parameters' sums.
+    #[must_use]
+    pub fn text(&self) -> String {
         let mut text = String::new();
         for (name, count) in &self.counts {
             let _ = write!(text, "{name} {count}");
@@ -238,13 +272,36 @@ impl Report {
             }
             text.push('\n');
         }
-        let _ = writeln!(
-            text,
-            "modules {}, segments {}, depth {}",
-            self.modules, self.segments, self.max_depth
-        );
+        let _ = write!(text, "modules {}", self.modules);
+        if let Some(segments) = self.segments {
+            let _ = write!(text, ", segments {segments}");
+        }
+        let _ = writeln!(text, ", depth {}", self.max_depth);
         text
     }
+}
+
+/// Counts and sums by name: symbols of one name with different numbers of parameters are one entry.
+pub(super) fn by_name(
+    grammar: &Grammar,
+    modules: &[u128],
+    sums: &[Vec<Sum>],
+) -> (BTreeMap<String, u128>, BTreeMap<String, f64>) {
+    let mut counts: BTreeMap<String, u128> = BTreeMap::new();
+    let mut by_name: BTreeMap<String, Sum> = BTreeMap::new();
+    for ((symbol, count), parameters) in (0..).zip(modules).zip(sums) {
+        if *count == 0 {
+            continue;
+        }
+        let name = grammar.name(symbol);
+        *counts.entry(name.to_owned()).or_default() += count;
+        for (i, part) in parameters.iter().enumerate() {
+            let sum = by_name.entry(format!("{name}.{i}")).or_default();
+            sum.merge(*part);
+        }
+    }
+    let total = |(name, sum): (String, Sum)| (name, sum.total());
+    (counts, by_name.into_iter().map(total).collect())
 }
 
 fn bounds(tree: &Tree) -> Bounds {

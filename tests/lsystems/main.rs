@@ -10,6 +10,7 @@
 
 mod canvas;
 mod dialects;
+mod faults;
 mod growth;
 mod hostile;
 mod include;
@@ -21,6 +22,7 @@ mod record;
 mod reference;
 mod sketch_cases;
 mod turtle;
+mod unwritten;
 mod widths;
 
 use std::path::PathBuf;

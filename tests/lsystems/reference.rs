@@ -60,7 +60,7 @@ fn close(found: f64, expected: f64, tolerance: f64) -> bool {
     (found - expected).abs() <= tolerance * expected.abs().max(1.0)
 }
 
-fn check(id: &str, grammar: &Grammar, check: &Value) {
+pub(super) fn check(id: &str, grammar: &Grammar, check: &Value) {
     let n = check["n"].as_u64().unwrap() as u32;
     let string = derive(grammar, n);
     let tree = draw(grammar, &string);

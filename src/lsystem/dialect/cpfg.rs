@@ -305,6 +305,11 @@ impl<'a> Cpfg<'a> {
 
     /// What is known only at the end.
     fn finish(&self, model: &mut Model) {
+        // One round, as cpfg takes it.
+        if model.decompose_depth.is_none() {
+            let one = Node::number(0, "1").ok();
+            model.decompose_depth = one.map(|value| Valued { at: 0, value });
+        }
         let stochastic = model.seed.is_some();
         let mut count = HashMap::new();
         for rule in model.rules.iter().filter(|r| r.block == Block::Main) {

@@ -20,6 +20,7 @@ mod lpy;
 mod meaning;
 mod model;
 mod preprocess;
+mod python;
 
 mod reader;
 mod text;

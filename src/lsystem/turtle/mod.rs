@@ -33,6 +33,7 @@ pub use drawing::{DrawingCanvas, draw};
 pub use extent::Extent;
 pub(super) use grown::{Grown, is_index, length_of};
 pub use pen::{Cylinder, Pen};
+pub(in crate::lsystem) use plan::{Lines, lines_of};
 pub use tree::TreeCanvas;
 pub use walk::Turtle;
 
