@@ -114,6 +114,23 @@ pub(super) fn actions(grammar: &Grammar, params: &TurtleParams) -> Vec<Action> {
     symbols.map(|s| action(grammar, s, angle)).collect()
 }
 
+/// Whether any symbol draws more than a skeleton: organs, colours, materials, cylinders.
+pub(super) fn draws_organs(grammar: &Grammar, params: &TurtleParams) -> bool {
+    let more = |action: &Action| {
+        matches!(
+            action,
+            Action::BeginPolygon
+                | Action::NextColour
+                | Action::LastColour
+                | Action::Material
+                | Action::Sphere
+                | Action::Surface
+                | Action::BeginCylinder
+        )
+    };
+    actions(grammar, params).iter().any(more)
+}
+
 fn action(grammar: &Grammar, symbol: Symbol, angle: f64) -> Action {
     if let Some(shape) = grammar.shape_of.get(usize::from(symbol)).copied().flatten() {
         return Action::Follow(shape);
