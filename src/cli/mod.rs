@@ -18,6 +18,7 @@ macro_rules! whisper {
 
 mod derive;
 mod doctor;
+mod explain;
 mod fmt;
 mod import;
 mod inputs;
@@ -25,6 +26,7 @@ mod moment;
 mod outputs;
 mod progress;
 mod replay;
+mod unwritten;
 mod workshop;
 
 use std::io::{BufWriter, ErrorKind, IsTerminal as _, StdoutLock, Write as _};

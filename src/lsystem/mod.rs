@@ -13,19 +13,21 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` and `fill` all of it, with `choice` for each module or `batch` and `lanes` for many at once, `blocks` what is alike once, `active` what may change; `record` keeps which production did it),
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` and `fill` all of it, with `choice` for each module or `batch` and `lanes` for many at once, `blocks` what is alike once, `active` what may change; `record` keeps which production did it, `explain` tells it),
 //! `turtle` draws it and answers what `query` asks, `report` says what `ramus derive` prints, `format` lays the text out.
 
 mod active;
 mod batch;
 mod blocks;
 mod choice;
+mod choices;
 mod code;
 mod column;
 mod context;
 mod derive;
 pub mod dialect;
 mod error;
+mod explain;
 mod expression;
 mod fill;
 mod format;
@@ -34,6 +36,7 @@ mod growing;
 mod growth;
 mod include;
 mod lanes;
+mod look;
 mod names;
 mod number;
 mod output;
@@ -48,9 +51,11 @@ mod shape;
 mod source;
 mod string;
 pub mod turtle;
+mod unwritten;
 
 pub use derive::Limits;
 pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
+pub use explain::{Chance, ExplainParams, Explanation, Fate, ProductionUse, Seen};
 pub use format::{FormatError, format};
 pub use grammar::Grammar;
 pub use growing::Growing;
@@ -58,4 +63,5 @@ pub use names::Symbol;
 pub use record::Recorded;
 pub use shape::shape_frames;
 pub use string::{Module, ModuleString};
-pub use turtle::{TurtleParams, draw_on, interpret};
+pub use turtle::{DrawingCanvas, TurtleParams, draw, draw_on, interpret};
+pub use unwritten::Unwritten;

@@ -10,16 +10,20 @@
 
 mod canvas;
 mod dialects;
+mod faults;
 mod growth;
+mod guide;
 mod hostile;
 mod include;
 mod language;
 mod oracle;
+mod organs;
 mod queries;
 mod record;
 mod reference;
 mod sketch_cases;
 mod turtle;
+mod unwritten;
 mod widths;
 
 use std::path::PathBuf;
