@@ -9,7 +9,7 @@ use ramus_xr::{Fov, Frame, Pose, View};
 
 use crate::app::picture::Picture;
 use crate::render::{Backdrop, Gpu, GpuParams, Headless};
-use crate::tree::{Tree, radii};
+use crate::tree::{Drawing, radii};
 use crate::world::scene::{PlacedTree, Scene};
 
 /// How a tree is placed for its picture.
@@ -68,24 +68,24 @@ fn before_box(middle: Vec3, extent: Vec3, params: &PortraitParams) -> Vec3 {
     middle + back * distance.fold(0.0, f32::max)
 }
 
-/// Draws a tree of any size before a backdrop, as seen from before it; `pixels` wide and high, its widths as they are or
+/// Draws a drawing of any size before a backdrop, as seen from before it; `pixels` wide and high, its widths as they are or
 /// set for the picture's sake ([`radii::for_picture`]).
 ///
 /// # Errors
-/// Where the tree has no segment or no device can draw it.
-pub fn of_tree(
-    mut tree: Tree,
+/// Where there is nothing to see or no device can draw it.
+pub fn of_drawing(
+    drawing: Drawing,
     pixels: u32,
     set_widths: bool,
     backdrop: Backdrop,
 ) -> Result<RgbaImage> {
     let params = PortraitParams::default();
-    if tree.segment_count() == 0 {
+    if drawing.is_empty() {
         bail!(
             "the tree has no segment, so there is nothing to draw: segments are drawn by `F` and by the letters of shapes"
         );
     }
-    let Some((low, high)) = tree.bounds() else {
+    let Some((low, high)) = drawing.bounds() else {
         bail!("the tree has no node, so there is nothing to draw");
     };
     let half = ((high - low) * 0.5).max_element();
@@ -94,6 +94,7 @@ pub fn of_tree(
             "the tree's nodes all stand in one place, so there is nothing to draw: give its segments a length"
         );
     }
+    let Drawing { mut tree, organs } = drawing;
     let scale = params.radius / half;
     let middle = (low + high) * 0.5;
     // What is lowest touches the ground.
@@ -117,6 +118,7 @@ pub fn of_tree(
     let scene = Scene {
         tree: Some(PlacedTree {
             tree: Arc::new(tree),
+            organs: Arc::new(organs),
             radius_before: Arc::default(),
             revision: 1,
             world_from_tree,
@@ -254,7 +256,7 @@ pub fn looking_at(eye: Vec3, target: Vec3, field: f32) -> View {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "tests")]
     use super::*;
-    use crate::tree::NO_PARENT;
+    use crate::tree::{NO_PARENT, Tree};
     use crate::world::World;
     use crate::world::history::History;
 
@@ -283,7 +285,7 @@ mod tests {
             ("the root alone", row(1, 0.0), "no segment"),
             ("all in one place", row(3, 0.0), "in one place"),
         ] {
-            let error = of_tree(tree, 16, true, Backdrop::Stage)
+            let error = of_drawing(tree.into(), 16, true, Backdrop::Stage)
                 .unwrap_err()
                 .to_string();
             assert!(error.contains(expected), "{what}: {error}");
@@ -327,6 +329,7 @@ mod tests {
             let top = Vec3::new(0.0, apart * f32::from(nodes - 1), -6.0);
             stage.tree = Some(PlacedTree {
                 tree: Arc::new(tree),
+                organs: Arc::default(),
                 radius_before: Arc::default(),
                 revision: 1,
                 world_from_tree: Affine3A::from_translation(Vec3::new(-10.0, 0.0, -6.0)),

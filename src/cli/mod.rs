@@ -18,6 +18,7 @@ macro_rules! whisper {
 
 mod derive;
 mod doctor;
+mod explain;
 mod fmt;
 mod import;
 mod inputs;

@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::lsystem::{
-    DeriveError, Grammar, Growing, Limits, ModuleString, TurtleParams, interpret,
+    DeriveError, DrawingCanvas, Grammar, Growing, Limits, ModuleString, TurtleParams, draw,
 };
-use crate::tree::Tree;
+use crate::tree::Drawing;
 
 /// A moment of a grammar's growth.
 pub(super) enum Moment {
@@ -74,15 +74,19 @@ impl Moment {
     }
 
     /// Draws it.
-    pub(super) fn tree(
+    pub(super) fn drawing(
         &self,
         grammar: &Grammar,
         params: &TurtleParams,
         cancel: &AtomicBool,
-    ) -> Result<Tree, DeriveError> {
+    ) -> Result<Drawing, DeriveError> {
         match self {
-            Self::Whole(string) => interpret(grammar, string, params, cancel),
-            Self::Between(growing, age) => growing.tree(grammar, *age, params, cancel),
+            Self::Whole(string) => draw(grammar, string, params, cancel),
+            Self::Between(growing, age) => {
+                let make = |params: &TurtleParams| DrawingCanvas::new(grammar, params);
+                let canvas = growing.draw_on(grammar, *age, params, cancel, make)?;
+                Ok(canvas.finish())
+            }
         }
     }
 }

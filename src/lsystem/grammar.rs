@@ -11,6 +11,7 @@ use super::dialect::Remark;
 use super::error::{DeriveError, GrammarErrors};
 use super::growth::Curves;
 use super::lanes::{self, Values};
+use super::look::NamedSurface;
 use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
@@ -18,6 +19,7 @@ use super::record::{self, Recorded};
 use super::shape::Shape;
 use super::string::ModuleString;
 use super::unwritten::Unwritten;
+use crate::tree::organs::Palette;
 
 /// A grammar that has been read and checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +46,12 @@ pub struct Grammar {
     pub(crate) shapes: Vec<Shape>,
     /// For each symbol its dictionary entry.
     pub(crate) shape_of: Vec<Option<u16>>,
+    /// What the indices of colours and materials mean.
+    pub(crate) palette: Palette,
+    /// What `~` places.
+    pub(crate) surfaces: Vec<NamedSurface>,
+    /// For each symbol that begins with `~` and names no shape its surface.
+    pub(crate) surface_of: Vec<Option<u16>>,
     /// The turtle answers queries after each step.
     pub(crate) has_queries: bool,
     pub(crate) remarks: Vec<Remark>,

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::error::GrammarError;
+use super::error::{GrammarError, is_misspelt};
 use super::source::Cursor;
 
 /// Index into the symbol table.
@@ -82,6 +82,23 @@ impl Names {
 
     pub(crate) fn declared(&self, name: &str) -> Option<&[String]> {
         self.declared.get(name).map(Vec::as_slice)
+    }
+
+    /// The declared name that a word is nearly, unless it holds one as it is; comparisons are counted.
+    pub(crate) fn misspelt(&self, word: &str, compared: &mut usize) -> Option<&str> {
+        let letters = word.chars().count();
+        let mut near = None;
+        for name in self.declared.keys().take(1000) {
+            *compared += 1;
+            if word.contains(name.as_str()) {
+                return None;
+            }
+            let others = name.chars().count();
+            if others >= 4 && letters.abs_diff(others) <= 1 && is_misspelt(word, name) {
+                near.get_or_insert(name.as_str());
+            }
+        }
+        near
     }
 
     /// The symbol of a name with a number of parameters, made if it is new. `None`: there are too many.

@@ -172,7 +172,7 @@ pub(super) fn string_bytes(module: u64, modules: u64, parameters: u64) -> u64 {
         .saturating_add(parameters.saturating_mul(size_of::<f64>() as u64))
 }
 
-fn push_module(text: &mut String, grammar: &Grammar, module: &Module<'_>) {
+pub(super) fn push_module(text: &mut String, grammar: &Grammar, module: &Module<'_>) {
     text.push_str(grammar.name(module.symbol));
     for (i, value) in module.parameters.iter().enumerate() {
         text.push(if i == 0 { '(' } else { ',' });

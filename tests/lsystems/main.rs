@@ -10,11 +10,13 @@
 
 mod canvas;
 mod dialects;
+mod faults;
 mod growth;
 mod hostile;
 mod include;
 mod language;
 mod oracle;
+mod organs;
 mod queries;
 mod record;
 mod reference;

@@ -5,10 +5,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
+use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
-use ramus::lsystem::Grammar;
 use ramus::lsystem::report::Report;
+use ramus::lsystem::{Grammar, TurtleParams};
+use ramus::tree::Drawing;
 use serde_json::Value;
 
 use super::{derive, draw, parse, shared};
@@ -242,9 +244,13 @@ fn example_grammars() {
             Grammar::parse(&text, path.to_str().unwrap()).unwrap_or_else(|e| panic!("{e}"));
         let steps = grammar.steps().unwrap();
         let string = derive(&grammar, steps);
-        let tree = draw(&grammar, &string);
-        assert!(tree.parent.len() > 50, "{name} draws a plant");
+        let cancel = AtomicBool::new(false);
+        let made = ramus::lsystem::draw(&grammar, &string, &TurtleParams::default(), &cancel);
+        let Drawing { tree, organs } = made.unwrap();
+        let drawn = tree.segment_count() + organs.len();
+        assert!(drawn > 20, "{name} draws a plant: {drawn}");
         tree.validate().unwrap();
+        organs.validate(&tree).unwrap();
         if name == "honda.lsys" {
             assert_eq!(string.len(), 7162, "honda after 10 steps");
         }

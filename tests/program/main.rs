@@ -16,6 +16,7 @@ use tempfile::TempDir;
 
 mod disk;
 mod doctor;
+mod explain;
 mod fmt;
 mod memory;
 mod older;

@@ -59,7 +59,8 @@ pub(super) fn tokens<'a>(
             reader.sign("{", true)?;
         }
         "module" => reader.declarations()?,
-        "shape" => reader.shape()?,
+        "shape" | "surface" => reader.shape()?,
+        "colour" | "material" => reader.look()?,
         "order" | "wrap" | "context" | "dialect" => {
             reader.identifier(true)?;
         }
@@ -390,7 +391,10 @@ impl<'a> Reader<'a, '_> {
     fn shape(&mut self) -> Option<()> {
         self.module(true)?;
         self.sign("=", true)?;
-        self.sign("[", true)?;
+        if !self.try_sign("[", true) {
+            // A surface by its name.
+            return self.identifier(true).map(|_| ());
+        }
         let mut blank = false;
         while !self.try_sign("]", false) {
             self.sign("(", blank)?;
@@ -402,6 +406,19 @@ impl<'a> Reader<'a, '_> {
             }
             self.try_sign(",", false);
             blank = true;
+        }
+        Some(())
+    }
+
+    /// An index, and numbers with or without words before them.
+    fn look(&mut self) -> Option<()> {
+        self.signed(true)?;
+        self.sign("=", true)?;
+        while !self.cursor.at_end() {
+            if self.identifier(true).is_none() {
+                self.signed(true)?;
+            }
+            self.try_sign(",", false);
         }
         Some(())
     }

@@ -19,6 +19,7 @@ use crate::tree::Tree;
 
 mod action;
 mod canvas;
+mod drawing;
 mod extent;
 mod grown;
 mod parts;
@@ -28,6 +29,7 @@ mod tree;
 mod walk;
 
 pub use canvas::{Canvas, Drawn, Outline};
+pub use drawing::{DrawingCanvas, draw};
 pub use extent::Extent;
 pub(super) use grown::{Grown, is_index, length_of};
 pub use pen::{Cylinder, Pen};
