@@ -8,7 +8,7 @@ ramus=$1
 shift
 
 # What stands on the stage; the others are drawn on paper.
-stage=' aono-kunii-a aono-kunii-b aono-kunii-c aono-kunii-d bush fern honda honda-b honda-c honda-d ternary ternary-b ternary-d '
+stage=' bush fern honda ternary-d '
 
 mkdir -p "$pictures"
 for file in "$repository"/assets/grammars/*.lsys; do
