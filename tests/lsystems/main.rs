@@ -13,6 +13,7 @@ mod dialects;
 mod faults;
 mod gallery;
 mod growth;
+mod guide;
 mod hostile;
 mod include;
 mod language;
