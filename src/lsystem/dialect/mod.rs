@@ -23,7 +23,9 @@ mod preprocess;
 mod python;
 
 mod reader;
+mod statements;
 mod text;
+mod words;
 
 use std::fmt;
 use std::ops::Range;
