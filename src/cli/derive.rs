@@ -40,6 +40,9 @@ pub(super) struct Args {
     /// Print counts, sums and bounds as one JSON object on one line
     #[arg(long)]
     json: bool,
+    /// Count and measure the string as it comes, holding neither it nor a tree: for strings of any length, in the time that they take
+    #[arg(long, requires = "json", conflicts_with_all = ["print", "export", "png", "time"])]
+    stream: bool,
     /// Say which production rewrote each module in a step: the last one, or STEP
     #[arg(long, value_name = "STEP", num_args = 0..=1, value_parser = explain::step(),
         conflicts_with_all = ["print", "export", "png"])]
@@ -252,6 +255,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
         Some(Print::Growth) => Some(Wanted::Growth),
         _ => None,
     };
+    if args.stream {
+        return unwritten::stream(&grammar, steps, &limits, &named(), explain);
+    }
     if let Some(wanted) = wanted
         && unwritten::print(wanted, &grammar, steps, &limits, explain)?
         && only_printed

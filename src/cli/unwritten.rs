@@ -3,10 +3,13 @@
 use std::io::Write as _;
 use std::sync::atomic::AtomicBool;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result, bail};
 
 use super::print_result;
-use crate::lsystem::{DeriveError, Grammar, Limits};
+use super::progress::Progress;
+use crate::lsystem::report::Report;
+use crate::lsystem::turtle::streams;
+use crate::lsystem::{DeriveError, Grammar, Limits, TurtleParams};
 
 /// What is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +56,33 @@ pub(super) fn print(
         (_, Err(error)) => return Err(explain(error)),
     }
     Ok(true)
+}
+
+/// Prints the JSON object of a string that is drawn as it comes.
+pub(super) fn stream(
+    grammar: &Grammar,
+    steps: u32,
+    limits: &Limits,
+    name: &str,
+    explain: impl Fn(DeriveError) -> anyhow::Error,
+) -> Result<()> {
+    let never = AtomicBool::new(false);
+    let unwritten = grammar.unwritten(steps, limits, &never).map_err(&explain)?;
+    let Some(string) = unwritten.filter(|_| streams(grammar)) else {
+        bail!(
+            "{name}: the modules of this grammar do not each develop alone and without chance (or its `interpret` block draws or cuts), so its string has to be derived: leave out --stream"
+        );
+    };
+    let params = TurtleParams {
+        limits: *limits,
+        ..TurtleParams::default()
+    };
+    let report = Progress::during("drawing with the turtle", || {
+        Report::streamed(grammar, string.iter(), steps, &params, &never)
+    })
+    .map_err(&explain)?;
+    let json = report.to_json().with_context(|| name.to_owned())?;
+    print_result("the JSON", |out| writeln!(out, "{json}"))
 }
 
 /// Prints the modules of each step while it is derived.

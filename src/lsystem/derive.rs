@@ -10,7 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::active::Chain;
 use super::blocks::{Blocks, Size};
-use super::column::{Column, bytes_up_to};
+use super::choices::Choices;
+use super::column::bytes_up_to;
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, Role, RuleSet};
 use super::output::Spare;
@@ -221,7 +222,7 @@ pub(crate) fn decomposed(
 }
 
 /// Is shown the productions of a round that changed something, and the choices that it made.
-pub(super) type Watch<'w> = dyn FnMut(&RuleSet, &Column) -> Result<(), DeriveError> + 'w;
+pub(super) type Watch<'w> = dyn FnMut(&RuleSet, &Choices) -> Result<(), DeriveError> + 'w;
 
 /// The same, round by round before the eyes of `watch`.
 pub(super) fn decomposed_watched(

@@ -20,6 +20,7 @@ mod active;
 mod batch;
 mod blocks;
 mod choice;
+mod choices;
 mod code;
 mod column;
 mod context;

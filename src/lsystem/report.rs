@@ -3,12 +3,18 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use glam::Vec3;
 use serde::Serialize;
 use thiserror::Error;
 
+use super::error::DeriveError;
 use super::grammar::{Grammar, Role};
 use super::number::write_general;
-use super::string::ModuleString;
+use super::string::{Module, ModuleString};
+use super::turtle::{Extent, TurtleParams, stream_on};
 use crate::tree::{NO_PARENT, Tree};
 
 /// Smallest box round all nodes, metres.
@@ -148,6 +154,80 @@ impl Fnv {
     }
 }
 
+/// What is counted of modules that come one after the other.
+struct Tally<'g> {
+    grammar: &'g Grammar,
+    by_symbol: Vec<u128>,
+    sums: Vec<Vec<Sum>>,
+    hash: Fnv,
+    modules: u64,
+    depth: u64,
+    max_depth: u64,
+}
+
+impl<'g> Tally<'g> {
+    fn new(grammar: &'g Grammar) -> Self {
+        let sums = |arity: &u8| vec![Sum::default(); usize::from(*arity)];
+        Self {
+            grammar,
+            by_symbol: vec![0; grammar.names.symbols().len()],
+            sums: grammar.arity.iter().map(sums).collect(),
+            hash: Fnv(0xcbf2_9ce4_8422_2325),
+            modules: 0,
+            depth: 0,
+            max_depth: 0,
+        }
+    }
+
+    fn add(&mut self, module: &Module<'_>) {
+        self.modules += 1;
+        let index = usize::from(module.symbol);
+        if let Some(count) = self.by_symbol.get_mut(index) {
+            *count += 1;
+        }
+        let sums = self.sums.get_mut(index).into_iter().flatten();
+        for (sum, value) in sums.zip(module.parameters) {
+            sum.add(*value);
+        }
+        self.hash.add(self.grammar.name(module.symbol).as_bytes());
+        match self.grammar.role(module.symbol) {
+            Role::Open => {
+                self.depth += 1;
+                self.max_depth = self.max_depth.max(self.depth);
+            }
+            Role::Close => self.depth = self.depth.saturating_sub(1),
+            _ => {}
+        }
+    }
+
+    fn report(self, steps: u32, drawn: Extent, [derive_ms, turtle_ms]: [f64; 2]) -> Report {
+        let (counts, param_sums) = by_name(self.grammar, &self.by_symbol, &self.sums);
+        // Each is part of `modules`.
+        let narrow = |count| u64::try_from(count).unwrap_or(u64::MAX);
+        let [min, max] = drawn
+            .bounds
+            .unwrap_or_default()
+            .map(|corner| corner.to_array());
+        Report {
+            format: "ramus-derive/1",
+            steps,
+            time: None,
+            modules: self.modules,
+            counts: counts
+                .into_iter()
+                .map(|(name, count)| (name, narrow(count)))
+                .collect(),
+            max_depth: self.max_depth,
+            fnv1a64: format!("{:016x}", self.hash.0),
+            param_sums,
+            segments: drawn.segments,
+            bounds: Bounds { min, max },
+            derive_ms,
+            turtle_ms,
+        }
+    }
+}
+
 impl Report {
     /// Counts a string and its tree; the times are the caller's.
     #[must_use]
@@ -159,58 +239,35 @@ impl Report {
         derive_ms: f64,
         turtle_ms: f64,
     ) -> Self {
-        let symbols = grammar.names.symbols().len();
-        let mut by_symbol = vec![0_u128; symbols];
-        let mut sums: Vec<Vec<Sum>> = grammar
-            .arity
-            .iter()
-            .map(|a| vec![Sum::default(); usize::from(*a)])
-            .collect();
-        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        let (mut depth, mut max_depth) = (0_u64, 0);
+        let mut tally = Tally::new(grammar);
         for module in string.iter() {
-            let index = usize::from(module.symbol);
-            if let Some(count) = by_symbol.get_mut(index) {
-                *count += 1;
-            }
-            for (sum, value) in sums
-                .get_mut(index)
-                .into_iter()
-                .flatten()
-                .zip(module.parameters)
-            {
-                sum.add(*value);
-            }
-            hash.add(grammar.name(module.symbol).as_bytes());
-            match grammar.role(module.symbol) {
-                Role::Open => {
-                    depth += 1;
-                    max_depth = max_depth.max(depth);
-                }
-                Role::Close => depth = depth.saturating_sub(1),
-                _ => {}
-            }
+            tally.add(&module);
         }
-        let (counts, param_sums) = by_name(grammar, &by_symbol, &sums);
-        // A string has fewer modules than u64 counts.
-        let narrow = |count| u64::try_from(count).unwrap_or(u64::MAX);
-        Self {
-            format: "ramus-derive/1",
-            steps,
-            time: None,
-            modules: string.len() as u64,
-            counts: counts
-                .into_iter()
-                .map(|(name, count)| (name, narrow(count)))
-                .collect(),
-            max_depth,
-            fnv1a64: format!("{:016x}", hash.0),
-            param_sums,
+        let drawn = Extent {
             segments: tree.parent.iter().filter(|p| **p != NO_PARENT).count() as u64,
             bounds: bounds(tree),
-            derive_ms,
-            turtle_ms,
-        }
+        };
+        tally.report(steps, drawn, [derive_ms, turtle_ms])
+    }
+
+    /// Counts and measures modules as they come, holding neither string nor tree: of a grammar that
+    /// [`streams`](super::turtle::streams). The time that making them took is in that of the drawing.
+    ///
+    /// # Errors
+    /// What keeps the turtle from drawing.
+    pub fn streamed<'m>(
+        grammar: &Grammar,
+        modules: impl Iterator<Item = Module<'m>>,
+        steps: u32,
+        params: &TurtleParams,
+        cancel: &AtomicBool,
+    ) -> Result<Self, DeriveError> {
+        let began = Instant::now();
+        let mut tally = Tally::new(grammar);
+        let modules = modules.inspect(|module| tally.add(module));
+        let drawn = stream_on(grammar, modules, params, cancel, Extent::default())?;
+        let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
+        Ok(tally.report(steps, drawn, [0.0, turtle_ms]))
     }
 
     /// One object on one line, without a line end.
@@ -304,7 +361,7 @@ pub(super) fn by_name(
     (counts, by_name.into_iter().map(total).collect())
 }
 
-fn bounds(tree: &Tree) -> Bounds {
+fn bounds(tree: &Tree) -> Option<[Vec3; 2]> {
     // Both ends of each segment: where the turtle moved without drawing (or began) nothing stands.
     let mut ends = tree
         .parent
@@ -312,10 +369,6 @@ fn bounds(tree: &Tree) -> Bounds {
         .zip(&tree.position)
         .filter_map(|(parent, end)| Some([*tree.position.get(*parent as usize)?, *end]))
         .flatten();
-    let first = ends.next().unwrap_or_default();
-    let (min, max) = ends.fold((first, first), |(min, max), p| (min.min(p), max.max(p)));
-    Bounds {
-        min: min.to_array(),
-        max: max.to_array(),
-    }
+    let first = ends.next()?;
+    Some(ends.fold([first; 2], |[min, max], p| [min.min(p), max.max(p)]))
 }

@@ -384,7 +384,7 @@ fn every_fault_is_told_as_a_person_wants_it() {
         ),
         (
             "axiom A\nshape A = [(0 1 0)]\nshape A = [(0 1 0)]\n",
-            &["3:7: the shape `A` is given twice"][..],
+            &["3:7: `A` is a shape or surface already"][..],
         ),
         (
             "axiom A\ninclude rules.lsys\n",

@@ -12,6 +12,7 @@ mod canvas;
 mod dialects;
 mod faults;
 mod growth;
+mod guide;
 mod hostile;
 mod include;
 mod language;

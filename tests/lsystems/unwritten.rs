@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use ramus::lsystem::report::Report;
-use ramus::lsystem::{DeriveProblem, Grammar, Limits, Unwritten};
+use ramus::lsystem::{DeriveProblem, Grammar, Limits, TurtleParams, Unwritten};
 
 use super::{derive, draw, parse};
 
@@ -156,4 +156,32 @@ fn a_limit_costs_no_time() {
         "{step} {:?}",
         began.elapsed()
     );
+}
+
+/// Drawn as it comes, a string has the counts and measures that it has written down.
+#[test]
+fn streamed_reports_are_those_of_string_and_tree() {
+    for (text, steps) in [
+        (include_str!("../../assets/grammars/honda.lsys"), 9),
+        (include_str!("../../assets/grammars/ternary.lsys"), 5),
+        ("axiom A(1)\nA(x) -> F(x) [+A(x/2)] f(x) [-A(x/2)]\n", 7),
+        // An `interpret` block, over several of the pieces that it is shown.
+        (
+            "angle 30\naxiom A(1)\nA(x) -> S(x) [+A(x/2)] [-A(x/2)]\nS(x) -> S(x*1.1)\n\
+             interpret depth 2 {\n  S(x) -> !(x/10) B F(x)\n  B -> [&(90)F]\n}\n",
+            14,
+        ),
+        ("axiom b\na -> ab\nb -> a\n", 20),
+    ] {
+        let grammar = parse(text);
+        let (limits, cancel) = (Limits::default(), AtomicBool::new(false));
+        let string = derive(&grammar, steps);
+        let written = Report::new(&grammar, &string, &draw(&grammar, &string), steps, 0.0, 0.0);
+        let unwritten = grammar.unwritten(steps, &limits, &cancel).unwrap().unwrap();
+        let params = TurtleParams::default();
+        let mut streamed =
+            Report::streamed(&grammar, unwritten.iter(), steps, &params, &cancel).unwrap();
+        streamed.turtle_ms = 0.0;
+        assert_eq!(streamed, written, "{text}");
+    }
 }

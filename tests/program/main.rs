@@ -23,6 +23,7 @@ mod older;
 mod outputs;
 mod project;
 mod refusals;
+mod time;
 mod widths;
 
 const FIRST_TREE: &str = concat!(

@@ -128,6 +128,9 @@ struct Slices<'g> {
 impl Slices<'_> {
     /// Writes one. `None`: cancelled.
     fn write<S: Narrow, B: Cell>(&self, mut walk: Walk<'_>, out: Output<'_, S, B>) -> Option<()> {
+        if self.cancel.load(Ordering::Relaxed) {
+            return None;
+        }
         // Where each block was first written in this slice.
         let mut written: Vec<Option<Place>> = vec![None; self.graph.blocks.len()];
         // Blocks that began in this slice and have not ended.

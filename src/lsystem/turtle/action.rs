@@ -57,7 +57,7 @@ impl Turn {
         clippy::float_cmp,
         reason = "the very same angle has the same sine; another is worked out"
     )]
-    #[inline]
+    #[inline(always)]
     pub(super) fn half(&mut self, degrees: Option<f64>) -> Half {
         let Some(degrees) = degrees else {
             return self.default;
@@ -112,6 +112,23 @@ pub(super) fn actions(grammar: &Grammar, params: &TurtleParams) -> Vec<Action> {
     let angle = grammar.angle.unwrap_or(params.angle);
     let symbols = 0..u16::try_from(grammar.names.symbols().len()).unwrap_or(u16::MAX);
     symbols.map(|s| action(grammar, s, angle)).collect()
+}
+
+/// Whether any symbol draws more than a skeleton: organs, colours, materials, cylinders.
+pub(super) fn draws_organs(grammar: &Grammar, params: &TurtleParams) -> bool {
+    let more = |action: &Action| {
+        matches!(
+            action,
+            Action::BeginPolygon
+                | Action::NextColour
+                | Action::LastColour
+                | Action::Material
+                | Action::Sphere
+                | Action::Surface
+                | Action::BeginCylinder
+        )
+    };
+    actions(grammar, params).iter().any(more)
 }
 
 fn action(grammar: &Grammar, symbol: Symbol, angle: f64) -> Action {

@@ -7,9 +7,10 @@ use glam::DVec3;
 use super::super::error::{DeriveError, DeriveProblem};
 use super::super::grammar::Grammar;
 use super::super::string::ModuleString;
+use super::action::draws_organs;
 use super::canvas::{Canvas, Drawn, Outline, narrow, narrowed};
 use super::pen::{Cylinder, Pen};
-use super::{TreeCanvas, TurtleParams, draw_on};
+use super::{TreeCanvas, TurtleParams, draw_on, interpret};
 use crate::tree::Drawing;
 use crate::tree::organs::{MOST_CORNERS, Organs, Paint, Placed, Polygon, Smooth, Sphere};
 
@@ -26,6 +27,12 @@ pub fn draw(
     params: &TurtleParams,
     cancel: &AtomicBool,
 ) -> Result<Drawing, DeriveError> {
+    if !draws_organs(grammar, params) {
+        // A tree alone is drawn in parts beside each other.
+        let tree = interpret(grammar, string, params, cancel)?;
+        let organs = DrawingCanvas::new(grammar, params).organs;
+        return Ok(Drawing { tree, organs });
+    }
     let canvas = draw_on(grammar, string, params, cancel, |params| {
         DrawingCanvas::new(grammar, params)
     })?;

@@ -52,14 +52,14 @@ pub(crate) fn is_index(grammar: &Grammar, symbol: Symbol) -> bool {
 }
 
 impl<C: Canvas> Turtle<'_, C> {
-    /// [`Turtle::step`] of a module that is partly grown. What has no size (brackets, colours, `$`) is there at once.
+    /// [`Turtle::step_one`] of a module that is partly grown. What has no size (brackets, colours, `$`) is there at once.
     pub(super) fn step_grown(
         &mut self,
         module: Module<'_>,
         grown: Grown,
     ) -> Result<(), DeriveError> {
         if grown == Grown::WHOLE {
-            return self.step(module);
+            return self.step_one(module);
         }
         let first = module.parameters.first().copied();
         let measured = match self.action(module.symbol) {
@@ -81,13 +81,13 @@ impl<C: Canvas> Turtle<'_, C> {
             Action::Tropism => grown.of(first.unwrap_or(0.0)),
             Action::Follow(_) => {
                 self.shape_scale = grown.part;
-                let drawn = self.step(module);
+                let drawn = self.step_one(module);
                 self.shape_scale = 1.0;
                 return drawn;
             }
-            _ => return self.step(module),
+            _ => return self.step_one(module),
         };
-        self.step(Module {
+        self.step_one(Module {
             parameters: &[measured],
             ..module
         })

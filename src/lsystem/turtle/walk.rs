@@ -175,7 +175,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         action.copied().unwrap_or(Action::Nothing)
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn step(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
         let by = Drawn {
             symbol: module.symbol,
@@ -241,6 +241,12 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             }
         }
         Ok(())
+    }
+
+    /// [`Self::step`] where its speed is not what counts.
+    #[inline(never)]
+    pub(super) fn step_one(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
+        self.step(module)
     }
 
     fn push(&mut self) -> Result<(), DeriveError> {
