@@ -470,7 +470,7 @@ fn organs_are_written_and_pictured() {
     let vertex = obj.lines().find(|line| line.starts_with("v ")).unwrap();
     assert_eq!(vertex.split(' ').count(), 7, "with a colour: {vertex}");
     let picture = image::open(at("leaf.png")).unwrap().to_rgb8();
-    let red = |pixel: &image::Rgb<u8>| pixel.0[0] > 2 * pixel.0[1];
+    let red = |pixel: &image::Rgb<u8>| u16::from(pixel.0[0]) > 2 * u16::from(pixel.0[1]);
     assert!(picture.pixels().filter(|p| red(p)).count() > 100);
     let small = ["derive", "leaf.lsys", "--png", "leaf.png", "--memory", "1"];
     let crowd = format!("steps 0\naxiom {}\n", "~L".repeat(4000));
