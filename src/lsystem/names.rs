@@ -18,7 +18,7 @@ const MAX_NAME_CHARS: usize = 64;
 /// Signs that are modules by themselves, besides letters and digits.
 const SIGNS: &str = "+-&^\\/|$![]%{}.',;";
 /// Modules of the turtle that have two or three characters.
-const LONG_SIGNS: [&str; 7] = ["@Gs", "@Ge", "@O", "?P", "?H", "?U", "?L"];
+const LONG_SIGNS: [&str; 10] = ["@Gs", "@Ge", "@O", "?P", "?H", "?U", "?L", "@l", "@a", "@w"];
 
 /// One symbol.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -171,7 +171,7 @@ impl Names {
             return Ok(cursor.between(start, cursor.pos()));
         }
         Err(match first {
-            '@' => cursor.expected("one of the turtle's `@O`, `@Gs`, `@Ge`"),
+            '@' => cursor.expected("one of the turtle's `@O`, `@Gs`, `@Ge`, `@l`, `@a`, `@w`"),
             '?' => cursor.expected("one of the turtle's `?P`, `?H`, `?U`, `?L`"),
             '(' => cursor.expected("a module; parameters follow a module's name"),
             '*' => cursor.expected("a module; `*` means no module at all and stands alone"),

@@ -418,7 +418,7 @@ fn faults_are_told_where_they_are() {
         ("const a = 1, a = 2\naxiom A\n", 1, 14, &["a value twice"]),
         ("const a = 1/0\naxiom A\n", 1, 11, &["division by zero"]),
         ("axiom A\naxiom B\n", 2, 1, &["second time"]),
-        ("axiom A@X\n", 1, 8, &["`@O`, `@Gs`, `@Ge`"]),
+        ("axiom A@X\n", 1, 8, &["`@O`, `@Gs`, `@Ge`, `@l`"]),
         ("axiom A\"\n", 1, 8, &["found `\"`"]),
         (
             "axiom ?P(1)\n",

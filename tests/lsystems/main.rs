@@ -11,6 +11,7 @@
 mod canvas;
 mod dialects;
 mod faults;
+mod gallery;
 mod growth;
 mod guide;
 mod hostile;

@@ -150,8 +150,7 @@ fn cpfg(key: &str, arity: usize) -> Meaning {
         ("/", _) => Same("\\"),
         ("\\", _) => Same("/"),
         (";", _) => Same("'"),
-        (",", 0) => Same(","),
-        (",", _) => drawn("Colour", COLOUR),
+        (",", _) => Same(","),
         ("@v", _) => Same("$"),
         // A diameter, where ours is a radius.
         ("@O", 1..) => D {
@@ -229,8 +228,7 @@ fn lpy(key: &str, arity: usize) -> Meaning {
             "`_` without a parameter adds L-Py's width increment, a setting of its viewer; here it does nothing",
         ),
         (";", _) => Same("'"),
-        (",", 0) => Same(","),
-        (",", _) => drawn("DecColor", COLOUR),
+        (",", _) => Same(","),
         ("SetColor", 1) => drawn("SetColor", COLOUR),
         ("SetColor" | "InterpolateColors", _) => nothing(
             "SetColor",
@@ -340,6 +338,9 @@ fn houdini(key: &str, arity: usize) -> Meaning {
         ("!", _) => drawn("Thicker", &[("@w", &[P(0, 1.0)])]),
         ("?", 0) => drawn("Thinner", &[("@w", &[Fixed("1/thickness_scale")])]),
         ("?", _) => drawn("Thinner", &[("@w", &[Inverse(0)])]),
+        // Where the turtle starts, from the node's Values.
+        ("step size", _) => drawn("StepSize", &[("@l", &[P(0, 1.0)])]),
+        ("thickness", _) => drawn("Thickness", WIDTH),
         ("G", _) => Same("G"),
         ("J", _) => Same("~J"),
         ("K", _) => Same("~K"),

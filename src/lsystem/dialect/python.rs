@@ -7,10 +7,11 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use super::expression::{Binary, Expr, Kind, Node};
-use super::lpy::{self, Words};
+use super::lpy;
 use super::model::{Model, Module, Rule, both};
 use super::reader::Reader;
 use super::text::Fault;
+use super::words::Words;
 
 /// Ways through one rule's code.
 const MAX_WAYS: usize = 64;

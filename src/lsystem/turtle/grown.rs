@@ -64,9 +64,11 @@ impl<C: Canvas> Turtle<'_, C> {
         let first = module.parameters.first().copied();
         let measured = match self.action(module.symbol) {
             Action::Draw | Action::DrawWithin | Action::Move | Action::MoveWithin => {
-                grown.of(first.unwrap_or(self.params.length))
+                grown.of(first.unwrap_or(self.params.length * self.pen.length_scale))
             }
-            Action::Turn(turn) => grown.of(first.unwrap_or(turn.default_degrees)),
+            Action::Turn(turn) => {
+                grown.of(first.unwrap_or(turn.default_degrees * self.pen.angle_scale))
+            }
             Action::TurnAround => {
                 self.pen
                     .turn_about(Axis::Up, Half::of_degrees(grown.of(180.0)));

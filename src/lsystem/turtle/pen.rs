@@ -39,6 +39,10 @@ pub struct Pen {
     pub width: f64,
     /// Strength of the tropism.
     pub tropism: f64,
+    /// Multiplies the length of a step without a parameter.
+    pub length_scale: f64,
+    /// Multiplies the angle of a turn without a parameter.
+    pub angle_scale: f64,
     /// The node at this position, or `NO_PARENT` after a move without drawing.
     pub node: u32,
     /// Brackets round it; 65535 where there are more.
@@ -64,6 +68,8 @@ impl Pen {
             frame: DQuat::IDENTITY,
             width,
             tropism: 0.0,
+            length_scale: 1.0,
+            angle_scale: 1.0,
             node: 0,
             order: 0,
             colour: 0,
@@ -72,6 +78,13 @@ impl Pen {
             turns: 0,
             shape: None,
         }
+    }
+
+    /// The degrees of a turn without a parameter, where they are not the grammar's.
+    #[expect(clippy::float_cmp, reason = "1 until something is multiplied")]
+    #[inline]
+    pub(super) fn scaled_turn(&self, degrees: f64) -> Option<f64> {
+        (self.angle_scale != 1.0).then_some(degrees * self.angle_scale)
     }
 
     /// H, the direction of the next segment.

@@ -189,7 +189,8 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         match action {
             Action::Nothing => {}
             Action::Turn(turn) => {
-                let half = turn.half(first);
+                let degrees = first.or_else(|| self.pen.scaled_turn(turn.default_degrees));
+                let half = turn.half(degrees);
                 self.pen.turn_about(turn.axis, half);
             }
             Action::Draw => return self.forward(by, first, true),
@@ -205,6 +206,9 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             Action::Width => {
                 self.pen.width = first.unwrap_or(self.pen.width * self.params.narrow);
             }
+            Action::ScaleWidth => self.pen.width *= first.unwrap_or(1.0),
+            Action::ScaleLength => self.pen.length_scale *= first.unwrap_or(1.0),
+            Action::ScaleAngle => self.pen.angle_scale *= first.unwrap_or(1.0),
             Action::Level => self.pen.level(),
             Action::TurnAround => self.pen.turn_around(),
             Action::Tropism => self.pen.tropism = first.unwrap_or(0.0),
@@ -273,7 +277,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         length: Option<f64>,
         is_vertex: bool,
     ) -> Result<(), DeriveError> {
-        let length = length.unwrap_or(self.params.length);
+        let length = length.unwrap_or(self.params.length * self.pen.length_scale);
         self.pen.shape = None;
         if self.outlines.is_empty() {
             self.draw(by, length, None)?;
@@ -290,7 +294,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
     /// `f` and `g`.
     fn skip(&mut self, length: Option<f64>, is_vertex: bool) -> Result<(), DeriveError> {
         self.pen.shape = None;
-        let length = length.unwrap_or(self.params.length);
+        let length = length.unwrap_or(self.params.length * self.pen.length_scale);
         self.pen.jump(self.pen.ahead(length));
         if is_vertex { self.vertex() } else { Ok(()) }
     }

@@ -2,7 +2,7 @@
 
 use super::super::tubes::{LETTER_SHIFT, PAINTED, TubeSegment};
 use super::super::{NO_PARENT, Tree};
-use super::{LookTable, Organs, Refined};
+use super::{LookTable, Organs, Paint, Refined};
 
 /// Gives each painted segment the number of its look in the place of its letter. `segments` are those of `tree`, or of the
 /// finer tree where there is one.
@@ -13,7 +13,8 @@ pub fn paint_segments(
     segments: &mut [TubeSegment],
     looks: &mut LookTable,
 ) {
-    if organs.paints.is_empty() {
+    // Colour 0 may be the grammar's own too.
+    if organs.paints.is_empty() && organs.palette.is_bark(Paint::default()) {
         return;
     }
     let (tree, paints) = fine.map_or((tree, &organs.paints), |fine| (&fine.tree, &fine.paints));

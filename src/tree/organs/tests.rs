@@ -428,6 +428,27 @@ fn paints_cost_nothing_where_there_are_none() {
 }
 
 #[test]
+fn segments_that_nothing_paints_have_the_grammars_colour_0() {
+    let tree = chain(&[Vec3::ZERO, Vec3::Y, Vec3::Y * 2.0]);
+    let painted = |organs: &Organs| {
+        let mut segments = Vec::new();
+        crate::tree::tubes::segments(&tree, &[], u32::MAX, &mut segments);
+        paint_segments(
+            &tree,
+            organs,
+            None,
+            &mut segments,
+            &mut LookTable::default(),
+        );
+        segments.iter().filter(|s| look_of(s).is_some()).count()
+    };
+    let mut organs = Organs::default();
+    assert_eq!(painted(&organs), 0);
+    organs.palette.set_colour(0, [0.1, 0.2, 0.3]);
+    assert_eq!(painted(&organs), 2);
+}
+
+#[test]
 fn a_palette_has_a_colour_for_every_index_and_takes_those_that_are_given() {
     let mut palette = Palette::default();
     assert_eq!(palette.colour(0), None, "the thing's own");

@@ -1,3 +1,5 @@
+//! What files of L-Py become.
+
 use ramus::lsystem::dialect::Dialect::Lpy;
 
 use super::{brought, fault, lines, string};
@@ -25,8 +27,8 @@ fn rules_with_arrows() {
             "A -> +(30) & ^(2) / \\ \\(1) |",
         ),
         (
-            "A --> F(1)f(2)@v@O(3);(1),",
-            "A -> F(1) f(2) $ @O(3) '(1) ,",
+            "A --> F(1)f(2)@v@O(3);(1),(2),",
+            "A -> F(1) f(2) $ @O(3) '(1) ,(2) ,",
         ),
         ("A --> {.F.}@Gc F @Ge", "A -> { . F . } @Gs F @Ge"),
         ("A --> StartGC F EndGC", "A -> @Gs F @Ge"),

@@ -1,6 +1,8 @@
 //! Grammars of cpfg, L-Py and Houdini: what they become, what they derive, where their faults are told.
 
 mod cpfg;
+mod hostile;
+mod houdini;
 mod lpy;
 mod reference;
 
