@@ -12,7 +12,7 @@ use super::active::Chain;
 use super::blocks::{Blocks, Size};
 use super::choices::Choices;
 use super::column::bytes_up_to;
-use super::error::{DeriveError, DeriveProblem};
+use super::error::{DeriveError, DeriveProblem, Limit};
 use super::grammar::{Grammar, Role, RuleSet};
 use super::output::Spare;
 use super::query::answered;
@@ -156,9 +156,9 @@ pub(super) fn past(
     let bytes = bytes_of(grammar, size, step);
     let most = limits.modules.min(u64::from(u32::MAX));
     let limit = if modules > most {
-        format!("{most} modules")
+        Limit::Modules(most)
     } else if bytes > limits.bytes {
-        format!("{} bytes", limits.bytes)
+        Limit::Bytes(limits.bytes)
     } else {
         return None;
     };
