@@ -55,6 +55,12 @@ impl Names {
             .map_or("", String::as_str)
     }
 
+    /// The symbol of a name with so many parameters.
+    pub(crate) fn find(&self, name: &str, arity: u8) -> Option<Symbol> {
+        let name = self.name_of.get(name)?;
+        self.symbol_of.get(&(*name, arity)).copied()
+    }
+
     /// Declares a module; false if it is already declared.
     pub(crate) fn declare(&mut self, name: &str, parameters: Vec<String>) -> bool {
         if self.declared.contains_key(name) {

@@ -10,6 +10,7 @@
 
 mod canvas;
 mod dialects;
+mod history;
 mod hostile;
 mod include;
 mod language;
