@@ -23,6 +23,7 @@ help: ## this list
 	@echo 'make test              everything that CI checks'
 	@echo 'make bench             the benchmarks'
 	@echo 'make doc               API pages and the user guide, under target/doc and target/book'
+	@echo 'make pictures          the pictures of the gallery, drawn again'
 	@echo 'make fuzz              each parser under the fuzzer for FUZZ_SECONDS'
 	@echo 'make clean-out         removes out/, what the program made'
 	@echo
@@ -61,6 +62,12 @@ doc:
 	mdbook build docs --dest-dir "$(CARGO_TARGET_DIR)/book"
 	@echo "API pages: $(CARGO_TARGET_DIR)/doc/ramus/index.html"
 	@echo "the guide: $(CARGO_TARGET_DIR)/book/index.html"
+
+.PHONY: pictures
+pictures:
+	@scripts/setup.sh run
+	$(CARGO) build --release --bin ramus
+	@scripts/gallery.sh "$(CARGO_TARGET_DIR)/release/ramus"
 
 # libFuzzer's instrumentation needs unstable compiler flags: a stable toolchain takes
 # them with RUSTC_BOOTSTRAP. Finds are left in fuzz/artifacts; what the fuzzer

@@ -74,6 +74,7 @@ fn scene(segments: u32) -> Scene {
     }
     scene.tree = Some(PlacedTree {
         tree: Arc::new(tree(segments)),
+        organs: Arc::default(),
         radius_before: Arc::default(),
         revision: 1,
         world_from_tree: Affine3A::IDENTITY,

@@ -2,6 +2,7 @@
 // The formula is src/tree/mesh.rs's, its twin on the processor. Both rings of a joint are computed
 // from the same numbers by the same instructions, so they meet bit for bit.
 #include "shared/light.wgsl"
+#include "shared/look.wgsl"
 #include "shared/noise.wgsl"
 
 struct Segment {
@@ -22,6 +23,8 @@ struct Segment {
 
 const SIDES = 8u;
 const GROWING = 1u;
+// Bits 16 to 31 hold the number of a look.
+const PAINTED = 8u;
 // A tube's end is a cone of so many radii.
 const CAP_HEIGHT = 0.75;
 // A tube is drawn no thinner than this many pixels in radius; what is thinner grows faint instead of breaking up.
@@ -36,6 +39,8 @@ struct Point {
     // x: circumferences along the tube; y: radius in the tree's own metres; z: alpha; w: 1 for the newest step.
     @location(3) bark: vec4f,
     @location(4) @interpolate(flat) eye: vec3f,
+    // 0: bark.
+    @location(5) @interpolate(flat) look: u32,
 }
 
 // A point of a ring, or the tip of the cone over it.
@@ -96,7 +101,8 @@ fn spot(segment: Segment, second: bool, side: u32) -> Spot {
     return out;
 }
 
-fn seen(s: Spot, newest: bool, view: u32) -> Point {
+fn seen(s: Spot, flags: u32, view: u32) -> Point {
+    let newest = (flags & GROWING) != 0u;
     let v = frame.views[view];
     let radius = s.radius * frame.tree.y;
     let depth = (v.clip_from_world * vec4f(s.center, 1.0)).w;
@@ -110,6 +116,7 @@ fn seen(s: Spot, newest: bool, view: u32) -> Point {
     out.around = s.around;
     out.bark = vec4f(s.along, s.radius, clamp(radius / max(finest, 1e-9), 0.0, 1.0), select(0.0, 1.0, newest));
     out.eye = v.eye.xyz;
+    out.look = select(0u, flags >> 16u, (flags & PAINTED) != 0u);
     return out;
 }
 
@@ -120,7 +127,7 @@ fn tube_vertex(
     @builtin(view_index) view: u32,
 ) -> Point {
     let segment = segments[instance * 8u + vertex / 16u];
-    return seen(spot(segment, (vertex & 8u) != 0u, vertex & 7u), (segment.flags & GROWING) != 0u, view);
+    return seen(spot(segment, (vertex & 8u) != 0u, vertex & 7u), segment.flags, view);
 }
 
 // Eight caps an instance, nine corners each: the ring and the tip.
@@ -131,7 +138,7 @@ fn cap_vertex(
     @builtin(view_index) view: u32,
 ) -> Point {
     let segment = segments[caps[instance * 8u + vertex / 9u]];
-    return seen(spot(segment, true, vertex % 9u), (segment.flags & GROWING) != 0u, view);
+    return seen(spot(segment, true, vertex % 9u), segment.flags, view);
 }
 
 // The same tubes as the sun sees them, at least a texel wide.
@@ -183,6 +190,10 @@ fn tree_fragment(point: Point) -> @location(0) vec4f {
 
     let offset = point.world - point.eye;
     let sunny = sunlight(point.world, smooth_normal);
+    if point.look != 0u {
+        let painted = glossy(looks[point.look], smooth_normal, -normalize(offset), sunny);
+        return vec4f(air(painted, offset), coverage(point.bark.z));
+    }
     // Furrows lie in their own shade.
     let color = lit(albedo, normal, -normalize(offset), sunny) * (0.72 + 0.28 * height);
     return vec4f(air(color, offset), coverage(point.bark.z));

@@ -16,6 +16,7 @@ mod picture {
     mod eyes;
     mod faults;
     mod older;
+    mod organs;
     mod snapshots;
     mod support;
     mod trees;

@@ -66,6 +66,7 @@ fn scene() -> Scene {
     });
     scene.tree = Some(PlacedTree {
         tree: Arc::new(tree),
+        organs: Arc::default(),
         radius_before: Arc::default(),
         revision: 1,
         world_from_tree: Affine3A::IDENTITY,

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use image::{ImageFormat, RgbaImage};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{DynamicImage, RgbaImage};
 
 use crate::tree::export::{self, ExportParams};
 use crate::tree::file::{write_atomically, write_atomically_with};
-use crate::tree::{Tree, TreeError};
+use crate::tree::{Organs, Tree, TreeError};
 
 /// Why nothing was exported.
 #[derive(Debug, thiserror::Error)]
@@ -39,9 +40,9 @@ pub enum ExportError {
 /// Formats of trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Binary glTF: a surface with bark.
+    /// Binary glTF: a surface with bark, colours and materials.
     Glb,
-    /// Wavefront OBJ: a surface.
+    /// Wavefront OBJ: a surface with colours.
     Obj,
     /// SWC: the skeleton with radii.
     Swc,
@@ -68,19 +69,19 @@ impl Format {
     }
 }
 
-/// Writes a tree, whole or not at all.
+/// Writes a tree and what it carries, whole or not at all.
 ///
 /// # Errors
 /// [`ExportError`].
-pub fn tree(tree: &Tree, path: &Path) -> Result<(), ExportError> {
+pub fn drawing(tree: &Tree, organs: &Organs, path: &Path) -> Result<(), ExportError> {
     let params = ExportParams::default();
     match Format::of(path)? {
         Format::Glb => {
-            let file = export::Glb::new(tree, &params)?;
+            let file = export::Glb::new(tree, organs, &params)?;
             write_atomically_with(path, |out| file.write(out))?;
         }
         Format::Obj => {
-            let file = export::Obj::new(tree, &params)?;
+            let file = export::Obj::new(tree, organs, &params)?;
             write_atomically_with(path, |out| file.write(out))?;
         }
         Format::Swc => {
@@ -109,12 +110,16 @@ pub fn check_picture(path: &Path) -> Result<(), ExportError> {
 /// # Errors
 /// [`ExportError`].
 pub fn png(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    picture
-        .write_to(&mut bytes, ImageFormat::Png)
+    let mut bytes = Vec::new();
+    // Nothing is seen through a picture, so its alpha would say nothing.
+    let opaque = DynamicImage::ImageRgba8(picture.clone()).into_rgb8();
+    let encoder =
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
+    opaque
+        .write_with_encoder(encoder)
         .map_err(|source| ExportError::Picture {
             source,
             path: path.to_owned(),
         })?;
-    Ok(write_atomically(path, bytes.get_ref())?)
+    Ok(write_atomically(path, &bytes)?)
 }

@@ -6,8 +6,8 @@ use ramus_xr::{Acquired, Swapchain, View};
 
 use crate::app::worker::Worker;
 use crate::render::{
-    DrawReport, Eye, Fov, Gpu, Offscreen, Pose, RenderError, Renderer, RendererParams, StereoImage,
-    StereoMode, Target, TreeState, TreeUpload, probe,
+    Backdrop, DrawReport, Eye, Fov, Gpu, Offscreen, Pose, RenderError, Renderer, RendererParams,
+    StereoImage, StereoMode, Target, TreeState, TreeUpload, probe,
 };
 use crate::ui::BoardUi;
 use crate::world::scene::{PlacedTree, Scene};
@@ -69,15 +69,28 @@ impl Picture {
     /// # Errors
     /// [`RenderError`] where the device cannot draw them.
     pub fn offscreen(gpu: &Gpu, width: u32, height: u32) -> Result<Self, RenderError> {
+        Self::before(gpu, width, height, Backdrop::Stage)
+    }
+
+    /// Pictures without a headset, of so many pixels an eye, before a backdrop of one's own.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device cannot draw them.
+    pub fn before(
+        gpu: &Gpu,
+        width: u32,
+        height: u32,
+        backdrop: Backdrop,
+    ) -> Result<Self, RenderError> {
         let images = Images::Own(Box::new(Offscreen::new(
             gpu,
             vk::Extent2D { width, height },
         )?));
-        Self::new(
-            gpu,
-            RendererParams::new(width, height, stereo_mode(gpu)?),
-            images,
-        )
+        let params = RendererParams {
+            backdrop,
+            ..RendererParams::new(width, height, stereo_mode(gpu)?)
+        };
+        Self::new(gpu, params, images)
     }
 
     /// Pictures in a runtime's images.

@@ -8,8 +8,8 @@ use image::RgbaImage;
 use ramus_xr::{Fov, Frame, Pose, View};
 
 use crate::app::picture::Picture;
-use crate::render::{Gpu, GpuParams, Headless};
-use crate::tree::{Tree, radii};
+use crate::render::{Backdrop, Gpu, GpuParams, Headless};
+use crate::tree::{Drawing, radii};
 use crate::world::scene::{PlacedTree, Scene};
 
 /// How a tree is placed for its picture.
@@ -17,12 +17,14 @@ use crate::world::scene::{PlacedTree, Scene};
 pub struct PortraitParams {
     /// Half the largest extent that the tree is brought to, metres: grammars have no common unit.
     pub radius: f32,
-    /// The eye's height above the tree's middle, as a part of the distance.
+    /// The eye's height above the tree's middle, as a part of the distance; what is flat is seen straight on.
     pub rise: f32,
     /// Vertical field of view, radians.
     pub field: f32,
     /// How much room is left round the tree: 1 fills the picture.
     pub room: f32,
+    /// What is shallower than this part of its larger extent is flat.
+    pub flat: f32,
 }
 
 impl Default for PortraitParams {
@@ -31,7 +33,8 @@ impl Default for PortraitParams {
             radius: 1.5,
             rise: 0.12,
             field: 0.7,
-            room: 1.15,
+            room: 1.12,
+            flat: 0.05,
         }
     }
 }
@@ -47,19 +50,42 @@ pub fn open_gpu() -> Result<Gpu> {
 /// Half the width of the finest line that is drawn whole, pixels.
 const FINEST_PX: f32 = 0.9;
 
-/// Draws a tree of any size on the stage's ground, as seen from before it; `pixels` wide and high, its widths as they are or
+/// Paper: what figures stand on in print, linear.
+pub const PAPER: Backdrop = Backdrop::Plain([0.956, 0.939, 0.888, 1.0]);
+
+/// Where an eye before a box (its middle, its extent) sees all of it, and no farther away than that takes.
+fn before_box(middle: Vec3, extent: Vec3, params: &PortraitParams) -> Vec3 {
+    let is_flat = extent.z < params.flat * extent.x.max(extent.y);
+    let rise = if is_flat { 0.0 } else { params.rise };
+    let back = Vec3::new(0.0, rise, 1.0).normalize();
+    let up = back.cross(Vec3::X);
+    let slope = (params.field * 0.5).tan() / params.room;
+    let distance = (0..8_u8).map(|corner| {
+        let side = |bit: u8| if corner >> bit & 1 == 0 { -0.5 } else { 0.5 };
+        let at = Vec3::new(side(0), side(1), side(2)) * extent;
+        at.x.abs().max(at.dot(up).abs()) / slope + at.dot(back)
+    });
+    middle + back * distance.fold(0.0, f32::max)
+}
+
+/// Draws a drawing of any size before a backdrop, as seen from before it; `pixels` wide and high, its widths as they are or
 /// set for the picture's sake ([`radii::for_picture`]).
 ///
 /// # Errors
-/// Where the tree has no segment or no device can draw it.
-pub fn of_tree(mut tree: Tree, pixels: u32, set_widths: bool) -> Result<RgbaImage> {
+/// Where there is nothing to see or no device can draw it.
+pub fn of_drawing(
+    drawing: Drawing,
+    pixels: u32,
+    set_widths: bool,
+    backdrop: Backdrop,
+) -> Result<RgbaImage> {
     let params = PortraitParams::default();
-    if tree.segment_count() == 0 {
+    if drawing.is_empty() {
         bail!(
             "the tree has no segment, so there is nothing to draw: segments are drawn by `F` and by the letters of shapes"
         );
     }
-    let Some((low, high)) = tree.bounds() else {
+    let Some((low, high)) = drawing.bounds() else {
         bail!("the tree has no node, so there is nothing to draw");
     };
     let half = ((high - low) * 0.5).max_element();
@@ -68,6 +94,7 @@ pub fn of_tree(mut tree: Tree, pixels: u32, set_widths: bool) -> Result<RgbaImag
             "the tree's nodes all stand in one place, so there is nothing to draw: give its segments a length"
         );
     }
+    let Drawing { mut tree, organs } = drawing;
     let scale = params.radius / half;
     let middle = (low + high) * 0.5;
     // What is lowest touches the ground.
@@ -79,20 +106,19 @@ pub fn of_tree(mut tree: Tree, pixels: u32, set_widths: bool) -> Result<RgbaImag
     );
     let extent = (high - low) * scale;
     let target = Vec3::new(0.0, extent.y * 0.5, 0.0);
-    let reach = extent.length() * 0.5 * params.room;
-    let distance = reach / (params.field * 0.5).sin();
-    let eye = target + Vec3::new(0.0, params.rise, 1.0).normalize() * distance;
+    let eye = before_box(target, extent, &params);
     if set_widths {
         #[allow(
             clippy::cast_precision_loss,
             reason = "no device draws as many pixels as f32 has whole numbers"
         )]
-        let pixel = 2.0 * distance * (params.field * 0.5).tan() / pixels.max(1) as f32;
+        let pixel = 2.0 * eye.distance(target) * (params.field * 0.5).tan() / pixels.max(1) as f32;
         radii::for_picture(&mut tree, FINEST_PX * pixel / scale);
     }
     let scene = Scene {
         tree: Some(PlacedTree {
             tree: Arc::new(tree),
+            organs: Arc::new(organs),
             radius_before: Arc::default(),
             revision: 1,
             world_from_tree,
@@ -103,7 +129,7 @@ pub fn of_tree(mut tree: Tree, pixels: u32, set_widths: bool) -> Result<RgbaImag
     };
     let view = looking_at(eye, target, params.field);
     let gpu = open_gpu()?;
-    let mut picture = Picture::offscreen(&gpu, pixels, pixels)?;
+    let mut picture = Picture::before(&gpu, pixels, pixels, backdrop)?;
     picture.draw_whole(&scene, &[view, view], None)?;
     let [left, _] = picture.read(None)?;
     Ok(left)
@@ -230,7 +256,7 @@ pub fn looking_at(eye: Vec3, target: Vec3, field: f32) -> View {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "tests")]
     use super::*;
-    use crate::tree::NO_PARENT;
+    use crate::tree::{NO_PARENT, Tree};
     use crate::world::World;
     use crate::world::history::History;
 
@@ -259,8 +285,37 @@ mod tests {
             ("the root alone", row(1, 0.0), "no segment"),
             ("all in one place", row(3, 0.0), "in one place"),
         ] {
-            let error = of_tree(tree, 16, true).unwrap_err().to_string();
+            let error = of_drawing(tree.into(), 16, true, Backdrop::Stage)
+                .unwrap_err()
+                .to_string();
             assert!(error.contains(expected), "{what}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_portrait_shows_the_whole_tree_and_fills_the_picture() {
+        let params = PortraitParams::default();
+        for (extent, is_flat) in [
+            (Vec3::new(2.0, 2.0, 0.0), true),
+            (Vec3::new(1.0, 3.0, 0.1), true),
+            (Vec3::new(0.1, 3.0, 0.2), false),
+            (Vec3::new(3.0, 0.0, 3.0), false),
+            (Vec3::new(1.0, 2.0, 3.0), false),
+        ] {
+            let middle = Vec3::new(5.0, 1.5, -2.0);
+            let eye = before_box(middle, extent, &params);
+            assert_eq!(eye.y > middle.y, !is_flat, "{extent}");
+            let view = looking_at(eye, middle, params.field);
+            let farthest = (0..8_u8)
+                .map(|corner| {
+                    let side = |bit: u8| if corner >> bit & 1 == 0 { -0.5 } else { 0.5 };
+                    let at = middle + Vec3::new(side(0), side(1), side(2)) * extent - eye;
+                    let at = view.pose.orientation.conjugate() * at;
+                    at.x.abs().max(at.y.abs()) / (-at.z * (params.field * 0.5).tan())
+                })
+                .fold(0.0, f32::max);
+            let expected = 1.0 / params.room;
+            assert!((farthest - expected).abs() < 1e-4, "{extent}: {farthest}");
         }
     }
 
@@ -274,6 +329,7 @@ mod tests {
             let top = Vec3::new(0.0, apart * f32::from(nodes - 1), -6.0);
             stage.tree = Some(PlacedTree {
                 tree: Arc::new(tree),
+                organs: Arc::default(),
                 radius_before: Arc::default(),
                 revision: 1,
                 world_from_tree: Affine3A::from_translation(Vec3::new(-10.0, 0.0, -6.0)),

@@ -7,6 +7,7 @@ use anyhow::{Context as _, Result};
 
 use crate::app::export;
 use crate::sketch;
+use crate::tree::Organs;
 use crate::tree::file::write_atomically;
 use crate::world::World;
 
@@ -37,7 +38,8 @@ pub fn summary(world: &World) -> String {
 pub fn export(world: &World, path: &Path) -> Result<()> {
     let document = world.document();
     let grown = sketch::grow(&document.sketch, document.step, &AtomicBool::new(false))?;
-    export::tree(&grown.tree, path).with_context(|| "the tree was not written")
+    export::drawing(&grown.tree, &Organs::default(), path)
+        .with_context(|| "the tree was not written")
 }
 
 /// Writes the grammar that the sketch became, to be read, edited and derived.

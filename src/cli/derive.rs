@@ -1,26 +1,28 @@
 //! `ramus derive`: a grammar file grown, printed, drawn and exported.
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 
+use super::explain;
 use super::inputs::grammar_text;
+use super::moment::{Moment, step_at, time};
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::Progress;
+use super::unwritten::{self, Wanted};
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
-use crate::lsystem::{
-    DeriveError, DeriveProblem, Grammar, Limits, ModuleString, TurtleParams, interpret,
-};
-use crate::render::RenderError;
+use crate::lsystem::{DeriveError, DeriveProblem, ExplainParams, Grammar, Limits, TurtleParams};
+use crate::render::{self, RenderError};
 use crate::sketch::Sketch;
+use crate::tree::organs::{Organist, refined_len};
 use crate::tree::radii::{self, FitParams, RadiusParams};
-use crate::tree::{Tree, tubes};
+use crate::tree::{Drawing, Organs, tubes};
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
@@ -29,12 +31,33 @@ pub(super) struct Args {
     /// Steps to derive; without it the number that the file states
     #[arg(long, value_name = "N")]
     steps: Option<u32>,
+    /// Steps to grow, of which the last may be a part: 3.25 shows a quarter of the growth from step 3 to step 4
+    #[arg(long, value_name = "STEPS", value_parser = time, conflicts_with = "steps")]
+    time: Option<f64>,
     /// What to print
     #[arg(long, value_enum, value_name = "WHAT")]
     print: Option<Print>,
     /// Print counts, sums and bounds as one JSON object on one line
     #[arg(long)]
     json: bool,
+    /// Count and measure the string as it comes, holding neither it nor a tree: for strings of any length, in the time that they take
+    #[arg(long, requires = "json", conflicts_with_all = ["print", "export", "png", "time"])]
+    stream: bool,
+    /// Say which production rewrote each module in a step: the last one, or STEP
+    #[arg(long, value_name = "STEP", num_args = 0..=1, value_parser = explain::step(),
+        conflicts_with_all = ["print", "export", "png"])]
+    explain: Option<Option<u32>>,
+    /// The first module that --explain shows, as its position from 0
+    #[arg(
+        long,
+        value_name = "POSITION",
+        requires = "explain",
+        default_value_t = 0
+    )]
+    at: usize,
+    /// Lines of modules that --explain shows at most
+    #[arg(long, value_name = "N", requires = "explain", default_value_t = ExplainParams::default().entries)]
+    entries: usize,
     /// Write the tree; the ending tells the format: .glb, .obj or .swc (may be given more than once)
     #[arg(long, value_name = "FILE", value_parser = tree_file())]
     export: Vec<PathBuf>,
@@ -44,6 +67,9 @@ pub(super) struct Args {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     size: u32,
+    /// What the picture shows behind the tree
+    #[arg(long, value_enum, default_value_t = Backdrop::Stage, value_name = "WHICH")]
+    backdrop: Backdrop,
     /// How the grammar's widths are meant in exports and pictures
     #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
     widths: Widths,
@@ -124,18 +150,25 @@ impl Budget {
         }
     }
 
-    /// Refuses what a file or a picture of the tree takes beside the tree itself.
-    fn check(self, what: &str, tree: &Tree, node_bytes: usize) -> Result<()> {
-        let nodes = tree.len() as u64;
+    /// Refuses what a file or a picture of the drawing takes beside the drawing itself: so many bytes for each node of the finer tree and
+    /// for what the tree carries.
+    fn check(self, what: &str, drawing: &Drawing, node_bytes: usize, more: u64) -> Result<()> {
+        let Drawing { tree, organs } = drawing;
         // What the machine has free is told without the tree, `--memory` is meant with it.
-        let own = if self.by_machine { 0 } else { NODE_BYTES };
-        let needed = nodes.saturating_mul(node_bytes as u64 + own);
+        let own = if self.by_machine {
+            0
+        } else {
+            tree.len() as u64 * NODE_BYTES + organs.bytes()
+        };
+        let fine = refined_len(tree, organs).saturating_mul(node_bytes as u64);
+        let needed = fine.saturating_add(more).saturating_add(own);
         if needed <= self.bytes {
             return Ok(());
         }
         bail!(
-            "{what} of {} segments needs {} MiB; take fewer steps, or {}",
+            "{what} of {} segments{} needs {} MiB; take fewer steps, or {}",
             tree.segment_count(),
+            carried(organs),
             needed.div_ceil(MIB),
             self.advice()
         )
@@ -148,6 +181,25 @@ enum Print {
     String,
     /// How many of each name, and their parameters' sums
     Counts,
+    /// How many modules after each step
+    Growth,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Backdrop {
+    /// Sky and ground, as in the workshop
+    Stage,
+    /// Paper, as a figure in print has it
+    Paper,
+}
+
+impl Backdrop {
+    fn drawn(self) -> render::Backdrop {
+        match self {
+            Self::Stage => render::Backdrop::Stage,
+            Self::Paper => portrait::PAPER,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -170,7 +222,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     };
     let grammar = read(args)?;
     check_places(outputs())?;
-    let steps = args.steps.or(grammar.steps()).ok_or_else(|| {
+    let whole = || args.steps.or(grammar.steps()).map(|steps| (steps, 1.0));
+    let (steps, age) = args.time.map(step_at).or_else(whole).ok_or_else(|| {
         anyhow!(
             "{} states no number of steps: give one with --steps N",
             args.file.display()
@@ -182,16 +235,43 @@ pub(super) fn run(args: &Args) -> Result<()> {
         ..Limits::default()
     };
     let never = AtomicBool::new(false);
+    if let Some(step) = args.explain {
+        let params = ExplainParams {
+            from: args.at,
+            entries: args.entries,
+            ..ExplainParams::default()
+        };
+        let explained = explain::explained(&grammar, step.unwrap_or(steps), &params, &limits)?
+            .map_err(|error| budget.explain(error, &args.file.display().to_string()))?;
+        return explain::print(&explained, args.json);
+    }
+
+    let named = || args.file.display().to_string();
+    let explain = |error| budget.explain(error, &named());
+    let only_printed = !args.json && outputs().next().is_none();
+    let wanted = match args.print {
+        Some(Print::String) if only_printed => Some(Wanted::Text),
+        Some(Print::Counts) if only_printed && age >= 1.0 => Some(Wanted::Counts),
+        Some(Print::Growth) => Some(Wanted::Growth),
+        _ => None,
+    };
+    if args.stream {
+        return unwritten::stream(&grammar, steps, &limits, &named(), explain);
+    }
+    if let Some(wanted) = wanted
+        && unwritten::print(wanted, &grammar, steps, &limits, explain)?
+        && only_printed
+    {
+        return Ok(());
+    }
 
     let began = Instant::now();
     let mut progress = Progress::new("deriving");
-    let named = || args.file.display().to_string();
-    let explain = |error| budget.explain(error, &named());
-    let string = grammar
-        .derive_watched(steps, &limits, &never, &mut |done| {
-            progress.show(done as usize, steps as usize);
-        })
-        .map_err(explain)?;
+    let moment = Moment::new(&grammar, (steps, age), &limits, &never, &mut |done| {
+        progress.show(done as usize, steps as usize);
+    })
+    .map_err(explain)?;
+    let string = moment.string();
     drop(progress);
     let derive_ms = began.elapsed().as_secs_f64() * 1e3;
 
@@ -202,7 +282,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
             string.write_text(&grammar, out)?;
             writeln!(out)
         });
-        if !args.json && args.export.is_empty() && args.png.is_none() {
+        if only_printed {
             return printed;
         }
     }
@@ -210,19 +290,19 @@ pub(super) fn run(args: &Args) -> Result<()> {
     // The string stays until it is counted, so the tree has the rest.
     let turtle = TurtleParams {
         limits: Limits {
-            bytes: budget.bytes.saturating_sub(string.bytes()),
+            bytes: budget.bytes.saturating_sub(moment.bytes()),
             ..limits
         },
         ..TurtleParams::default()
     };
-    let tree = Progress::during("drawing with the turtle", || {
-        interpret(&grammar, &string, &turtle, &never)
+    let drawing = Progress::during("drawing with the turtle", || {
+        moment.drawing(&grammar, &turtle, &never)
     })
     .map_err(explain)?;
     let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
-    let report = Report::new(&grammar, &string, &tree, steps, derive_ms, turtle_ms);
-    let outlines = has_outlines(&grammar, &string);
-    drop(string);
+    let mut report = Report::new(&grammar, string, &drawing.tree, steps, derive_ms, turtle_ms);
+    report.time = args.time;
+    drop(moment);
     if args.print == Some(Print::Counts) {
         let counts = report.counts_text();
         printed = printed.and(print_result("the counts", |out| {
@@ -235,32 +315,54 @@ pub(super) fn run(args: &Args) -> Result<()> {
             .and(json.and_then(|json| print_result("the JSON", |out| writeln!(out, "{json}"))));
     } else if args.print.is_none() {
         tell!(
-            "{}: {} modules and {} segments after {steps} steps",
+            "{}: {} modules and {} segments{} after {} steps",
             args.file.display(),
             report.modules,
-            report.segments
+            report.segments,
+            carried(&drawing.organs),
+            args.time.unwrap_or(f64::from(steps))
         );
     }
-    if tree.segment_count() == 0 && (args.png.is_some() || !args.export.is_empty()) {
+    let bare = drawing.tree.segment_count() == 0;
+    let skeleton = outputs().find(|path| bare && is_skeleton(path));
+    if (drawing.is_empty() && outputs().next().is_some()) || skeleton.is_some() {
         printed?;
-        let why = if outlines {
-            ": it has outlines ({ . }) only, which are not drawn yet"
-        } else {
-            "; segments are drawn by `F` and by the letters of shapes"
+        let why = match skeleton {
+            Some(path) if !drawing.is_empty() => {
+                format!(
+                    "and {} holds segments only: export it as GLB or OBJ",
+                    path.display()
+                )
+            }
+            _ => "so there is no file to write; segments are drawn by `F` and by the letters of shapes"
+                .to_owned(),
         };
         bail!(
-            "{}: the string after {steps} steps draws no segment, so there is no file to write{why}",
+            "{}: the string after {steps} steps draws no segment, {why}",
             args.file.display()
         );
     }
     // What the tree itself takes is taken.
-    write_files(args, tree, &radii, Budget::new(args, memory::room()))?;
+    write_files(args, drawing, &radii, Budget::new(args, memory::room()))?;
     printed
 }
 
-/// Whether a string draws polygons.
-fn has_outlines(grammar: &Grammar, string: &ModuleString) -> bool {
-    string.symbols().any(|symbol| grammar.name(symbol) == "{")
+/// What a drawing has besides segments, as a part of a sentence.
+fn carried(organs: &Organs) -> String {
+    let kinds = [
+        (organs.polygons.len(), "polygons"),
+        (organs.spheres.len(), "spheres"),
+        (organs.placed.len(), "surfaces"),
+    ];
+    let there = kinds.iter().filter(|(number, _)| *number > 0);
+    there
+        .map(|(number, kind)| format!(", {number} {kind}"))
+        .collect()
+}
+
+/// Whether a file holds the skeleton alone.
+fn is_skeleton(path: &Path) -> bool {
+    export::Format::of(path).is_ok_and(|format| format == export::Format::Swc)
 }
 
 fn read(args: &Args) -> Result<Grammar> {
@@ -279,12 +381,25 @@ fn read(args: &Args) -> Result<Grammar> {
 /// Bytes for each node while a picture is made: segments, and their copies on the way to the device and on it.
 const PICTURE_BYTES: usize = tubes::NODE_BYTES + 2 * size_of::<tubes::TubeSegment>();
 
+/// Bytes for each vertex of an organ on its way to the device and on it.
+const ORGAN_VERTEX_BYTES: usize = 64;
+
+/// Bytes of all organs' triangles while a picture is made.
+fn picture_bytes(organs: &Organs) -> u64 {
+    let organist = Organist::new(organs);
+    let bytes = |index| {
+        let (vertices, indices) = organist.size(index);
+        (vertices * ORGAN_VERTEX_BYTES + indices * 2 * size_of::<u32>()) as u64
+    };
+    (0..organs.len()).map(bytes).sum()
+}
+
 /// Bytes for each node of da Vinci's radii: two counts of tips, a base and an older radius.
 const RADII_BYTES: usize = 16;
 
 fn write_files(
     args: &Args,
-    mut tree: Tree,
+    mut drawing: Drawing,
     radius_params: &RadiusParams,
     budget: Budget,
 ) -> Result<()> {
@@ -292,23 +407,27 @@ fn write_files(
         return Ok(());
     }
     let factor = match args.widths {
-        Widths::Auto => radii::fit(&mut tree, &FitParams::default()),
+        Widths::Auto => radii::fit(&mut drawing.tree, &FitParams::default()),
         Widths::Metres => None,
         Widths::DaVinci => {
-            budget.check("the radii", &tree, RADII_BYTES)?;
-            radii::da_vinci(&mut tree, radius_params, u32::MAX);
+            budget.check("the radii", &drawing, RADII_BYTES, 0)?;
+            radii::da_vinci(&mut drawing.tree, radius_params, u32::MAX);
             None
         }
     };
     for path in &args.export {
-        if export::Format::of(path)? != export::Format::Swc {
-            budget.check(&path.display().to_string(), &tree, tubes::NODE_BYTES)?;
+        if !is_skeleton(path) {
+            budget.check(&path.display().to_string(), &drawing, tubes::NODE_BYTES, 0)?;
         }
-        Progress::during("writing", || export::tree(&tree, path))?;
+        let Drawing { tree, organs } = &drawing;
+        Progress::during("writing", || export::drawing(tree, organs, path))?;
     }
     if let Some(path) = &args.png {
-        budget.check(&path.display().to_string(), &tree, PICTURE_BYTES)?;
-        let picture = Progress::during("drawing", || portrait::of_tree(tree, args.size, args.widths == Widths::Auto))
+        let organs = picture_bytes(&drawing.organs);
+        budget.check(&path.display().to_string(), &drawing, PICTURE_BYTES, organs)?;
+        let set_widths = args.widths == Widths::Auto;
+        let backdrop = args.backdrop.drawn();
+        let picture = Progress::during("drawing", || portrait::of_drawing(drawing, args.size, set_widths, backdrop))
             .map_err(|error| match error.downcast_ref() {
                 Some(RenderError::OutOfMemory(_)) => anyhow!(
                     "the graphics memory does not hold a picture of {0} × {0} pixels: choose a smaller --size, or close other programs that draw",

@@ -18,12 +18,15 @@ macro_rules! whisper {
 
 mod derive;
 mod doctor;
+mod explain;
 mod fmt;
 mod import;
 mod inputs;
+mod moment;
 mod outputs;
 mod progress;
 mod replay;
+mod unwritten;
 mod workshop;
 
 use std::io::{BufWriter, ErrorKind, IsTerminal as _, StdoutLock, Write as _};

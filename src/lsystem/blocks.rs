@@ -4,12 +4,15 @@
 //! Such a module develops alone. So the derivation is a graph, and a small one: for each step the distinct modules that
 //! it rewrites, each with its successor, whose modules stay as they are or are rewritten by the next step. Honda's
 //! tree of 1.8 million modules has some 1,200 blocks. The sizes of the strings, their growth function, follow from the
-//! graph alone (Prusinkiewicz and Lindenmayer 1990, §1.8). The string is written from front to back; a block that was
-//! written before is copied from there.
+//! graph alone (Prusinkiewicz and Lindenmayer 1990, §1.8), and so do all counts (`count`). The modules can be walked through
+//! without being written down (`walk`); the string is written in slices, by a walk each, where a block that was written before is copied
+//! from there (`write`).
 //!
 //! One module of a successor may be the same as the one it replaces ([`Round::heir`]) and keeps its birth; so each block knows where
 //! the module that it stands for ends up.
 
+mod count;
+mod walk;
 mod write;
 
 use std::collections::HashMap;
@@ -18,13 +21,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::choice::Worker;
+use super::column::bytes_up_to;
 use super::context::Alone;
-use super::derive::{Limits, past, productions};
+use super::derive::{Limits, productions};
 use super::error::DeriveError;
 use super::grammar::{Grammar, Role};
 use super::names::Symbol;
 use super::rewrite::{Round, STAYS};
 use super::string::ModuleString;
+use walk::Walk;
 
 /// Where a step rewrites more distinct modules than this,
 const MANY: usize = 1 << 12;
@@ -44,7 +49,9 @@ struct Block {
     step: u32,
     /// Modules and parameters at the end.
     size: Size,
-    /// Where the module itself ends up.
+    /// The piece that is the module itself and keeps its birth,
+    same: Option<usize>,
+    /// and where the module ends up.
     heir: Option<u128>,
 }
 
@@ -80,6 +87,7 @@ impl Size {
 }
 
 /// A derivation as a graph. The first block is the axiom.
+#[derive(Debug)]
 pub(crate) struct Blocks {
     blocks: Vec<Block>,
     pieces: Vec<Piece>,
@@ -115,12 +123,13 @@ struct Growing {
 type Key = (Symbol, Vec<u64>);
 
 impl Blocks {
-    /// The graph of a derivation from the axiom.
+    /// The graph of a derivation from the axiom, which ends at the first step whose string is too large.
     pub(crate) fn new(
         grammar: &Grammar,
         steps: u32,
         limits: &Limits,
         cancel: &AtomicBool,
+        too_large: impl Fn(u32, Size) -> bool,
     ) -> Result<Self, Unfit> {
         // Answers to queries depend on all of the string before them.
         let alone =
@@ -146,10 +155,8 @@ impl Blocks {
         };
         let mut growing = making.axiom(&grammar.axiom)?;
         for step in 1..=steps {
-            // Beyond a string that is too large nothing is asked for.
-            if growing.is_empty()
-                || past(grammar, making.graph.size(step - 1), step - 1, limits).is_some()
-            {
+            // Nothing is asked for beyond it.
+            if growing.is_empty() || too_large(step - 1, making.graph.size(step - 1)) {
                 break;
             }
             growing = making.step(step, &growing)?;
@@ -157,6 +164,11 @@ impl Blocks {
         let mut graph = making.graph;
         graph.measure();
         Ok(graph)
+    }
+
+    /// A walk through the modules.
+    pub(crate) fn walk(&self) -> Walk<'_> {
+        Walk::new(self)
     }
 
     /// Steps after which the string stays as it is, at most those asked for.
@@ -168,6 +180,19 @@ impl Blocks {
     pub(crate) fn size(&self, step: u32) -> Size {
         let at = usize::try_from(step).ok().and_then(|s| self.sizes.get(s));
         at.or(self.sizes.last()).copied().unwrap_or_default()
+    }
+
+    /// Bytes of the string.
+    pub(crate) fn string_bytes(&self) -> u128 {
+        let newest = u32::try_from(self.steps()).unwrap_or(u32::MAX);
+        let module = bytes_up_to(self.most_symbol) + bytes_up_to(newest);
+        let Size {
+            modules,
+            parameters,
+        } = self.size(u32::MAX);
+        modules
+            .saturating_mul(u128::from(module))
+            .saturating_add(parameters.saturating_mul(size_of::<f64>() as u128))
     }
 
     fn bytes(&self) -> u64 {
@@ -196,7 +221,7 @@ impl Blocks {
                         .get(inner)
                         .map_or((Size::default(), None), |b| (b.size, b.heir)),
                 };
-                if block.heir == Some(number as u128) {
+                if block.same == Some(number) {
                     heir = own_heir.map(|at| size.modules.saturating_add(at));
                 }
                 size.add(1, own.modules, own.parameters);
@@ -241,6 +266,7 @@ impl Making<'_> {
             pieces: 0..axiom.len(),
             step: 0,
             size: Size::default(),
+            same: None,
             heir: None,
         });
         for module in axiom.iter() {
@@ -272,7 +298,7 @@ impl Making<'_> {
             if let Some(block) = self.graph.blocks.get_mut(one.block) {
                 block.pieces = pieces;
                 block.step = step;
-                block.heir = Round::heir(rule, &one.parameters, &written).map(|h| h as u128);
+                block.same = Round::heir(rule, &one.parameters, &written);
             }
         }
         let next = self.turn();
@@ -327,6 +353,7 @@ impl Making<'_> {
                 pieces: 0..0,
                 step: 0,
                 size: Size::default(),
+                same: None,
                 heir: None,
             });
         }
@@ -356,10 +383,13 @@ mod tests {
         reason = "a test that fails shows the line"
     )]
     use super::*;
+    use crate::lsystem::derive::past;
 
     fn graph(text: &str, steps: u32, limits: &Limits) -> Option<Blocks> {
         let grammar = Grammar::parse(text, "test").unwrap();
-        Blocks::new(&grammar, steps, limits, &AtomicBool::new(false)).ok()
+        let never = AtomicBool::new(false);
+        let too_large = |step, size| past(&grammar, size, step, limits).is_some();
+        Blocks::new(&grammar, steps, limits, &never, too_large).ok()
     }
 
     #[test]

@@ -39,6 +39,11 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
         }
     }
 
+    /// The productions with weights that matched the module of the last [`Self::choose`], numbered from 1.
+    pub(super) fn drawn(&self) -> &[(u16, f64)] {
+        &self.drawn
+    }
+
     fn bind_own(&mut self, own: &[f64]) {
         bind(&mut self.bound, 0, own);
     }

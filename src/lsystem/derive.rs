@@ -10,7 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::active::Chain;
 use super::blocks::{Blocks, Size};
-use super::column::{Column, bytes_up_to};
+use super::choices::Choices;
+use super::column::bytes_up_to;
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, Role, RuleSet};
 use super::output::Spare;
@@ -27,8 +28,9 @@ pub struct Limits {
     pub bytes: u64,
 }
 
-/// A string of so many modules is made again to be kept, where a larger one is cancelled: a matter of milliseconds.
-const QUICK_MODULES: u128 = 1 << 20;
+/// A string of so many modules is made again to be kept, where a larger one is cancelled or passes a limit: a matter of
+/// milliseconds.
+const QUICK_MODULES: u128 = 1 << 21;
 
 impl Default for Limits {
     /// 2^31 modules in 4 GiB.
@@ -83,7 +85,9 @@ pub(super) fn derive_on(
     };
     let mut spare = Spare::default();
     if steps > first
-        && let Ok(graph) = Blocks::new(grammar, steps, limits, cancel)
+        && let Ok(graph) = Blocks::new(grammar, steps, limits, cancel, |step, size| {
+            past(grammar, size, step, limits).is_some()
+        })
     {
         return by_blocks(grammar, &graph, steps, limits, cancel);
     }
@@ -144,27 +148,33 @@ fn by_blocks(
         .take(graph.steps())
         .find_map(|step| Some((step, past(grammar, graph.size(step), step, limits)?)));
     let (kept, problem) = match too_large {
-        Some((step, problem)) => (step - 1, problem),
+        Some((step, problem)) => (kept_before(graph, step), problem),
         None => match graph.string(cancel) {
             Some(string) => return Ok(string),
             None if cancel.load(Ordering::Relaxed) => {
-                let quick = |step: &u32| graph.size(*step).modules <= QUICK_MODULES;
-                let kept = (0..steps).take_while(quick).last().unwrap_or(0);
+                let kept = kept_before(graph, steps);
                 (kept, DeriveProblem::Cancelled { step: kept + 1 })
             }
             None => {
                 let bytes = bytes_of(grammar, graph.size(steps), steps);
-                (0, DeriveProblem::Memory { step: steps, bytes })
+                let problem = DeriveProblem::Memory { step: steps, bytes };
+                (kept_before(graph, steps), problem)
             }
         },
     };
     let mut error = DeriveError::from(problem);
     let go_on = AtomicBool::new(false);
-    error.last = Blocks::new(grammar, kept, limits, &go_on)
+    error.last = Blocks::new(grammar, kept, limits, &go_on, |_, _| false)
         .ok()
         .and_then(|graph| graph.string(&go_on))
         .map(|string| Box::new((kept, string)));
     Err(error)
+}
+
+/// The last step before this one whose string is soon made.
+fn kept_before(graph: &Blocks, step: u32) -> u32 {
+    let quick = |step: &u32| graph.size(*step).modules <= QUICK_MODULES;
+    (0..step).rev().find(quick).unwrap_or(0)
 }
 
 /// Bytes of a string of this size after a step.
@@ -251,7 +261,7 @@ pub(crate) fn decomposed(
 }
 
 /// Is shown the productions of a round that changed something, and the choices that it made.
-pub(super) type Watch<'w> = dyn FnMut(&RuleSet, &Column) -> Result<(), DeriveError> + 'w;
+pub(super) type Watch<'w> = dyn FnMut(&RuleSet, &Choices) -> Result<(), DeriveError> + 'w;
 
 /// The same, round by round before the eyes of `watch`.
 pub(super) fn decomposed_watched(

@@ -81,12 +81,15 @@ impl GrammarError {
 
 impl fmt::Display for GrammarError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
+        write!(
             f,
             "{}:{}:{}: {}",
             self.file, self.line, self.column, self.message
         )?;
-        writeln!(f, "    {}", self.excerpt)?;
+        if self.excerpt.trim().is_empty() {
+            return Ok(()); // what is missing stands nowhere
+        }
+        write!(f, "\n    {}\n", self.excerpt)?;
         write!(f, "    {:width$}^", "", width = self.caret)
     }
 }
@@ -107,6 +110,13 @@ impl GrammarErrors {
     }
 
     pub(crate) fn push(&mut self, error: GrammarError) {
+        // A name that is unknown twice in one line is one fault.
+        let same = |told: &GrammarError| {
+            (told.line, &told.message, &told.file) == (error.line, &error.message, &error.file)
+        };
+        if self.errors.iter().any(same) {
+            return;
+        }
         if !self.is_full() {
             self.errors.push(error);
         } else {
@@ -148,6 +158,14 @@ pub enum DeriveProblem {
         bytes: u64,
         /// The limit, with its unit.
         limit: String,
+    },
+    /// A string of which only the size is asked for has more modules than are counted.
+    #[error(
+        "step {step} would make more than 3.4e38 (2^128) modules, which are no longer counted; take fewer steps"
+    )]
+    Countless {
+        /// The first such step.
+        step: u32,
     },
     /// The machine did not give the memory.
     #[error(
@@ -212,6 +230,28 @@ pub enum DeriveProblem {
         position: u64,
         /// The limit.
         depth: usize,
+    },
+    /// Polygons, spheres and surfaces beyond the memory.
+    #[error(
+        "module {position}: the drawing has no memory for more than {drawn} polygons, spheres and surfaces with their colours; take fewer steps"
+    )]
+    TooManyOrgans {
+        /// Index of the module that draws the next.
+        position: u64,
+        /// Those that there is memory for.
+        drawn: u64,
+    },
+    /// A polygon with more corners than can be cut into triangles in bounded time.
+    #[error(
+        "module {position}: this polygon has {corners} corners, and {most} are the most; draw it as several polygons"
+    )]
+    TooManyCorners {
+        /// Index of its `}`.
+        position: u64,
+        /// Its corners.
+        corners: usize,
+        /// The limit.
+        most: usize,
     },
     /// A position cannot be held in metres as f32.
     #[error(
@@ -330,9 +370,14 @@ impl DeriveError {
 pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let wanted: Vec<char> = name.chars().take(40).collect();
     let mut best = None;
-    let mut best_distance = 1 + wanted.len().div_ceil(3);
+    // A name of one letter is like any other: only its capital is meant by it.
+    let mut best_distance = (1 + wanted.len().div_ceil(3)).min(wanted.len());
+    let lower = name.to_lowercase();
     for candidate in known.take(10_000) {
-        let distance = edit_distance(&wanted, candidate);
+        let distance = match candidate.to_lowercase() == lower {
+            true => 0,
+            false => edit_distance(&wanted, candidate),
+        };
         if distance < best_distance {
             best_distance = distance;
             best = Some(candidate);
@@ -341,23 +386,32 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
     best
 }
 
-/// Levenshtein distance, letter case counting as half a change rounded up only when nothing else differs.
+/// Whether two names differ by one letter (or two transposed ones) at most.
+pub(crate) fn is_misspelt(name: &str, meant: &str) -> bool {
+    let wanted: Vec<char> = name.chars().take(40).collect();
+    edit_distance(&wanted, meant) <= 1
+}
+
+/// Edit distance in which two neighbouring letters that are transposed count once (optimal string alignment).
 fn edit_distance(wanted: &[char], candidate: &str) -> usize {
+    let mut before: Vec<usize> = Vec::new();
     let mut row: Vec<usize> = (0..=wanted.len()).collect();
+    let mut last = None;
     for (i, c) in candidate.chars().take(40).enumerate() {
-        let mut diagonal = i;
-        if let Some(first) = row.first_mut() {
-            *first = i + 1;
+        let mut next = vec![i + 1];
+        for (j, w) in wanted.iter().enumerate() {
+            let at = |row: &[usize], place: usize| row.get(place).copied().unwrap_or(usize::MAX);
+            let mut value = (at(&row, j) + usize::from(c != *w))
+                .min(at(&next, j) + 1)
+                .min(at(&row, j + 1) + 1);
+            let transposed = last == Some(*w) && j > 0 && wanted.get(j - 1) == Some(&c);
+            if transposed {
+                value = value.min(at(&before, j - 1) + 1);
+            }
+            next.push(value);
         }
-        let mut left = i + 1;
-        for (w, cell) in wanted.iter().zip(row.iter_mut().skip(1)) {
-            let value = (diagonal + usize::from(c != *w))
-                .min(left + 1)
-                .min(*cell + 1);
-            diagonal = *cell;
-            *cell = value;
-            left = value;
-        }
+        before = std::mem::replace(&mut row, next);
+        last = Some(c);
     }
     row.last().copied().unwrap_or(0)
 }
@@ -405,6 +459,9 @@ mod tests {
             ("axoim", Some("axiom")),
             ("angel", Some("angle")),
             ("r3", Some("r2")),
+            ("2r", Some("r2")),
+            ("R2", Some("r2")),
+            ("z", None),
             ("zebra", None),
         ] {
             assert_eq!(nearest(name, known.iter().copied()), expected, "{name}");

@@ -18,7 +18,12 @@ pub(crate) struct Scope<'a> {
     pub(crate) constants: &'a std::collections::BTreeMap<String, f64>,
     /// Whether random draws are allowed here.
     pub(crate) draws: bool,
+    /// What a name may mean here, for messages.
+    pub(crate) names: &'static str,
 }
+
+/// Names in a production's condition, weight and parameters.
+pub(crate) const IN_PRODUCTIONS: &str = "a parameter of this production or a constant";
 
 /// Reads one expression; unknown names are put into `errors` and read as 0, other faults end it.
 pub(crate) fn parse(
@@ -59,6 +64,7 @@ pub(crate) fn parse_constant(
         parameters: &[],
         constants,
         draws: false,
+        names: "a number or a constant given above",
     };
     let expression = parse(cursor, &scope, errors)?;
     let mut draws = super::random::PassKey::new(0, 0, 0).at(0);
@@ -235,6 +241,12 @@ impl Parser<'_, '_, '_> {
             .is_some_and(|c| c.is_ascii_digit() || c == '.')
         {
             let value = number(self.cursor)?;
+            if self.cursor.peek().is_some_and(char::is_alphabetic) {
+                let factor = self.cursor.found();
+                return Err(self
+                    .cursor
+                    .expected(&format!("an operator before {factor}, as in `2*x`")));
+            }
             return self.push(Op::Push(value));
         }
         Err(self.cursor.expected("a number, a name or `(`"))
@@ -263,9 +275,7 @@ impl Parser<'_, '_, '_> {
             let hint = nearest(name, known).map_or(String::new(), |n| {
                 format!("; the nearest known name is `{n}`")
             });
-            format!(
-                "unknown name `{name}`; expected a parameter of this production or a constant{hint}"
-            )
+            format!("unknown name `{name}`; expected {}{hint}", self.scope.names)
         };
         self.errors.push(self.cursor.error_at(start, message));
         self.push(Op::Push(0.0))
@@ -393,6 +403,7 @@ mod tests {
             parameters: &parameters,
             constants: &constants,
             draws: true,
+            names: IN_PRODUCTIONS,
         };
         let expression = parse(&mut cursor, &scope, &mut errors).map_err(|e| e.message)?;
         if let Some(error) = errors.errors.first() {

@@ -9,13 +9,17 @@ use super::code::Expression;
 use super::derive::{self, Limits};
 use super::dialect::Remark;
 use super::error::{DeriveError, GrammarErrors};
+use super::growth::Curves;
 use super::lanes::{self, Values};
+use super::look::NamedSurface;
 use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
 use super::record::{self, Recorded};
 use super::shape::Shape;
 use super::string::ModuleString;
+use super::unwritten::Unwritten;
+use crate::tree::organs::Palette;
 
 /// A grammar that has been read and checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,9 +41,17 @@ pub struct Grammar {
     pub(crate) seed: u64,
     pub(crate) angle: Option<f64>,
     pub(crate) tropism: Option<DVec3>,
+    /// How modules grow between two steps.
+    pub(crate) curves: Curves,
     pub(crate) shapes: Vec<Shape>,
     /// For each symbol its dictionary entry.
     pub(crate) shape_of: Vec<Option<u16>>,
+    /// What the indices of colours and materials mean.
+    pub(crate) palette: Palette,
+    /// What `~` places.
+    pub(crate) surfaces: Vec<NamedSurface>,
+    /// For each symbol that begins with `~` and names no shape its surface.
+    pub(crate) surface_of: Vec<Option<u16>>,
     /// The turtle answers queries after each step.
     pub(crate) has_queries: bool,
     pub(crate) remarks: Vec<Remark>,
@@ -479,6 +491,21 @@ impl Grammar {
         progress: &mut dyn FnMut(u32),
     ) -> Result<ModuleString, DeriveError> {
         derive::derive(self, steps, limits, cancel, progress)
+    }
+
+    /// The string after `steps` steps, not written down: to be counted, walked through and printed whatever its length. `None`
+    /// where modules do not each develop alone and without chance (a context, a random draw, a `decompose` block, `%` or a
+    /// query), where too many of them differ, or a value cannot be computed: [`Grammar::derive`] does it or says why.
+    ///
+    /// # Errors
+    /// More modules than u128 counts, or `cancel` being set.
+    pub fn unwritten(
+        &self,
+        steps: u32,
+        limits: &Limits,
+        cancel: &AtomicBool,
+    ) -> Result<Option<Unwritten>, DeriveError> {
+        Unwritten::new(self, steps, limits, cancel)
     }
 
     /// One step on: the string of step `step` from that of step `step − 1`.

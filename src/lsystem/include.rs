@@ -1,10 +1,10 @@
 //! `include`: a grammar's text from several files of one folder.
 
 use std::fs::File;
-use std::io::Read as _;
+use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
-use super::error::{GrammarError, GrammarErrors};
+use super::error::{GrammarError, GrammarErrors, nearest};
 use super::parse::end;
 use super::source::{Block, Cursor, MAX_SOURCE_BYTES, Source, Statement, statements};
 
@@ -66,7 +66,9 @@ fn included(
             "`include` inside a block; expected it outside".into(),
         ));
     }
-    cursor.expect("\"")?;
+    if !cursor.take("\"") {
+        return Err(cursor.expected("a file's name in quotes, as in `include \"rules.lsys\"`"));
+    }
     let start = cursor.pos();
     let rest = cursor.rest();
     let Some(length) = rest.find('"') else {
@@ -102,6 +104,14 @@ pub(super) fn read_included(
                 "`{name}` is outside the grammar's folder; copy it there"
             ));
         }
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let hint = neighbour(folder, name).map_or(String::new(), |near| {
+                format!("; the nearest that is there is `{near}`")
+            });
+            return Err(format!(
+                "there is no `{name}` in the grammar's folder{hint}"
+            ));
+        }
         Err(error) => return Err(format!("cannot read `{name}`: {error}")),
     };
     if chain.contains(&path) {
@@ -111,6 +121,24 @@ pub(super) fn read_included(
         Ok(text) => Ok((path, Source::new(name.to_owned(), text))),
         Err(why) => Err(format!("cannot read `{name}`: {why}")),
     }
+}
+
+/// Files of a folder that are looked at for one with a name like another.
+const MOST_NEIGHBOURS: usize = 1000;
+
+/// The grammar in the folder whose name is nearest to `name`.
+fn neighbour(folder: &Path, name: &str) -> Option<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .ok()?
+        .take(MOST_NEIGHBOURS)
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|file| file.ends_with(".lsys"))
+        .collect();
+    names.sort_unstable(); // whatever the order in which the system tells them
+    // The ending is what they have in common.
+    let stem = name.strip_suffix(".lsys").unwrap_or(name);
+    let stems = names.iter().filter_map(|file| file.strip_suffix(".lsys"));
+    nearest(stem, stems).map(|near| format!("{near}.lsys"))
 }
 
 /// The text of a regular file of bounded size. What a file says of its size is not relied on: some say 0 and

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::error::GrammarError;
+use super::error::{GrammarError, is_misspelt};
 use super::source::Cursor;
 
 /// Index into the symbol table.
@@ -18,7 +18,7 @@ const MAX_NAME_CHARS: usize = 64;
 /// Signs that are modules by themselves, besides letters and digits.
 const SIGNS: &str = "+-&^\\/|$![]%{}.',;";
 /// Modules of the turtle that have two or three characters.
-const LONG_SIGNS: [&str; 7] = ["@Gs", "@Ge", "@O", "?P", "?H", "?U", "?L"];
+const LONG_SIGNS: [&str; 10] = ["@Gs", "@Ge", "@O", "?P", "?H", "?U", "?L", "@l", "@a", "@w"];
 
 /// One symbol.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,6 +61,15 @@ impl Names {
         self.symbol_of.get(&(*name, arity)).copied()
     }
 
+    /// All names of modules that the grammar uses.
+    pub(crate) fn used(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().map(String::as_str)
+    }
+
+    pub(crate) fn is_used(&self, name: &str) -> bool {
+        self.name_of.contains_key(name)
+    }
+
     /// Declares a module; false if it is already declared.
     pub(crate) fn declare(&mut self, name: &str, parameters: Vec<String>) -> bool {
         if self.declared.contains_key(name) {
@@ -79,6 +88,23 @@ impl Names {
 
     pub(crate) fn declared(&self, name: &str) -> Option<&[String]> {
         self.declared.get(name).map(Vec::as_slice)
+    }
+
+    /// The declared name that a word is nearly, unless it holds one as it is; comparisons are counted.
+    pub(crate) fn misspelt(&self, word: &str, compared: &mut usize) -> Option<&str> {
+        let letters = word.chars().count();
+        let mut near = None;
+        for name in self.declared.keys().take(1000) {
+            *compared += 1;
+            if word.contains(name.as_str()) {
+                return None;
+            }
+            let others = name.chars().count();
+            if others >= 4 && letters.abs_diff(others) <= 1 && is_misspelt(word, name) {
+                near.get_or_insert(name.as_str());
+            }
+        }
+        near
     }
 
     /// The symbol of a name with a number of parameters, made if it is new. `None`: there are too many.
@@ -151,7 +177,7 @@ impl Names {
             return Ok(cursor.between(start, cursor.pos()));
         }
         Err(match first {
-            '@' => cursor.expected("one of the turtle's `@O`, `@Gs`, `@Ge`"),
+            '@' => cursor.expected("one of the turtle's `@O`, `@Gs`, `@Ge`, `@l`, `@a`, `@w`"),
             '?' => cursor.expected("one of the turtle's `?P`, `?H`, `?U`, `?L`"),
             '(' => cursor.expected("a module; parameters follow a module's name"),
             '*' => cursor.expected("a module; `*` means no module at all and stands alone"),

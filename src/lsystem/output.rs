@@ -1,6 +1,7 @@
 //! What rounds write into: places of the next string, successors as templates, memory that is used again.
 
-use super::column::{Cell, Column};
+use super::choices::Choices;
+use super::column::Cell;
 use super::grammar::Rule;
 use super::names::Symbol;
 use super::rewrite::Round;
@@ -74,7 +75,7 @@ impl<S: Cell> Template<S> {
 pub(super) struct Spare {
     /// A string that is no longer needed.
     pub(super) string: ModuleString,
-    pub(super) choices: Column,
+    pub(super) choices: Choices,
     /// Modules that the last round rewrote.
     pub(super) rewritten: usize,
 }

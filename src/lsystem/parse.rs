@@ -14,12 +14,15 @@ use super::column::Column;
 use super::dialect::{self, Remark};
 use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
+use super::growth::Curves;
 use super::include::{folder_of, gather};
+use super::look::{self, NamedSurface};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
 use super::query::{ANSWERS, Query};
 use super::shape::{Shape, Wrap};
 use super::source::{Block, Cursor, Source, Statement};
 use super::string::ModuleString;
+use crate::tree::organs::Palette;
 
 mod statements;
 
@@ -41,14 +44,24 @@ pub(crate) struct Parser {
     seed: Option<u64>,
     angle: Option<f64>,
     tropism: Option<DVec3>,
+    curves: Curves,
     shapes: Vec<Shape>,
     shape_names: BTreeSet<String>,
+    surfaces: Vec<NamedSurface>,
+    palette: Palette,
     wrap: Wrap,
     /// Statements that may stand only once.
     seen: BTreeSet<&'static str>,
+    /// Comparisons of words with declared names that were made.
+    compared: usize,
     /// What was left out when the text was translated.
     remarks: Vec<Remark>,
 }
+
+/// Comparisons of words with declared names, so that a long text of single letters is read no slower.
+const MOST_COMPARISONS: usize = 200_000;
+/// Letters of a word that may be a declared name misspelt.
+const MISSPELT_LETTERS: std::ops::RangeInclusive<usize> = 4..=24;
 
 pub(crate) fn grammar(text: &str, file: &str) -> Result<Grammar, GrammarErrors> {
     let (source, remarks) = dialect::opened(Source::new(file.to_owned(), text.to_owned()))?;
@@ -118,10 +131,16 @@ fn read(source: Source) -> (Parser, Vec<Source>) {
             p.statement(cursor, statement)
         });
     }
-    for statement in all
-        .iter()
-        .filter(|s| !lists(s) && !matches!(s.keyword, "module" | "const" | "include" | "context"))
-    {
+    let other = |s: &&Statement| {
+        !lists(s)
+            && !matches!(
+                s.keyword,
+                "module" | "const" | "include" | "context" | "growth"
+            )
+    };
+    // Growth is that of modules that the grammar has.
+    let growth = all.iter().filter(|s| s.keyword == "growth");
+    for statement in all.iter().filter(other).chain(growth) {
         parser.try_statement(&sources, statement, |p, cursor| {
             p.statement(cursor, statement)
         });
@@ -165,11 +184,13 @@ pub(crate) fn parameters(
 }
 
 /// Follows brackets and braces and says where they do not fit. A polygon's braces are counted apart from the
-/// brackets, since ABOP's leaves begin an outline in a branch and end it outside: `[+A{.].C.}`.
+/// brackets, since ABOP's leaves begin an outline in a branch and end it outside: `[+A{.].C.}`. Their order is free, since its
+/// rose (Fig. 5.8) ends in each segment the outline that the one before began: `.}][+B{.`; the turtle tells where that does not work out.
 #[derive(Default)]
 pub(crate) struct Brackets {
     open: Vec<usize>,
     polygons: Vec<usize>,
+    ends: Vec<usize>,
 }
 
 impl Brackets {
@@ -192,22 +213,22 @@ impl Brackets {
                 ));
             }
             "{" => self.polygons.push(at),
-            "}" if self.polygons.pop().is_none() => {
-                return Err(cursor.error_at(
-                    at,
-                    "this `}` closes no polygon; expected a `{` before it".into(),
-                ));
-            }
+            "}" => self.ends.push(at),
             _ => {}
         }
         Ok(())
     }
 
     pub(crate) fn end(&self, cursor: &Cursor<'_>) -> Result<(), GrammarError> {
-        let unclosed = match (self.open.last(), self.polygons.last()) {
-            (Some(at), _) => Some((at, "this `[` is not closed; expected a `]`")),
-            (None, Some(at)) => Some((at, "this polygon's `{` is not closed; expected a `}`")),
-            (None, None) => None,
+        let (begun, ended) = (self.polygons.len(), self.ends.len());
+        let unclosed = if let Some(at) = self.open.last() {
+            Some((at, "this `[` is not closed; expected a `]`"))
+        } else if begun > ended {
+            let last = self.polygons.last();
+            last.map(|at| (at, "this polygon's `{` is not closed; expected a `}`"))
+        } else {
+            let more = self.ends.get(begun);
+            more.map(|at| (at, "this `}` closes no polygon; expected a `{` before it"))
         };
         unclosed.map_or(Ok(()), |(at, message)| {
             Err(cursor.error_at(*at, message.into()))
@@ -241,6 +262,35 @@ impl Parser {
         if let Err(error) = result {
             self.errors.push(error);
         }
+    }
+
+    /// Reads a module's name; a word that is nearly a declared one is told.
+    pub(crate) fn read_name<'a>(
+        &mut self,
+        cursor: &mut Cursor<'a>,
+    ) -> Result<&'a str, GrammarError> {
+        cursor.skip_blank();
+        let at = cursor.pos();
+        let rest = cursor.rest();
+        let name = self.names.read(cursor)?;
+        let first = name.chars().next().is_some_and(char::is_alphabetic);
+        if !first || self.names.declared(name).is_some() || cursor.goes_on_a_word(at) {
+            return Ok(name);
+        }
+        let length = rest
+            .find(|c: char| !c.is_alphabetic())
+            .unwrap_or(rest.len());
+        let word = rest.get(..length.min(100)).unwrap_or("");
+        if MISSPELT_LETTERS.contains(&word.chars().count())
+            && self.compared < MOST_COMPARISONS
+            && let Some(near) = self.names.misspelt(word, &mut self.compared)
+        {
+            let message = format!(
+                "found `{word}`, which reads as one module for each letter; the nearest declared module is `{near}` (blanks between the letters say that they are meant)"
+            );
+            self.errors.push(cursor.error_at(at, message));
+        }
+        Ok(name)
     }
 
     /// The symbol of a module as used, checked against its declaration.
@@ -311,14 +361,6 @@ impl Parser {
         if whole && self.axiom.is_none() && !self.seen.contains("axiom") {
             general("this grammar has no axiom; expected a line such as `axiom A`");
         }
-        if self.literal && (!self.ignored.is_empty() || self.considered.is_some()) {
-            general(
-                "`context literal` sees every module, so `ignore` and `consider` mean nothing with it; remove one of them",
-            );
-        }
-        if self.considered.is_some() && !self.ignored.is_empty() {
-            general("found both `ignore` and `consider`; expected one of them");
-        }
         if self.shapes.len() >= usize::from(u16::MAX) {
             general("this grammar has more than 65,000 shapes");
         }
@@ -373,6 +415,9 @@ impl Parser {
                     .and_then(|shape| u16::try_from(*shape).ok())
             })
             .collect();
+        let names = &self.names;
+        let surface_of =
+            look::surfaces_by_symbol(names, &mut self.surfaces, |name| by_name.contains_key(name));
         let count = symbols.len();
         let mut axiom = self.axiom.unwrap_or_default();
         axiom.arity = Arc::clone(&arity);
@@ -402,8 +447,12 @@ impl Parser {
             seed: self.seed.unwrap_or(0),
             angle: self.angle,
             tropism: self.tropism,
+            curves: self.curves,
             shapes: self.shapes,
             shape_of,
+            palette: self.palette,
+            surfaces: self.surfaces,
+            surface_of,
             has_queries,
             names: self.names,
             remarks: self.remarks,

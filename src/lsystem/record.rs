@@ -7,7 +7,7 @@
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
-use super::column::Column;
+use super::choices::Choices;
 use super::derive::{self, Limits};
 use super::error::{DeriveError, DeriveProblem};
 use super::grammar::{Grammar, RuleSet};
@@ -21,7 +21,7 @@ pub struct Recorded {
     /// The string after the step.
     pub string: ModuleString,
     /// For each module of the string before, its production's number from 1; 0: it stays.
-    choices: Column,
+    choices: Choices,
     /// Where in `string` the successor of each module of the string before begins, and after them its end.
     starts: Vec<u32>,
     /// How often each production of the `decompose` block applied.
@@ -45,7 +45,7 @@ impl Recorded {
     /// [`Grammar::productions`]; `None`: it stays as it is.
     #[must_use]
     pub fn production(&self, position: usize) -> Option<usize> {
-        (self.choices.get(position)? as usize).checked_sub(1)
+        usize::from(self.choices.get(position)?).checked_sub(1)
     }
 
     /// Where in [`Self::string`] the successor of the module at `position` stands, decomposed and cut. The ranges of all
@@ -74,9 +74,9 @@ pub(crate) fn recorded(
     let choices = std::mem::take(&mut spare.choices);
     let mut places = starts(&grammar.rules, &choices, step)?;
     let mut decomposed = vec![0; grammar.decompose.as_ref().map_or(0, |set| set.rules.len())];
-    let mut watch = |rules: &RuleSet, choices: &Column| {
+    let mut watch = |rules: &RuleSet, choices: &Choices| {
         for choice in choices.iter() {
-            let production = (choice as usize).checked_sub(1);
+            let production = usize::from(choice).checked_sub(1);
             if let Some(count) = production.and_then(|at| decomposed.get_mut(at)) {
                 *count += 1;
             }
@@ -107,7 +107,7 @@ pub(crate) fn recorded(
 }
 
 /// Where the successor of each module begins, and the length of them all.
-fn starts(rules: &RuleSet, choices: &Column, step: u32) -> Result<Vec<u32>, DeriveError> {
+fn starts(rules: &RuleSet, choices: &Choices, step: u32) -> Result<Vec<u32>, DeriveError> {
     let mut starts = Vec::new();
     let bytes = 4 * choices.len() as u64;
     starts
@@ -118,7 +118,7 @@ fn starts(rules: &RuleSet, choices: &Column, step: u32) -> Result<Vec<u32>, Deri
     let narrow = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
     for choice in choices.iter() {
         starts.push(narrow(at));
-        at += (choice as usize)
+        at += usize::from(choice)
             .checked_sub(1)
             .and_then(|number| rules.rules.get(number))
             .map_or(1, |rule| rule.successor.len());

@@ -3,12 +3,18 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use glam::Vec3;
 use serde::Serialize;
 use thiserror::Error;
 
+use super::error::DeriveError;
 use super::grammar::{Grammar, Role};
 use super::number::write_general;
-use super::string::ModuleString;
+use super::string::{Module, ModuleString};
+use super::turtle::{Extent, TurtleParams, stream_on};
 use crate::tree::{NO_PARENT, Tree};
 
 /// Smallest box round all nodes, metres.
@@ -27,6 +33,9 @@ pub struct Report {
     pub format: &'static str,
     /// Steps derived.
     pub steps: u32,
+    /// The time in steps that is drawn, where the last step is partly grown: its modules are counted whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
     /// Modules, brackets included.
     pub modules: u64,
     /// Modules of each name.
@@ -87,7 +96,7 @@ const SCALE: f64 = f64::from_bits((1023 - 64) << 52);
 
 /// A sum that overflows only where its result does.
 #[derive(Clone, Copy, Default)]
-struct Sum {
+pub(super) struct Sum {
     plain: Neumaier,
     huge: Neumaier,
 }
@@ -98,6 +107,19 @@ impl Sum {
             self.plain.add(value);
         } else {
             self.huge.add(value * SCALE);
+        }
+    }
+
+    /// Adds a value so many times.
+    pub(super) fn add_times(&mut self, value: f64, times: u128) {
+        #[allow(clippy::cast_precision_loss, reason = "rounded as every product is")]
+        let times = times as f64;
+        let product = value * times;
+        if product.abs() < HUGE {
+            self.plain.add(product);
+            self.plain.add(value.mul_add(times, -product));
+        } else {
+            self.huge.add(value * SCALE * times);
         }
     }
 
@@ -132,6 +154,80 @@ impl Fnv {
     }
 }
 
+/// What is counted of modules that come one after the other.
+struct Tally<'g> {
+    grammar: &'g Grammar,
+    by_symbol: Vec<u128>,
+    sums: Vec<Vec<Sum>>,
+    hash: Fnv,
+    modules: u64,
+    depth: u64,
+    max_depth: u64,
+}
+
+impl<'g> Tally<'g> {
+    fn new(grammar: &'g Grammar) -> Self {
+        let sums = |arity: &u8| vec![Sum::default(); usize::from(*arity)];
+        Self {
+            grammar,
+            by_symbol: vec![0; grammar.names.symbols().len()],
+            sums: grammar.arity.iter().map(sums).collect(),
+            hash: Fnv(0xcbf2_9ce4_8422_2325),
+            modules: 0,
+            depth: 0,
+            max_depth: 0,
+        }
+    }
+
+    fn add(&mut self, module: &Module<'_>) {
+        self.modules += 1;
+        let index = usize::from(module.symbol);
+        if let Some(count) = self.by_symbol.get_mut(index) {
+            *count += 1;
+        }
+        let sums = self.sums.get_mut(index).into_iter().flatten();
+        for (sum, value) in sums.zip(module.parameters) {
+            sum.add(*value);
+        }
+        self.hash.add(self.grammar.name(module.symbol).as_bytes());
+        match self.grammar.role(module.symbol) {
+            Role::Open => {
+                self.depth += 1;
+                self.max_depth = self.max_depth.max(self.depth);
+            }
+            Role::Close => self.depth = self.depth.saturating_sub(1),
+            _ => {}
+        }
+    }
+
+    fn report(self, steps: u32, drawn: Extent, [derive_ms, turtle_ms]: [f64; 2]) -> Report {
+        let (counts, param_sums) = by_name(self.grammar, &self.by_symbol, &self.sums);
+        // Each is part of `modules`.
+        let narrow = |count| u64::try_from(count).unwrap_or(u64::MAX);
+        let [min, max] = drawn
+            .bounds
+            .unwrap_or_default()
+            .map(|corner| corner.to_array());
+        Report {
+            format: "ramus-derive/1",
+            steps,
+            time: None,
+            modules: self.modules,
+            counts: counts
+                .into_iter()
+                .map(|(name, count)| (name, narrow(count)))
+                .collect(),
+            max_depth: self.max_depth,
+            fnv1a64: format!("{:016x}", self.hash.0),
+            param_sums,
+            segments: drawn.segments,
+            bounds: Bounds { min, max },
+            derive_ms,
+            turtle_ms,
+        }
+    }
+}
+
 impl Report {
     /// Counts a string and its tree; the times are the caller's.
     #[must_use]
@@ -143,70 +239,35 @@ impl Report {
         derive_ms: f64,
         turtle_ms: f64,
     ) -> Self {
-        let symbols = grammar.names.symbols().len();
-        let mut by_symbol = vec![0_u64; symbols];
-        let mut sums: Vec<Vec<Sum>> = grammar
-            .arity
-            .iter()
-            .map(|a| vec![Sum::default(); usize::from(*a)])
-            .collect();
-        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        let (mut depth, mut max_depth) = (0_u64, 0);
+        let mut tally = Tally::new(grammar);
         for module in string.iter() {
-            let index = usize::from(module.symbol);
-            if let Some(count) = by_symbol.get_mut(index) {
-                *count += 1;
-            }
-            for (sum, value) in sums
-                .get_mut(index)
-                .into_iter()
-                .flatten()
-                .zip(module.parameters)
-            {
-                sum.add(*value);
-            }
-            hash.add(grammar.name(module.symbol).as_bytes());
-            match grammar.role(module.symbol) {
-                Role::Open => {
-                    depth += 1;
-                    max_depth = max_depth.max(depth);
-                }
-                Role::Close => depth = depth.saturating_sub(1),
-                _ => {}
-            }
+            tally.add(&module);
         }
-        // Symbols of one name with different numbers of parameters are one entry.
-        let mut counts: BTreeMap<String, u64> = BTreeMap::new();
-        let mut by_name: BTreeMap<String, Sum> = BTreeMap::new();
-        for ((symbol, count), parameters) in (0..).zip(&by_symbol).zip(&sums) {
-            if *count == 0 {
-                continue;
-            }
-            let name = grammar.name(symbol);
-            *counts.entry(name.to_owned()).or_default() += count;
-            for (i, part) in parameters.iter().enumerate() {
-                by_name
-                    .entry(format!("{name}.{i}"))
-                    .or_default()
-                    .merge(*part);
-            }
-        }
-        Self {
-            format: "ramus-derive/1",
-            steps,
-            modules: string.len() as u64,
-            counts,
-            max_depth,
-            fnv1a64: format!("{:016x}", hash.0),
-            param_sums: by_name
-                .into_iter()
-                .map(|(name, sum)| (name, sum.total()))
-                .collect(),
+        let drawn = Extent {
             segments: tree.parent.iter().filter(|p| **p != NO_PARENT).count() as u64,
             bounds: bounds(tree),
-            derive_ms,
-            turtle_ms,
-        }
+        };
+        tally.report(steps, drawn, [derive_ms, turtle_ms])
+    }
+
+    /// Counts and measures modules as they come, holding neither string nor tree: of a grammar that
+    /// [`streams`](super::turtle::streams). The time that making them took is in that of the drawing.
+    ///
+    /// # Errors
+    /// What keeps the turtle from drawing.
+    pub fn streamed<'m>(
+        grammar: &Grammar,
+        modules: impl Iterator<Item = Module<'m>>,
+        steps: u32,
+        params: &TurtleParams,
+        cancel: &AtomicBool,
+    ) -> Result<Self, DeriveError> {
+        let began = Instant::now();
+        let mut tally = Tally::new(grammar);
+        let modules = modules.inspect(|module| tally.add(module));
+        let drawn = stream_on(grammar, modules, params, cancel, Extent::default())?;
+        let turtle_ms = began.elapsed().as_secs_f64() * 1e3;
+        Ok(tally.report(steps, drawn, [0.0, turtle_ms]))
     }
 
     /// One object on one line, without a line end.
@@ -221,9 +282,43 @@ impl Report {
         }
     }
 
-    /// `--print counts`: a line for each name, its count and its parameters' sums.
+    /// `--print counts`, as [`Counts::text`].
     #[must_use]
     pub fn counts_text(&self) -> String {
+        let counts = self.counts.iter();
+        Counts {
+            steps: self.steps,
+            modules: u128::from(self.modules),
+            counts: counts.map(|(n, c)| (n.clone(), u128::from(*c))).collect(),
+            param_sums: self.param_sums.clone(),
+            max_depth: self.max_depth,
+            segments: Some(u128::from(self.segments)),
+        }
+        .text()
+    }
+}
+
+/// What a string holds, of which there need be no more than its graph ([`super::Unwritten`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counts {
+    /// Steps derived.
+    pub steps: u32,
+    /// Modules, brackets included.
+    pub modules: u128,
+    /// Modules of each name.
+    pub counts: BTreeMap<String, u128>,
+    /// Sum of each parameter over all modules of a name, as in [`Report`].
+    pub param_sums: BTreeMap<String, f64>,
+    /// Deepest bracket.
+    pub max_depth: u64,
+    /// Segments that the turtle draws; `None` where an `interpret` block says what is drawn.
+    pub segments: Option<u128>,
+}
+
+impl Counts {
+    /// A line for each name, its count and its parameters' sums.
+    #[must_use]
+    pub fn text(&self) -> String {
         let mut text = String::new();
         for (name, count) in &self.counts {
             let _ = write!(text, "{name} {count}");
@@ -234,16 +329,39 @@ impl Report {
             }
             text.push('\n');
         }
-        let _ = writeln!(
-            text,
-            "modules {}, segments {}, depth {}",
-            self.modules, self.segments, self.max_depth
-        );
+        let _ = write!(text, "modules {}", self.modules);
+        if let Some(segments) = self.segments {
+            let _ = write!(text, ", segments {segments}");
+        }
+        let _ = writeln!(text, ", depth {}", self.max_depth);
         text
     }
 }
 
-fn bounds(tree: &Tree) -> Bounds {
+/// Counts and sums by name: symbols of one name with different numbers of parameters are one entry.
+pub(super) fn by_name(
+    grammar: &Grammar,
+    modules: &[u128],
+    sums: &[Vec<Sum>],
+) -> (BTreeMap<String, u128>, BTreeMap<String, f64>) {
+    let mut counts: BTreeMap<String, u128> = BTreeMap::new();
+    let mut by_name: BTreeMap<String, Sum> = BTreeMap::new();
+    for ((symbol, count), parameters) in (0..).zip(modules).zip(sums) {
+        if *count == 0 {
+            continue;
+        }
+        let name = grammar.name(symbol);
+        *counts.entry(name.to_owned()).or_default() += count;
+        for (i, part) in parameters.iter().enumerate() {
+            let sum = by_name.entry(format!("{name}.{i}")).or_default();
+            sum.merge(*part);
+        }
+    }
+    let total = |(name, sum): (String, Sum)| (name, sum.total());
+    (counts, by_name.into_iter().map(total).collect())
+}
+
+fn bounds(tree: &Tree) -> Option<[Vec3; 2]> {
     // Both ends of each segment: where the turtle moved without drawing (or began) nothing stands.
     let mut ends = tree
         .parent
@@ -251,10 +369,6 @@ fn bounds(tree: &Tree) -> Bounds {
         .zip(&tree.position)
         .filter_map(|(parent, end)| Some([*tree.position.get(*parent as usize)?, *end]))
         .flatten();
-    let first = ends.next().unwrap_or_default();
-    let (min, max) = ends.fold((first, first), |(min, max), p| (min.min(p), max.max(p)));
-    Bounds {
-        min: min.to_array(),
-        max: max.to_array(),
-    }
+    let first = ends.next()?;
+    Some(ends.fold([first; 2], |[min, max], p| [min.min(p), max.max(p)]))
 }

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use super::batch::Choosing;
 use super::choice::{Worker, near};
+use super::choices::{Choices, pack, unpack};
 use super::column::{Cell, Column, Narrow, bytes_up_to};
 use super::context::{ContextIndex, Indexed, Modules as _};
 use super::derive::Limits;
@@ -160,21 +161,29 @@ impl<'a> Round<'a> {
         let parameter_starts = parameter_starts(&indexed);
         let start_of = |chunk: usize| parameter_starts.get(chunk).copied().unwrap_or(0);
 
-        // Each is written before it is read.
-        let old = S::into_cells(std::mem::take(&mut spare.choices));
-        let mut choices = reused(old, symbols.len()).ok_or_else(|| DeriveProblem::Memory {
+        let choices = std::mem::take(&mut spare.choices);
+        let productions = self.rules.rules.len();
+        let choices = choices.renewed(symbols.len(), productions);
+        let mut choices = choices.ok_or_else(|| DeriveProblem::Memory {
             step: self.step,
-            bytes: size_of_val(symbols) as u64,
+            bytes: self.choices_bytes(symbols.len() as u64),
         })?;
-        let chunks: Vec<(usize, &mut [S])> = choices.chunks_mut(CHUNK).enumerate().collect();
-        let sizes = Self::each(parallel, chunks, |(chunk, choices)| {
-            self.count(&indexed, chunk * CHUNK, start_of(chunk), choices)
+        let bits = choices.bits();
+        let chunks = symbols.chunks(CHUNK).zip(choices.chunks_mut(CHUNK));
+        let sizes = Self::each(parallel, chunks.enumerate().collect(), |(chunk, places)| {
+            let (symbols, packed) = places;
+            let mut choices = [S::default(); CHUNK];
+            let choices = choices.get_mut(..symbols.len()).unwrap_or(&mut []);
+            let size = self.count(&indexed, chunk * CHUNK, start_of(chunk), choices);
+            pack(bits, choices, packed);
+            size
         })?;
         spare.rewritten = sizes.iter().map(|s| s.rewritten).sum();
+        spare.choices = choices;
         if spare.rewritten == 0 {
-            spare.choices = S::column(choices);
             return Ok(None);
         }
+        let choices = &spare.choices;
         let modules = sizes
             .iter()
             .fold(0_u64, |sum, s| sum.saturating_add(s.modules));
@@ -209,22 +218,29 @@ impl<'a> Round<'a> {
                 births: &mut next_births,
                 parameters: &mut next_parameters,
             };
-            for (chunk, (size, choices)) in sizes.iter().zip(choices.chunks(CHUNK)).enumerate() {
+            for (chunk, (size, packed)) in sizes.iter().zip(choices.chunks(CHUNK)).enumerate() {
                 // The sums above fit usize, so their parts do.
                 let fitting = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
-                tasks.push(Task {
-                    from: chunk * CHUNK,
-                    parameters_from: start_of(chunk),
-                    choices,
-                    out: out.take(fitting(size.modules), fitting(size.parameters)),
-                });
+                let places = out.take(fitting(size.modules), fitting(size.parameters));
+                tasks.push((chunk, packed, places));
             }
         }
         let templates = self.templates(string);
         Self::each(parallel || pays_in_parallel(modules), tasks, |task| {
+            let (chunk, packed, out) = task;
+            let from = chunk * CHUNK;
+            let mut choices = [S::default(); CHUNK];
+            let length = CHUNK.min(symbols.len() - from.min(symbols.len()));
+            let choices = choices.get_mut(..length).unwrap_or(&mut []);
+            unpack(bits, packed, choices);
+            let task = Task {
+                from,
+                parameters_from: start_of(chunk),
+                choices,
+                out,
+            };
             self.fill(&indexed, births, templates.as_deref(), task)
         })?;
-        spare.choices = S::column(choices);
         Ok(Some(ModuleString {
             symbols: S::column(next_symbols),
             births: B::column(next_births),
@@ -273,7 +289,7 @@ impl<'a> Round<'a> {
             0
         };
         let symbol = string.symbols.cell_bytes();
-        let choices = symbol * string.len() as u64;
+        let choices = self.choices_bytes(string.len() as u64);
         let birth = bytes_up_to(self.step).max(string.births.cell_bytes());
         let bytes = string_bytes(symbol + birth, modules, parameters)
             .saturating_add(string.bytes())
@@ -292,6 +308,11 @@ impl<'a> Round<'a> {
             limit,
         }
         .into())
+    }
+
+    /// Bytes of the choices for so many modules.
+    fn choices_bytes(&self, modules: u64) -> u64 {
+        modules.saturating_mul(Choices::bits_among(self.rules.rules.len()) as u64) / 8
     }
 
     pub(super) fn rule(&self, choice: u16) -> Option<&'a Rule> {

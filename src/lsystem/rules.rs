@@ -1,7 +1,7 @@
 //! Reads one production: `left < predecessor > right : condition -> successor`.
 
 use super::code::Expression;
-use super::error::GrammarError;
+use super::error::{GrammarError, nearest};
 use super::expression::{self, Scope};
 use super::grammar::{Looks, Pattern, Rule};
 use super::parse::{Brackets, Parser, end, parameters};
@@ -18,7 +18,8 @@ const SHOWN_CHARS: usize = 80;
 struct Head {
     name: String,
     at: usize,
-    formals: Vec<String>,
+    /// Its parameters, each with its place.
+    formals: Vec<(String, usize)>,
 }
 
 /// Reads a production; `inner` in a `decompose` or `interpret` block, where contexts mean nothing.
@@ -68,6 +69,12 @@ pub(crate) fn production(
         return Err(cursor.expected("the module that is replaced, before `->`"));
     };
     if let Some(second) = second {
+        if let Some(label) = label(cursor.between(start, cursor.pos())) {
+            let message = format!(
+                "found the label `{label}:`; productions have none, expected the production alone"
+            );
+            return Err(cursor.error_at(start, message));
+        }
         let message = format!(
             "found `{}`; expected one predecessor only (contexts stand before `<` and after `>`)",
             second.name
@@ -109,7 +116,13 @@ pub(crate) fn production(
         (None, None)
     };
     if !(cursor.take("-->") || cursor.take("->")) {
-        return Err(cursor.expected("`->`"));
+        let mut ahead = cursor.clone();
+        let instead = match ahead.identifier() {
+            Some("and") => "`->` or `&&`",
+            Some("or") => "`->` or `||`",
+            _ => "`->`",
+        };
+        return Err(cursor.expected(instead));
     }
     let location = cursor.location(start);
     let into_branches = right_pattern
@@ -140,6 +153,14 @@ pub(crate) fn production(
     Ok(rule)
 }
 
+/// A production's label as other programs write it: `p1` of `p1: A -> B`.
+fn label(head: &str) -> Option<&str> {
+    let head = head.trim();
+    let number = head.strip_prefix(['p', 'P'])?;
+    let is_number = !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
+    is_number.then_some(head)
+}
+
 /// Modules with parameter names, up to `<`, `>`, `:` or the arrow.
 fn modules(parser: &mut Parser, cursor: &mut Cursor<'_>) -> Result<Vec<Head>, GrammarError> {
     let mut heads = Vec::new();
@@ -156,17 +177,19 @@ fn modules(parser: &mut Parser, cursor: &mut Cursor<'_>) -> Result<Vec<Head>, Gr
             return Ok(heads);
         }
         let at = cursor.pos();
-        let name = parser.names.read(cursor)?.to_owned();
-        let mut formals: Vec<String> = Vec::new();
+        let name = parser.read_name(cursor)?.to_owned();
+        let mut formals = Vec::new();
         let brackets = matches!(name.as_str(), "[" | "]");
         parameters(cursor, |c| {
             if brackets {
                 return Err(c.error_at(at, format!("`{name}` takes no parameters")));
             }
+            c.skip_blank();
+            let at = c.pos();
             let formal = c.identifier().ok_or_else(|| {
                 c.expected("the name of a parameter; a value is tested in the condition, as in `A(x) : x == 0 -> …`")
             })?;
-            formals.push(formal.to_owned());
+            formals.push((formal.to_owned(), at));
             Ok(())
         })?;
         heads.push(Head { name, at, formals });
@@ -181,9 +204,9 @@ fn bind(
     slots: &mut Vec<String>,
 ) -> Result<(u16, u16), GrammarError> {
     let slot = u16::try_from(slots.len()).unwrap_or(u16::MAX);
-    for formal in &head.formals {
+    for (formal, at) in &head.formals {
         if slots.contains(formal) {
-            return Err(cursor.error_at(head.at, format!("the parameter `{formal}` is bound twice in this production; give one another name")));
+            return Err(cursor.error_at(*at, format!("the parameter `{formal}` is bound twice in this production; give one another name")));
         }
         slots.push(formal.clone());
     }
@@ -271,13 +294,27 @@ fn conditions(
         parameters: slots,
         constants: &parser.constants,
         draws: false,
+        names: expression::IN_PRODUCTIONS,
     };
     let mut condition = None;
     if !takes_weight(cursor) {
         if cursor.take("*") {
             return Ok((None, None)); // `: *` is ABOP's condition that always holds
         }
+        cursor.skip_blank();
+        let start = cursor.pos();
+        misspelt_weight(cursor, &scope)?;
         condition = Some(expression::parse(cursor, &scope, &mut parser.errors)?);
+        let written = cursor.between(start, cursor.pos()).trim();
+        if written
+            .parse::<f64>()
+            .is_ok_and(|number| number != 0.0 && (number - 1.0).abs() > 0.0)
+        {
+            let message = format!(
+                "found the number `{written}` as a condition, which always holds; a weight is written `weight {written}`"
+            );
+            return Err(cursor.error_at(start, message));
+        }
         if !cursor.take(",") {
             return Ok((condition, None));
         }
@@ -287,6 +324,25 @@ fn conditions(
     }
     let weight = expression::parse(cursor, &scope, &mut parser.errors)?;
     Ok((condition, Some(weight)))
+}
+
+/// A word like `weight` that nothing else is named by.
+fn misspelt_weight(cursor: &Cursor<'_>, scope: &Scope<'_>) -> Result<(), GrammarError> {
+    let mut ahead = cursor.clone();
+    let Some(word) = ahead.identifier() else {
+        return Ok(());
+    };
+    let known = scope.constants.contains_key(word) || scope.parameters.iter().any(|p| p == word);
+    let number = ahead.at_number();
+    match nearest(word, std::iter::once("weight")) {
+        Some(meant) if !known && number => Err(cursor.error_at(
+            cursor.pos(),
+            format!(
+                "found `{word}`; expected a condition or `{meant}`, which is the nearest known word"
+            ),
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn takes_weight(cursor: &mut Cursor<'_>) -> bool {
@@ -313,12 +369,13 @@ fn successor(
     let mut brackets = Brackets::default();
     while !cursor.at_end() {
         let at = cursor.pos();
-        let name = parser.names.read(cursor)?;
+        let name = parser.read_name(cursor)?;
         let first = rule.arguments.len();
         let scope = Scope {
             parameters: slots,
             constants: &parser.constants,
             draws: true,
+            names: expression::IN_PRODUCTIONS,
         };
         let errors = &mut parser.errors;
         let arity = parameters(cursor, |c| {

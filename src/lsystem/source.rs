@@ -7,28 +7,32 @@
 use std::sync::OnceLock;
 
 use super::dialect::Origin;
-use super::error::{GrammarError, GrammarErrors};
+use super::error::{GrammarError, GrammarErrors, nearest};
 
 /// Bytes of grammar text accepted in all, includes counted.
 pub(crate) const MAX_SOURCE_BYTES: usize = 256 << 20;
 
 /// The words that begin a statement.
-pub(crate) const KEYWORDS: [&str; 17] = [
+pub(crate) const KEYWORDS: [&str; 21] = [
     "angle",
     "axiom",
+    "colour",
     "consider",
     "const",
     "context",
     "decompose",
     "dialect",
+    "growth",
     "ignore",
     "include",
     "interpret",
+    "material",
     "module",
     "order",
     "seed",
     "shape",
     "steps",
+    "surface",
     "tropism",
     "wrap",
 ];
@@ -133,6 +137,18 @@ pub(super) fn keyword_of(line: &str) -> Option<&'static str> {
     }
 }
 
+/// The block that a line seems to open whose first word is no keyword.
+fn misspelt_block(line: &str) -> Option<Block> {
+    let word = line.strip_suffix('{')?.split_whitespace().next()?;
+    if line.contains("->") || !word.bytes().all(|b| b.is_ascii_alphabetic()) {
+        return None;
+    }
+    match nearest(word, ["decompose", "interpret"].into_iter())? {
+        "decompose" => Some(Block::Decompose),
+        _ => Some(Block::Interpret),
+    }
+}
+
 /// The line without its comment.
 pub(super) fn code_of(line: &str) -> &str {
     line.split('#').next().unwrap_or("")
@@ -175,23 +191,25 @@ pub(crate) fn statements(
             continue;
         }
         let keyword = keyword.unwrap_or("");
+        let stands_in = block;
+        if keyword.is_empty() && block == Block::Main {
+            // A misspelt block is a fault, but what stands in it is none.
+            if let Some(meant) = misspelt_block(trimmed) {
+                block = meant;
+                block_at = start;
+            }
+        }
         found.push(Statement {
             file,
             keyword,
             start,
             body: start + keyword.len(),
             end,
-            block,
+            block: stands_in,
         });
         if matches!(keyword, "decompose" | "interpret") {
-            if block != Block::Main {
-                errors.push(source.error(
-                    start,
-                    format!(
-                        "`{keyword}` inside another block; expected `}}` on its own line first"
-                    ),
-                ));
-            } else if trimmed.ends_with('{') {
+            // One inside another is told when the statements are read.
+            if block == Block::Main && trimmed.ends_with('{') {
                 block = if keyword == "decompose" {
                     Block::Decompose
                 } else {
@@ -229,6 +247,15 @@ impl<'a> Cursor<'a> {
 
     pub(crate) fn pos(&self) -> usize {
         self.pos
+    }
+
+    /// Whether the letter at `at` stands in a word that begins before it.
+    pub(crate) fn goes_on_a_word(&self, at: usize) -> bool {
+        let before = self.source.text.get(..at).unwrap_or("");
+        before
+            .chars()
+            .next_back()
+            .is_some_and(char::is_alphanumeric)
     }
 
     /// The text not yet read.
@@ -297,6 +324,13 @@ impl<'a> Cursor<'a> {
             .unwrap_or(rest.len());
         self.advance(length);
         rest.get(..length)
+    }
+
+    /// Skips blanks and tells whether a number stands here.
+    pub(crate) fn at_number(&mut self) -> bool {
+        self.skip_blank();
+        let number = |c: char| c.is_ascii_digit() || c == '.';
+        self.peek().is_some_and(number)
     }
 
     /// What stands here, for a message.

@@ -158,17 +158,26 @@ impl ModuleString {
 
     /// Writes the text without ever holding all of it.
     pub fn write_text(&self, grammar: &Grammar, out: &mut dyn io::Write) -> io::Result<()> {
-        const BUFFER: usize = 1 << 16;
-        let mut text = String::with_capacity(BUFFER + 1024);
-        for module in self.iter() {
-            push_module(&mut text, grammar, &module);
-            if text.len() >= BUFFER {
-                out.write_all(text.as_bytes())?;
-                text.clear();
-            }
-        }
-        out.write_all(text.as_bytes())
+        write_modules(self.iter(), grammar, out)
     }
+}
+
+/// Writes modules as text without ever holding all of it.
+pub(super) fn write_modules<'m>(
+    modules: impl Iterator<Item = Module<'m>>,
+    grammar: &Grammar,
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
+    const BUFFER: usize = 1 << 16;
+    let mut text = String::with_capacity(BUFFER + 1024);
+    for module in modules {
+        push_module(&mut text, grammar, &module);
+        if text.len() >= BUFFER {
+            out.write_all(text.as_bytes())?;
+            text.clear();
+        }
+    }
+    out.write_all(text.as_bytes())
 }
 
 /// How many parameters a module of this symbol has.
@@ -189,7 +198,7 @@ pub(super) fn string_bytes(module: u64, modules: u64, parameters: u64) -> u64 {
         .saturating_add(parameters.saturating_mul(size_of::<f64>() as u64))
 }
 
-fn push_module(text: &mut String, grammar: &Grammar, module: &Module<'_>) {
+pub(super) fn push_module(text: &mut String, grammar: &Grammar, module: &Module<'_>) {
     text.push_str(grammar.name(module.symbol));
     for (i, value) in module.parameters.iter().enumerate() {
         text.push(if i == 0 { '(' } else { ',' });

@@ -19,6 +19,7 @@ mod host;
 mod memory;
 mod meshes;
 mod offscreen;
+mod organ_upload;
 mod panel;
 mod pipelines;
 pub mod probe;

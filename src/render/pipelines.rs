@@ -254,6 +254,8 @@ pub(crate) struct Pipelines {
     pub(crate) tubes: Pipeline,
     pub(crate) caps: Pipeline,
     pub(crate) shadow: Pipeline,
+    pub(crate) organs: Pipeline,
+    pub(crate) organ_shadow: Pipeline,
     pub(crate) rods: Pipeline,
     pub(crate) ghosts: Pipeline,
     pub(crate) solids: Pipeline,
@@ -273,11 +275,7 @@ impl Pipelines {
             Kind::STORAGE_BUFFER,
             Kind::STORAGE_BUFFER,
         ];
-        let tree_layout = Layout::new(
-            gpu,
-            &[&frame, &[Kind::STORAGE_BUFFER, Kind::STORAGE_BUFFER]],
-            0,
-        )?;
+        let tree_layout = Layout::new(gpu, &[&frame, &[Kind::STORAGE_BUFFER; 3]], 0)?;
         let board_layout = Layout::new(gpu, &[&frame, &[Kind::SAMPLED_IMAGE, Kind::SAMPLER]], 0)?;
 
         let plain = PipelineDesc {
@@ -321,6 +319,25 @@ impl Pipelines {
             attributes: &sphere,
             ..solid
         };
+        let organs = PipelineDesc {
+            name: "the organs' pipeline",
+            spirv: shaders::organ::SPIRV,
+            vertex: shaders::organ::ORGAN_VERTEX,
+            fragment: Some(shaders::organ::ORGAN_FRAGMENT),
+            cull: vk::CullModeFlags::NONE,
+            ..solid
+        };
+        let cast = |desc: PipelineDesc<'static>| PipelineDesc {
+            name: "the shadow's pipeline",
+            fragment: None,
+            covered: false,
+            cull: vk::CullModeFlags::NONE,
+            depth_compare: Some(vk::CompareOp::LESS),
+            samples: vk::SampleCountFlags::TYPE_1,
+            view_mask: 0,
+            depth: SHADOW_FORMAT,
+            ..desc
+        };
         let pipeline = |desc: PipelineDesc<'_>| Pipeline::new(gpu, &tree_layout, &desc);
         Ok(Self {
             sky: pipeline(plain)?,
@@ -336,18 +353,15 @@ impl Pipelines {
                 vertex: shaders::tree::CAP_VERTEX,
                 ..tubes
             })?,
-            shadow: pipeline(PipelineDesc {
-                name: "the shadow's pipeline",
+            shadow: pipeline(cast(PipelineDesc {
                 vertex: shaders::tree::SHADOW_VERTEX,
-                fragment: None,
-                covered: false,
-                cull: vk::CullModeFlags::NONE,
-                depth_compare: Some(vk::CompareOp::LESS),
-                samples: vk::SampleCountFlags::TYPE_1,
-                view_mask: 0,
-                depth: SHADOW_FORMAT,
                 ..tubes
-            })?,
+            }))?,
+            organs: pipeline(organs)?,
+            organ_shadow: pipeline(cast(PipelineDesc {
+                vertex: shaders::organ::ORGAN_SHADOW_VERTEX,
+                ..organs
+            }))?,
             rods: pipeline(rods)?,
             ghosts: pipeline(PipelineDesc {
                 name: "the ghosts' pipeline",

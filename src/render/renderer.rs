@@ -24,7 +24,7 @@ use super::{
     pipelines::{Formats, Pipelines},
     shadow::{self, Shadow, ShadowKey},
     target::{Attachments, Target},
-    tree_upload::{COPY_BYTES, Scratch, TreeUpload, segment_count},
+    tree_upload::{COPY_BYTES, Scratch, TreeUpload, upload_size},
 };
 use crate::world::scene::{Color, PlacedTree, Scene};
 
@@ -348,7 +348,7 @@ impl Renderer {
             }
             return Ok(TreeState::Shown);
         }
-        if segment_count(placed) > self.params.direct_segments {
+        if upload_size(placed) > self.params.direct_segments {
             return Ok(TreeState::Wanted(placed.revision));
         }
         let upload = TreeUpload::with_scratch(&self.gpu, placed, &mut self.scratch)?;
@@ -371,20 +371,30 @@ impl Renderer {
             .get(1)
             .copied()
             .unwrap_or_default();
-        let count = u32::try_from(coming.chunks.len())
+        let count = u32::try_from(coming.chunks.len() + coming.organs.len())
             .unwrap_or(u32::MAX)
             .max(1);
         let pool = Pool::new(
             &self.gpu,
             count,
-            &[(vk::DescriptorType::STORAGE_BUFFER, 2 * count)],
+            &[(vk::DescriptorType::STORAGE_BUFFER, 3 * count)],
         )?;
-        for chunk in &mut coming.chunks {
-            chunk.set = pool.set(layout)?;
-            let buffers = [chunk.segments.handle, chunk.caps.handle].map(whole_buffer);
-            let writes = [0, 1].map(|binding| {
+        let looks = coming.looks.handle;
+        let tubes = coming
+            .chunks
+            .iter_mut()
+            .map(|chunk| (&mut chunk.set, chunk.segments.handle, chunk.caps.handle));
+        // Organs have nothing at the caps' place: their vertices stand there again.
+        let organs = coming
+            .organs
+            .iter_mut()
+            .map(|chunk| (&mut chunk.set, chunk.vertices.handle, chunk.vertices.handle));
+        for (set, first, second) in tubes.chain(organs) {
+            *set = pool.set(layout)?;
+            let buffers = [first, second, looks].map(whole_buffer);
+            let writes = [0, 1, 2].map(|binding| {
                 vk::WriteDescriptorSet::default()
-                    .dst_set(chunk.set)
+                    .dst_set(*set)
                     .dst_binding(binding)
                     .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
                     .buffer_info(std::slice::from_ref(&buffers[binding as usize]))

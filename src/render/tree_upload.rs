@@ -10,9 +10,15 @@ use ash::vk;
 use glam::Vec3;
 use gpu_allocator::MemoryLocation;
 
-use super::{error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, meshes::BATCH};
+use super::{
+    error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, meshes::BATCH,
+    organ_upload::OrganChunk,
+};
 use crate::{
-    tree::tubes::{self, CAPPED, SegmentBuilder, TubeSegment},
+    tree::{
+        organs::{LookTable, paint_segments, refined},
+        tubes::{self, CAPPED, LETTER_SHIFT, PAINTED, SegmentBuilder, TubeSegment},
+    },
     world::scene::PlacedTree,
 };
 
@@ -20,7 +26,7 @@ use crate::{
 pub(crate) const COPY_BYTES: u64 = 32 << 20;
 
 /// A chunk is never larger than this, whatever the device allows.
-const CHUNK_BYTES: u64 = 64 << 20;
+pub(crate) const CHUNK_BYTES: u64 = 64 << 20;
 
 /// A sphere around the whole tree and the radius at its foot, in the tree's own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,6 +34,21 @@ pub(crate) struct Bounds {
     pub(crate) center: Vec3,
     pub(crate) radius: f32,
     pub(crate) foot: f32,
+}
+
+impl Bounds {
+    /// Makes the sphere large enough for a box, too.
+    fn include(&mut self, corners: Option<(Vec3, Vec3)>) {
+        let Some((low, high)) = corners else { return };
+        let (low, high) = if self.radius > 0.0 {
+            let own = [self.center - self.radius, self.center + self.radius];
+            (low.min(own[0]), high.max(own[1]))
+        } else {
+            (low, high)
+        };
+        self.center = (low + high) / 2.0;
+        self.radius = low.distance(high) / 2.0;
+    }
 }
 
 /// Segments that one descriptor set shows.
@@ -49,6 +70,10 @@ pub struct TreeUpload {
     pub(crate) segments: u32,
     pub(crate) bounds: Bounds,
     pub(crate) chunks: Vec<Chunk>,
+    /// Polygons, spheres and surfaces.
+    pub(crate) organs: Vec<OrganChunk>,
+    /// Colours and materials.
+    pub(crate) looks: Buffer,
     /// The chunks' sets, once the renderer has taken the upload.
     pub(crate) pool: Option<Pool>,
 }
@@ -75,19 +100,36 @@ impl TreeUpload {
         placed: &PlacedTree,
         scratch: &mut Scratch,
     ) -> Result<Self, RenderError> {
-        scratch.builder.build(
+        let fine = refined(&placed.tree, &placed.organs, &placed.radius_before);
+        let (tree, radius_before) = fine
+            .as_ref()
+            .map_or((&*placed.tree, placed.radius_before.as_slice()), |fine| {
+                (&fine.tree, fine.radius_before.as_slice())
+            });
+        scratch
+            .builder
+            .build(tree, radius_before, placed.newest, &mut scratch.segments);
+        let mut looks = LookTable::default();
+        paint_segments(
             &placed.tree,
-            &placed.radius_before,
-            placed.newest,
+            &placed.organs,
+            fine.as_ref(),
             &mut scratch.segments,
+            &mut looks,
         );
-        Self::cut(
+        let mut upload = Self::cut(
             gpu,
             &scratch.segments,
             placed.revision,
             &mut scratch.caps,
             CHUNK_BYTES,
-        )
+        )?;
+        if !placed.organs.is_bare() {
+            upload.organs = OrganChunk::all(gpu, placed, &mut looks)?;
+            upload.bounds.include(placed.organs.bounds());
+        }
+        upload.looks = look_buffer(gpu, &looks)?;
+        Ok(upload)
     }
 
     /// The same from segments made elsewhere, in chunks of at most so many bytes (and no more than the device allows).
@@ -123,6 +165,8 @@ impl TreeUpload {
             segments: u32::try_from(segments.len()).unwrap_or(u32::MAX),
             bounds: bounds(segments),
             chunks,
+            organs: Vec::new(),
+            looks: look_buffer(gpu, &LookTable::default())?,
             pool: None,
         })
     }
@@ -134,16 +178,19 @@ impl TreeUpload {
 
     /// Copies up to `budget` bytes more; true when all is there.
     pub(crate) fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, mut budget: u64) -> bool {
-        self.chunks
-            .iter_mut()
-            .all(|chunk| chunk.copy(gpu, commands, &mut budget))
+        let tubes = |chunk: &mut Chunk| chunk.copy(gpu, commands, &mut budget);
+        self.chunks.iter_mut().all(tubes)
+            && self
+                .organs
+                .iter_mut()
+                .all(|chunk| chunk.copy(gpu, commands, &mut budget))
     }
 
     /// Staging memory that is not needed any more; the caller frees it when the device is done.
     pub(crate) fn take_staging(&mut self) -> impl Iterator<Item = Buffer> {
-        self.chunks
-            .iter_mut()
-            .filter_map(|chunk| chunk.staging.take())
+        let organs = self.organs.iter_mut().map(OrganChunk::take_staging);
+        let tubes = self.chunks.iter_mut().map(|chunk| chunk.staging.take());
+        tubes.chain(organs).flatten()
     }
 }
 
@@ -264,12 +311,29 @@ fn bounds(segments: &[TubeSegment]) -> Bounds {
     }
 }
 
-/// How many segments a tree will have, without building them.
-pub(crate) fn segment_count(placed: &PlacedTree) -> usize {
-    placed.tree.segment_count()
+/// The looks as shaders read them; few, so they stay where the processor wrote them.
+fn look_buffer(gpu: &Gpu, looks: &LookTable) -> Result<Buffer, RenderError> {
+    let rows = looks.rows();
+    let mut buffer = Buffer::new(
+        gpu,
+        "the looks",
+        size_of_val(rows) as u64,
+        vk::BufferUsageFlags::STORAGE_BUFFER,
+        MemoryLocation::CpuToGpu,
+    )?;
+    buffer.write(0, rows);
+    Ok(buffer)
+}
+
+/// What a tree's upload amounts to, in segments, without building it.
+pub(crate) fn upload_size(placed: &PlacedTree) -> usize {
+    // An organ has a few dozen vertices of 32 bytes, a corner one, a segment 80 bytes.
+    let organs = &placed.organs;
+    let bent = organs.smooth.len() * 8;
+    placed.tree.segment_count() + 10 * organs.len() + organs.corners.len() / 2 + bent
 }
 
 const _: () = assert!(
-    tubes::GROWING == 1 && CAPPED == 2,
+    tubes::GROWING == 1 && CAPPED == 2 && PAINTED == 8 && LETTER_SHIFT == 16,
     "shaders/tree.wgsl knows these bits"
 );

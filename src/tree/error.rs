@@ -86,6 +86,9 @@ pub enum TreeError {
         /// Largest value allowed.
         most: f64,
     },
+    /// What the tree carries does not fit it.
+    #[error(transparent)]
+    Organs(#[from] super::organs::OrganError),
     /// Nothing to export.
     #[error(
         "the tree has no segment, so there is nothing to write as {0}: segments are drawn by `F` and by the letters of shapes"

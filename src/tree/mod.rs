@@ -19,10 +19,12 @@ pub mod file;
 pub mod growth;
 pub mod import;
 pub mod mesh;
+pub mod organs;
 pub mod radii;
 pub mod tubes;
 
 pub use error::TreeError;
+pub use organs::{Drawing, Organs};
 
 /// `Tree::parent` of a node that has none.
 pub const NO_PARENT: u32 = u32::MAX;

@@ -49,7 +49,7 @@ pub struct TubeSegment {
     /// Centre of the second ring.
     pub to: [f32; 3],
     /// Bit 0 ([`GROWING`]): part of the newest step. Bit 1 ([`CAPPED`]): the tube ends here.
-    /// Bit 2 ([`STARTS`]): the tube begins here. Bits 16…31: letter.
+    /// Bit 2 ([`STARTS`]): the tube begins here. Bit 3 ([`PAINTED`]): bits 16…31 are a look's number and not the letter.
     pub flags: u32,
     /// The nearest whole ancestor's position, from which a growing segment unfolds (of a whole segment: its own second point).
     pub base: [f32; 3],
@@ -69,6 +69,8 @@ pub const GROWING: u32 = 1;
 pub const CAPPED: u32 = 2;
 /// Flag of a segment that starts its tube: a disc closes the first ring.
 pub const STARTS: u32 = 4;
+/// Flag of a segment with a look of its own, whose number then stands in the place of its letter.
+pub const PAINTED: u32 = 8;
 /// Bits to shift [`TubeSegment::flags`] right by to get the letter.
 pub const LETTER_SHIFT: u32 = 16;
 

@@ -11,7 +11,7 @@ use glam::Affine3A;
 
 use crate::{
     sketch::{Grown, MAX_SEGMENTS, Sketch},
-    tree::Tree,
+    tree::{Organs, Tree},
 };
 
 use super::{
@@ -54,6 +54,7 @@ pub struct TreeRequest {
 #[derive(Debug)]
 struct Shown {
     tree: Arc<Tree>,
+    organs: Arc<Organs>,
     radius_before: Arc<Vec<f32>>,
     newest: u32,
     step: u32,
@@ -140,6 +141,7 @@ impl Growth {
         } = grown;
         let given = Shown {
             tree: Arc::new(tree),
+            organs: Arc::default(),
             radius_before: Arc::new(radius_before),
             newest,
             step,
@@ -229,6 +231,7 @@ impl Growth {
         let shown = self.shown.as_ref()?;
         Some(PlacedTree {
             tree: Arc::clone(&shown.tree),
+            organs: Arc::clone(&shown.organs),
             radius_before: Arc::clone(&shown.radius_before),
             revision: self.revision,
             world_from_tree,

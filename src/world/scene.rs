@@ -9,7 +9,7 @@ use std::sync::{
 
 use glam::{Affine3A, Vec3};
 
-use crate::tree::Tree;
+use crate::tree::{Organs, Tree};
 
 pub use super::input::Pose;
 
@@ -73,6 +73,8 @@ pub fn new_revision() -> u64 {
 pub struct PlacedTree {
     /// The tree in its own frame, in its whole last state.
     pub tree: Arc<Tree>,
+    /// What the tree carries besides its skeleton.
+    pub organs: Arc<Organs>,
     /// Radius of each node one step earlier (0 for the newest nodes); empty: as in `tree`.
     pub radius_before: Arc<Vec<f32>>,
     /// Changes whenever `tree` does ([`new_revision`]); an unchanged number means nothing to upload.

@@ -267,7 +267,7 @@ fn frames_stay_rotations() {
         fn segment(&mut self, pen: &Pen, _: Drawn, _: DVec3, _: f32) -> Result<u32, DeriveError> {
             let DQuat { x, y, z, w } = pen.frame;
             assert!(
-                ((x * x + y * y + z * z + w * w).sqrt() - 1.0).abs() < 1e-15,
+                ((x * x + y * y + z * z + w * w).sqrt() - 1.0).abs() < 1e-14,
                 "length 1"
             );
             let [h, l, u] = [pen.heading(), pen.left(), pen.up()];

@@ -43,7 +43,7 @@ fn includes() {
         ),
         (
             "include \"missing.lsys\"\naxiom A\n",
-            "cannot read `missing.lsys`",
+            "there is no `missing.lsys`",
         ),
         (
             "include \"folder\"\naxiom A\n",

@@ -10,16 +10,22 @@
 
 mod canvas;
 mod dialects;
+mod faults;
+mod gallery;
+mod growth;
+mod guide;
 mod history;
 mod hostile;
 mod include;
 mod language;
 mod oracle;
+mod organs;
 mod queries;
 mod record;
 mod reference;
 mod sketch_cases;
 mod turtle;
+mod unwritten;
 mod widths;
 
 use std::path::PathBuf;

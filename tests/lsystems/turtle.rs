@@ -458,6 +458,8 @@ fn trees_do_not_depend_on_threads() {
             TreeCanvas::new(&grammar, params)
         });
         assert!(canvas.unwrap().finish() == alone, "in one go");
+        let drawing = ramus::lsystem::draw(&grammar, &string, &params, &cancel).unwrap();
+        assert!(drawing.tree == alone, "with its organs");
     }
 }
 

@@ -136,6 +136,7 @@ pub(crate) fn grove(levels: u32, newest: u32) -> (Tree, Vec<f32>) {
 pub(crate) fn placed(tree: Tree, before: Vec<f32>, newest: u32, at: Affine3A) -> PlacedTree {
     PlacedTree {
         tree: Arc::new(tree),
+        organs: Arc::default(),
         radius_before: Arc::new(before),
         revision: 1,
         world_from_tree: at,

@@ -16,12 +16,14 @@ use tempfile::TempDir;
 
 mod disk;
 mod doctor;
+mod explain;
 mod fmt;
 mod memory;
 mod older;
 mod outputs;
 mod project;
 mod refusals;
+mod time;
 mod widths;
 
 const FIRST_TREE: &str = concat!(

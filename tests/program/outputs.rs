@@ -400,3 +400,40 @@ fn bounds_hold_what_was_drawn_and_nothing_else() {
         .unwrap();
     refused(&output, &["3 roots", "drawn with gaps", "GLB or OBJ"]);
 }
+
+/// What is counted or told by its growth is not made, and what does not fit is printed all the same.
+#[test]
+fn a_string_need_not_be_written_down() {
+    let folder = folder();
+    let path = folder.path();
+    let derive = |grammar: &str, args: &[&str]| {
+        fs::write(path.join("a.lsys"), grammar).unwrap();
+        let mut command = ramus();
+        command.current_dir(path).args(["derive", "a.lsys"]);
+        let output = command.args(args).output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let algae = "axiom b\na -> ab\nb -> a\n";
+    assert_eq!(
+        derive(algae, &["--steps", "58", "--print", "counts"]),
+        "a 591286729879\nb 365435296162\nmodules 956722026041, segments 0, depth 0\n"
+    );
+    let growth = derive(algae, &["--steps", "180", "--print", "growth"]);
+    assert!(growth.starts_with("0 1\n1 1\n2 2\n3 3\n4 5\n"), "{growth}");
+    assert!(
+        growth.contains("\n179 18547707689471986212190138521399707760\n180 ")
+            && growth.lines().count() == 181
+    );
+    // One that has to be derived.
+    let signal = derive(
+        "axiom BA A\nB < A -> B B\n",
+        &["--steps", "2", "--print", "growth"],
+    );
+    assert_eq!(signal, "0 3\n1 4\n2 5\n");
+    let long = derive(
+        "axiom F\nF -> FF\n",
+        &["--steps", "20", "--print", "string", "--memory", "1"],
+    );
+    assert_eq!(long.len(), (1 << 20) + 1);
+}

@@ -52,8 +52,12 @@ fn bad_grammars_and_options_get_one_clear_sentence() {
         ),
         (
             file("leaf.lsys", b"axiom A\nA -> [{.+f.-f.}]A\n"),
-            &["--steps", "6", "--export", "leaf.glb"],
-            &["after 6 steps draws no segment", "outlines"],
+            &["--steps", "6", "--export", "leaf.swc"],
+            &[
+                "after 6 steps draws no segment",
+                "leaf.swc holds segments only",
+                "GLB",
+            ],
         ),
         (
             file("bare.lsys", b"axiom A\n"),

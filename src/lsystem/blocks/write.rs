@@ -1,164 +1,243 @@
-//! The string of a graph, written from front to back; a block that was written before is copied from there.
+//! The string of a graph, written in slices that know nothing of each other: each by a walk from its own beginning.
+//!
+//! Within a slice a block that was written before is copied from there. A slice is as large as the caches are, so that what is
+//! copied is read from them; and memory that is fresh from the system is first touched by all threads, which is most of the time
+//! that a string of a billion modules takes.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{BETWEEN_CHECKS, Block, Blocks, Piece};
+use rayon::prelude::*;
+
+use super::walk::{Met, Walk};
+use super::{BETWEEN_CHECKS, Blocks};
 use crate::lsystem::column::{Cell, Narrow, bytes_up_to};
-use crate::lsystem::names::Symbol;
-use crate::lsystem::output::zeroed;
+use crate::lsystem::output::{Output, zeroed};
+use crate::lsystem::rewrite::pays_in_parallel;
 use crate::lsystem::string::ModuleString;
 
-/// Modules copied between two looks at the cancel flag.
-const COPIED_AT_ONCE: usize = 1 << 22;
+/// Modules of a slice at most,
+const LONGEST: usize = 1 << 20;
+/// at least, so that its beginning, where nothing can be copied yet, does not count,
+const SHORTEST: usize = 1 << 14;
+/// slices for each thread where the string allows,
+const SLICES: usize = 4;
+/// and modules for each open block of a slice, whose walk remembers them.
+const FOR_EACH_OPEN: usize = 256;
+
+/// A slice to write, with its walk.
+type Slice<'s, 'g, S, B> = (Walk<'g>, Output<'s, S, B>);
 
 impl Blocks {
     /// Writes the string. `None`: cancelled, or the memory is not there.
     pub(crate) fn string(&self, cancel: &AtomicBool) -> Option<ModuleString> {
         let newest = u32::try_from(self.steps()).unwrap_or(u32::MAX);
         match (bytes_up_to(self.most_symbol), bytes_up_to(newest)) {
-            (1, 1) => self.written::<u8, u8>(cancel),
-            (1, 2) => self.written::<u8, u16>(cancel),
-            (1, _) => self.written::<u8, u32>(cancel),
-            (_, 1) => self.written::<u16, u8>(cancel),
-            (_, 2) => self.written::<u16, u16>(cancel),
-            (_, _) => self.written::<u16, u32>(cancel),
+            (1, 1) => self.written::<u8, u8>(LONGEST, cancel),
+            (1, 2) => self.written::<u8, u16>(LONGEST, cancel),
+            (1, _) => self.written::<u8, u32>(LONGEST, cancel),
+            (_, 1) => self.written::<u16, u8>(LONGEST, cancel),
+            (_, 2) => self.written::<u16, u16>(LONGEST, cancel),
+            (_, _) => self.written::<u16, u32>(LONGEST, cancel),
         }
     }
 
-    fn written<S: Narrow, B: Cell>(&self, cancel: &AtomicBool) -> Option<ModuleString> {
+    fn written<S: Narrow, B: Cell>(
+        &self,
+        longest: usize,
+        cancel: &AtomicBool,
+    ) -> Option<ModuleString> {
         let root = self.blocks.first()?;
         let modules = usize::try_from(root.size.modules).ok()?;
         let parameters = usize::try_from(root.size.parameters).ok()?;
-        let writing = Writing::<S, B> {
-            graph: self,
-            symbols: zeroed(modules)?,
-            births: zeroed(modules)?,
-            parameters: zeroed(parameters)?,
-            at: Place::default(),
-            written: vec![None; self.blocks.len()],
+        let mut symbols = zeroed::<S>(modules)?;
+        let mut births = zeroed::<B>(modules)?;
+        let mut values = zeroed::<f64>(parameters)?;
+        let out = Output {
+            symbols: &mut symbols,
+            births: &mut births,
+            parameters: &mut values,
         };
-        writing.all(cancel)
+        let slices = self.slices(out, longest)?;
+        let write = |(walk, out)| {
+            Slices {
+                graph: self,
+                cancel,
+            }
+            .write(walk, out)
+        };
+        let whole = if pays_in_parallel(modules) && slices.len() > 1 {
+            slices.into_par_iter().map(write).collect()
+        } else {
+            slices.into_iter().map(write).collect::<Option<()>>()
+        };
+        let string = ModuleString {
+            symbols: S::column(symbols),
+            births: B::column(births),
+            parameters: values,
+            arity: Arc::clone(&self.arity),
+        };
+        if whole.is_none() {
+            // To give back gigabytes takes the system longer than a person who cancels should wait.
+            rayon::spawn(move || drop(string));
+            return None;
+        }
+        Some(string)
+    }
+
+    /// Cuts the string into slices, and finds where in the graph each begins.
+    fn slices<'s, S, B>(
+        &self,
+        mut out: Output<'s, S, B>,
+        longest: usize,
+    ) -> Option<Vec<Slice<'s, '_, S, B>>> {
+        let modules = out.symbols.len();
+        let threads = rayon::current_num_threads();
+        let shared = if threads > 1 {
+            modules.div_ceil(SLICES * threads)
+        } else {
+            modules
+        };
+        let mut walk = Walk::new(self);
+        let mut slices = Vec::new();
+        while !out.symbols.is_empty() {
+            let deep = walk.depth().max(self.steps()).saturating_mul(FOR_EACH_OPEN);
+            let length = shared.clamp(SHORTEST.min(longest), longest).max(deep);
+            let length = length.min(out.symbols.len());
+            let start = walk.clone();
+            let parameters = usize::try_from(walk.skip_modules(length as u128)).ok()?;
+            slices.push((start, out.take(length, parameters)));
+        }
+        Some(slices)
     }
 }
 
-/// Modules and parameters before a place in a string.
-#[derive(Clone, Copy, Default)]
+/// Modules and parameters before a place in a slice.
+#[derive(Clone, Copy, Debug, Default)]
 struct Place {
     module: usize,
     parameter: usize,
 }
 
-/// A string while it is written.
-struct Writing<'a, S, B> {
-    graph: &'a Blocks,
-    symbols: Vec<S>,
-    births: Vec<B>,
-    parameters: Vec<f64>,
-    at: Place,
-    /// Where each block was first written.
-    written: Vec<Option<Place>>,
+/// A graph whose string is written in slices.
+struct Slices<'g> {
+    graph: &'g Blocks,
+    cancel: &'g AtomicBool,
 }
 
-impl<S: Narrow, B: Cell> Writing<'_, S, B> {
-    fn all(mut self, cancel: &AtomicBool) -> Option<ModuleString> {
-        // Blocks that are being written: the block, its next piece, its start.
-        let mut open = vec![(0, 0, Place::default())];
+impl Slices<'_> {
+    /// Writes one. `None`: cancelled.
+    fn write<S: Narrow, B: Cell>(&self, mut walk: Walk<'_>, out: Output<'_, S, B>) -> Option<()> {
+        if self.cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        // Where each block was first written in this slice.
+        let mut written: Vec<Option<Place>> = vec![None; self.graph.blocks.len()];
+        // Blocks that began in this slice and have not ended.
+        let mut begun: Vec<(usize, Place)> = Vec::new();
+        let mut at = Place::default();
         let mut since_check = 0;
-        while let Some((index, number, start)) = open.pop() {
-            let block = self.graph.blocks.get(index)?;
-            let Some(piece) = self.graph.pieces_of(block).get(number) else {
-                if let Some(written) = self.written.get_mut(index) {
-                    *written = Some(start);
+        while at.module < out.symbols.len() {
+            match walk.meet()? {
+                Met::Module(module) => {
+                    *out.symbols.get_mut(at.module)? = S::of(u32::from(module.symbol));
+                    *out.births.get_mut(at.module)? = B::of(module.birth);
+                    at.module += 1;
+                    if !module.parameters.is_empty() {
+                        let end = at.parameter + module.parameters.len();
+                        let target = out.parameters.get_mut(at.parameter..end)?;
+                        target.copy_from_slice(module.parameters);
+                        at.parameter = end;
+                    }
                 }
-                self.date(block, start);
-                continue;
-            };
-            open.push((index, number + 1, start));
-            match *piece {
-                Piece::Module(symbol, from) => self.module(symbol, from, block.step)?,
-                Piece::Block(inner) => match self.written.get(inner).copied().flatten() {
-                    Some(source) => self.copy(inner, source, cancel)?,
-                    None => open.push((inner, 0, self.at)),
-                },
+                Met::Block(index, birth) => {
+                    let block = self.graph.blocks.get(index)?;
+                    let left = out.symbols.len() - at.module;
+                    let source = written.get(index).copied().flatten();
+                    if let Some(source) = source.filter(|_| block.size.modules <= left as u128) {
+                        let modules = usize::try_from(block.size.modules).ok()?;
+                        let parameters = usize::try_from(block.size.parameters).ok()?;
+                        repeat(out.symbols, source.module, at.module, modules)?;
+                        repeat(out.births, source.module, at.module, modules)?;
+                        repeat(out.parameters, source.parameter, at.parameter, parameters)?;
+                        let heir = block.heir.and_then(|heir| usize::try_from(heir).ok());
+                        if let Some(own) = heir.and_then(|h| out.births.get_mut(at.module + h)) {
+                            *own = B::of(birth);
+                        }
+                        at.module += modules;
+                        at.parameter += parameters;
+                    } else {
+                        walk.enter(index, birth);
+                        begun.push((index, at));
+                    }
+                }
+                Met::End => {
+                    if let Some((index, start)) = begun.pop() {
+                        *written.get_mut(index)? = Some(start);
+                    }
+                }
             }
             since_check += 1;
             if since_check >= BETWEEN_CHECKS {
                 since_check = 0;
-                if cancel.load(Ordering::Relaxed) {
+                if self.cancel.load(Ordering::Relaxed) {
                     return None;
                 }
             }
         }
-        Some(ModuleString {
-            symbols: S::column(self.symbols),
-            births: B::column(self.births),
-            parameters: self.parameters,
-            arity: Arc::clone(&self.graph.arity),
-        })
-    }
-
-    fn module(&mut self, symbol: Symbol, from: usize, birth: u32) -> Option<()> {
-        let arity = self.graph.arity(symbol);
-        let Place { module, parameter } = self.at;
-        *self.symbols.get_mut(module)? = S::of(u32::from(symbol));
-        *self.births.get_mut(module)? = B::of(birth);
-        let own = self.graph.parameters.get(from..from + arity)?;
-        let target = self.parameters.get_mut(parameter..parameter + arity)?;
-        target.copy_from_slice(own);
-        self.at = Place {
-            module: module + 1,
-            parameter: parameter + arity,
-        };
         Some(())
-    }
-
-    /// Repeats a block that was written before.
-    fn copy(&mut self, index: usize, source: Place, cancel: &AtomicBool) -> Option<()> {
-        let block = self.graph.blocks.get(index)?;
-        let modules = usize::try_from(block.size.modules).ok()?;
-        let parameters = usize::try_from(block.size.parameters).ok()?;
-        let start = self.at;
-        let (from, to) = (source.module, start.module);
-        repeat(&mut self.symbols, from, to, modules, cancel)?;
-        repeat(&mut self.births, from, to, modules, cancel)?;
-        let (from, to) = (source.parameter, start.parameter);
-        repeat(&mut self.parameters, from, to, parameters, cancel)?;
-        self.at = Place {
-            module: start.module + modules,
-            parameter: start.parameter + parameters,
-        };
-        self.date(block, start);
-        Some(())
-    }
-
-    /// Gives the module that a block stands for its own birth: it was born one step before its successor. Where it is
-    /// older, the block around knows.
-    fn date(&mut self, block: &Block, start: Place) {
-        let heir = block.heir.and_then(|at| usize::try_from(at).ok());
-        if let Some(birth) = heir.and_then(|at| self.births.get_mut(start.module + at)) {
-            *birth = B::of(block.step.saturating_sub(1));
-        }
     }
 }
 
-/// Copies `length` values from one place to another further on. `None`: cancelled.
-fn repeat<T: Copy>(
-    values: &mut [T],
-    from: usize,
-    to: usize,
-    length: usize,
-    cancel: &AtomicBool,
-) -> Option<()> {
+/// Copies `length` values from one place to another further on.
+fn repeat<T: Copy>(values: &mut [T], from: usize, to: usize, length: usize) -> Option<()> {
     let end = to.checked_add(length)?;
     let (before, target) = values.get_mut(..end)?.split_at_mut_checked(to)?;
     let source = before.get(from..from.checked_add(length)?)?;
-    let parts = source.chunks(COPIED_AT_ONCE);
-    for (part, copy) in parts.zip(target.chunks_mut(COPIED_AT_ONCE)) {
-        if length > COPIED_AT_ONCE && cancel.load(Ordering::Relaxed) {
-            return None;
-        }
-        copy.copy_from_slice(part);
-    }
+    target.copy_from_slice(source);
     Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+    use crate::lsystem::derive::Limits;
+    use crate::lsystem::grammar::Grammar;
+
+    #[test]
+    fn slices_of_any_length_make_the_walked_string() {
+        let honda = include_str!("../../../assets/grammars/honda.lsys");
+        for (text, steps) in [
+            ("axiom b\na -> ab\nb -> a\n", 12),
+            ("axiom A\nA -> AB\nB -> *\n", 9),
+            ("axiom A\nA -> BAA\nB -> B\n", 6),
+            ("axiom A F(1) A\nA -> F(2)[A]F(3,4)\nF(x) -> F(x+1)A\n", 5),
+            ("axiom A\nA -> *\n", 3),
+            ("axiom A\nA -> AB\n", 300),
+            (honda, 6),
+        ] {
+            let grammar = Grammar::parse(text, "test").unwrap();
+            let never = AtomicBool::new(false);
+            let limits = Limits::default();
+            let graph = Blocks::new(&grammar, steps, &limits, &never, |_, _| false);
+            let graph = graph.ok().unwrap();
+            let mut walked = ModuleString::up_to(u32::from(u16::MAX), steps, &grammar.arity);
+            graph.walk().for_each(|module| walked.push(&module));
+            for longest in [1, 2, 7, 100, LONGEST] {
+                let string = graph.written::<u8, u16>(longest, &never).unwrap();
+                assert_eq!(string, walked, "{text} {longest}");
+            }
+            assert!(
+                walked.is_empty()
+                    || graph
+                        .written::<u8, u16>(7, &AtomicBool::new(true))
+                        .is_none()
+            );
+        }
+    }
 }

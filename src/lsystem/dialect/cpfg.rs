@@ -5,13 +5,13 @@
 //! by their values. All other code is named.
 
 use std::collections::HashMap;
-use std::rc::Rc;
 
 use super::Dialect;
 use super::expression::{Expr, Kind, Node};
 use super::model::{Block, Model, Module, Rule, Valued, formals};
 use super::preprocess::CONSTANT_MARK;
 use super::reader::Reader;
+use super::statements::{Values, assignments, printing_block, start_block, substitute, value_of};
 use super::text::Fault;
 
 /// cpfg's turn where its view file states none.
@@ -305,6 +305,11 @@ impl<'a> Cpfg<'a> {
 
     /// What is known only at the end.
     fn finish(&self, model: &mut Model) {
+        // One round, as cpfg takes it.
+        if model.decompose_depth.is_none() {
+            let one = Node::number(0, "1").ok();
+            model.decompose_depth = one.map(|value| Valued { at: 0, value });
+        }
         let stochastic = model.seed.is_some();
         let mut count = HashMap::new();
         for rule in model.rules.iter().filter(|r| r.block == Block::Main) {
@@ -380,7 +385,7 @@ fn valued(reader: &mut Reader<'_>) -> Result<Valued, Fault> {
     Ok(Valued { at, value })
 }
 
-fn end_of(reader: &mut Reader<'_>) -> Result<(), Fault> {
+pub(super) fn end_of(reader: &mut Reader<'_>) -> Result<(), Fault> {
     match reader.at_end() {
         true => Ok(()),
         false => Err(reader.expected("the end of the line")),
@@ -492,110 +497,4 @@ fn branches(context: Vec<Module>, model: &mut Model) -> Result<Vec<Module>, Faul
         }
     }
     Ok(kept)
-}
-
-/// Values of a production's own names.
-type Values = HashMap<String, Expr>;
-
-fn value_of(values: &Values, name: &str) -> Option<Expr> {
-    values.get(name).map(Rc::clone)
-}
-
-fn substitute(value: &Expr, values: &Values) -> Result<Expr, Fault> {
-    Node::substitute(value, &|name| value_of(values, name))
-}
-
-/// What a statement is.
-enum Statement {
-    Assigned(usize, String, Expr),
-    /// Prints, or reads and writes files.
-    Printed,
-}
-
-fn statement(reader: &mut Reader<'_>, model: &mut Model) -> Result<Statement, Fault> {
-    reader.skip_blank();
-    let at = reader.pos();
-    let code = || {
-        Fault::new(
-            at,
-            "only assignments, `name = value;`, can be carried over; this is other code",
-        )
-    };
-    let name = reader.word().ok_or_else(code)?.to_owned();
-    if matches!(
-        name.as_str(),
-        "printf" | "fprintf" | "fopen" | "fclose" | "fflush" | "play" | "Display"
-    ) {
-        let rest = reader.rest();
-        let length = rest.find([';', '\n']).unwrap_or(rest.len());
-        reader.advance(length);
-        reader.take(";");
-        model.remark(at, "printing and files: nothing is printed");
-        return Ok(Statement::Printed);
-    }
-    if !reader.take("=") || reader.rest().starts_with('=') {
-        return Err(code());
-    }
-    let value = reader.expression()?;
-    if !reader.take(";") {
-        return Err(reader.expected("`;`"));
-    }
-    Ok(Statement::Assigned(at, name, value))
-}
-
-/// Assignments up to `}`, as values of names.
-fn assignments(
-    reader: &mut Reader<'_>,
-    model: &mut Model,
-    values: &mut Values,
-) -> Result<(), Fault> {
-    while !reader.take("}") {
-        if let Statement::Assigned(at, name, value) = statement(reader, model)? {
-            if model.is_constant(&name) {
-                return Err(Fault::new(
-                    at,
-                    format!(
-                        "`{name}` is a variable of the whole grammar, and a production that changes it cannot be carried over"
-                    ),
-                ));
-            }
-            let value = substitute(&value, values)?;
-            values.insert(name, value);
-        }
-    }
-    Ok(())
-}
-
-fn start_block(reader: &mut Reader<'_>, model: &mut Model) -> Result<(), Fault> {
-    if !reader.take("{") {
-        return Err(reader.expected("`{`"));
-    }
-    while !reader.take("}") {
-        if let Statement::Assigned(at, name, value) = statement(reader, model)? {
-            if model.is_constant(&name) {
-                return Err(Fault::new(
-                    at,
-                    format!("`{name}` is given a value twice; expected a constant"),
-                ));
-            }
-            model.constant(name, Valued { at, value });
-        }
-    }
-    end_of(reader)
-}
-
-/// A block that may do nothing to the grammar.
-fn printing_block(reader: &mut Reader<'_>, at: usize, model: &mut Model) -> Result<(), Fault> {
-    if !reader.take("{") {
-        return Err(reader.expected("`{`"));
-    }
-    while !reader.take("}") {
-        if let Statement::Assigned(..) = statement(reader, model)? {
-            return Err(Fault::new(
-                at,
-                "variables that change from step to step cannot be carried over; hand them on as parameters of modules",
-            ));
-        }
-    }
-    end_of(reader)
 }

@@ -394,7 +394,6 @@ fn parts(drawn: Drawn, at: usize, own: &[Expr]) -> Result<Vec<(&'static str, Vec
                 .ok_or_else(|| Fault::new(at, "this symbol has too few parameters"))
         };
         match *argument {
-            #[expect(clippy::float_cmp, reason = "a constant that is written as 1")]
             Argument::Own(i, 1.0) => of(i),
             Argument::Own(i, factor) => {
                 let factor = Node::number(at, &factor.to_string())?;

@@ -138,19 +138,19 @@ fn cpfg(key: &str, arity: usize) -> Meaning {
         ),
         ("!", _) => Same("!"),
         ("#", _) => drawn("Widen", WIDTH),
-        ("G" | "g" | "?P" | "?H" | "@Gs", _) => Same(match key {
+        ("G" | "g" | "?P" | "?H" | "?L" | "@Gs", _) => Same(match key {
             "G" => "G",
             "g" => "g",
             "?P" => "?P",
             "?H" => "?H",
+            "?L" => "?L",
             _ => "@Gs",
         }),
         // cpfg's frame is left-handed: its rolls are the other way.
         ("/", _) => Same("\\"),
         ("\\", _) => Same("/"),
         (";", _) => Same("'"),
-        (",", 0) => Same(","),
-        (",", _) => drawn("Colour", COLOUR),
+        (",", _) => Same(","),
         ("@v", _) => Same("$"),
         // A diameter, where ours is a radius.
         ("@O", 1..) => D {
@@ -188,7 +188,7 @@ fn cpfg(key: &str, arity: usize) -> Meaning {
             Refused("sub-L-systems cannot be carried over; expected one L-system in the file")
         }
         _ if key.starts_with('?') => {
-            Refused("this query cannot be answered; expected `?P` or `?H`")
+            Refused("this query cannot be answered; expected `?P`, `?H` or `?L`")
         }
         _ => shared(key),
     }
@@ -196,7 +196,11 @@ fn cpfg(key: &str, arity: usize) -> Meaning {
 
 fn lpy(key: &str, arity: usize) -> Meaning {
     match (key, arity) {
-        ("F", 2..) => drawn("Frustum", &[("!", &[P(1, 2.0)]), ("F", &[P(0, 1.0)])]),
+        ("F", 2..) => D {
+            symbol: Some("F"),
+            word: "Frustum",
+            drawn: &[("!", &[P(1, 2.0)]), ("F", &[P(0, 1.0)])],
+        },
         ("nF", 2) => drawn("nF", &[("F", &[P(0, 1.0)])]),
         ("nF", 3) => drawn("nF", &[("!", &[P(2, 2.0)]), ("F", &[P(0, 1.0)])]),
         ("nF", _) => nothing("nF", "paths of changing width, `nF`, are not drawn"),
@@ -224,8 +228,7 @@ fn lpy(key: &str, arity: usize) -> Meaning {
             "`_` without a parameter adds L-Py's width increment, a setting of its viewer; here it does nothing",
         ),
         (";", _) => Same("'"),
-        (",", 0) => Same(","),
-        (",", _) => drawn("DecColor", COLOUR),
+        (",", _) => Same(","),
         ("SetColor", 1) => drawn("SetColor", COLOUR),
         ("SetColor" | "InterpolateColors", _) => nothing(
             "SetColor",
@@ -236,6 +239,8 @@ fn lpy(key: &str, arity: usize) -> Meaning {
         // L-Py's axes x, y, z are our z, x, y, since it grows along z.
         ("?P", 3) => Reordered("?P", &[1, 2, 0]),
         ("?H", 3) => Reordered("?H", &[1, 2, 0]),
+        ("?U", 3) => Reordered("?U", &[1, 2, 0]),
+        ("?L", 3) => Reordered("?L", &[1, 2, 0]),
         ("@Ts", _) => nothing(
             "Elasticity",
             "L-Py's tropism; state `tropism x y z` and use `T(e)`",
@@ -280,9 +285,9 @@ fn lpy(key: &str, arity: usize) -> Meaning {
         ("new" | "*" | "x" | "or" | "?I" | "$" | "=]", _) => Refused(
             "L-Py's patterns and modules made by name cannot be carried over; expected modules by their names",
         ),
-        _ if key.starts_with('?') => {
-            Refused("this query cannot be answered; expected `?P(x,y,z)` or `?H(x,y,z)`")
-        }
+        _ if key.starts_with('?') => Refused(
+            "this query cannot be answered; expected `?P`, `?H`, `?U` or `?L` with three parameters",
+        ),
         _ => shared(key),
     }
 }
@@ -333,6 +338,9 @@ fn houdini(key: &str, arity: usize) -> Meaning {
         ("!", _) => drawn("Thicker", &[("@w", &[P(0, 1.0)])]),
         ("?", 0) => drawn("Thinner", &[("@w", &[Fixed("1/thickness_scale")])]),
         ("?", _) => drawn("Thinner", &[("@w", &[Inverse(0)])]),
+        // Where the turtle starts, from the node's Values.
+        ("step size", _) => drawn("StepSize", &[("@l", &[P(0, 1.0)])]),
+        ("thickness", _) => drawn("Thickness", WIDTH),
         ("G", _) => Same("G"),
         ("J", _) => Same("~J"),
         ("K", _) => Same("~K"),

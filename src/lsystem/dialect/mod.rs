@@ -20,9 +20,12 @@ mod lpy;
 mod meaning;
 mod model;
 mod preprocess;
+mod python;
 
 mod reader;
+mod statements;
 mod text;
+mod words;
 
 use std::fmt;
 use std::ops::Range;

@@ -34,6 +34,11 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// A reader of another stretch of the same text.
+    pub(super) fn within(&self, start: usize, end: usize) -> Self {
+        Self::new(self.text, self.dialect, start, end)
+    }
+
     pub(super) fn pos(&self) -> usize {
         self.pos
     }

@@ -59,10 +59,12 @@ pub(super) fn tokens<'a>(
             reader.sign("{", true)?;
         }
         "module" => reader.declarations()?,
-        "shape" => reader.shape()?,
+        "shape" | "surface" => reader.shape()?,
+        "colour" | "material" => reader.look()?,
         "order" | "wrap" | "context" | "dialect" => {
             reader.identifier(true)?;
         }
+        "growth" => reader.growth()?,
         "include" => reader.quoted()?,
         _ => return None,
     }
@@ -366,10 +368,33 @@ impl<'a> Reader<'a, '_> {
         Some(())
     }
 
+    /// A module's growth curve, and the numbers or points of it.
+    fn growth(&mut self) -> Option<()> {
+        if !self.word("default") {
+            self.module(true)?;
+        }
+        self.identifier(true)?;
+        while !self.cursor.at_end() {
+            if self.try_sign("(", true) {
+                self.signed(false)?;
+                self.try_sign(",", false);
+                self.signed(true)?;
+                self.sign(")", false)?;
+                self.try_sign(",", false);
+            } else {
+                self.signed(true)?;
+            }
+        }
+        Some(())
+    }
+
     fn shape(&mut self) -> Option<()> {
         self.module(true)?;
         self.sign("=", true)?;
-        self.sign("[", true)?;
+        if !self.try_sign("[", true) {
+            // A surface by its name.
+            return self.identifier(true).map(|_| ());
+        }
         let mut blank = false;
         while !self.try_sign("]", false) {
             self.sign("(", blank)?;
@@ -381,6 +406,19 @@ impl<'a> Reader<'a, '_> {
             }
             self.try_sign(",", false);
             blank = true;
+        }
+        Some(())
+    }
+
+    /// An index, and numbers with or without words before them.
+    fn look(&mut self) -> Option<()> {
+        self.signed(true)?;
+        self.sign("=", true)?;
+        while !self.cursor.at_end() {
+            if self.identifier(true).is_none() {
+                self.signed(true)?;
+            }
+            self.try_sign(",", false);
         }
         Some(())
     }

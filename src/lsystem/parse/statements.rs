@@ -10,6 +10,8 @@ use crate::lsystem::dialect::Dialect;
 use crate::lsystem::error::{GrammarError, nearest};
 use crate::lsystem::expression;
 use crate::lsystem::grammar::Order;
+use crate::lsystem::growth;
+use crate::lsystem::look;
 use crate::lsystem::names::{Names, Symbol};
 use crate::lsystem::number::write_general;
 use crate::lsystem::rules;
@@ -21,6 +23,20 @@ use crate::lsystem::string::ModuleString;
 const DECOMPOSE_DEPTH: u32 = 100;
 /// Rounds of interpretation where the file states none: each module is replaced once, as L-Py does.
 const INTERPRET_DEPTH: u32 = 1;
+
+/// One of a statement's words.
+fn word_of<T: Copy>(cursor: &mut Cursor<'_>, words: [(&str, T); 2]) -> Result<T, GrammarError> {
+    let mut ahead = cursor.clone();
+    let word = ahead.identifier().unwrap_or("");
+    let [(first, _), (second, _)] = words;
+    if let Some((_, meant)) = words.iter().find(|(known, _)| *known == word) {
+        *cursor = ahead;
+        return Ok(*meant);
+    }
+    let hint = nearest(word, [first, second].into_iter())
+        .map_or(String::new(), |near| format!("; the nearest is `{near}`"));
+    Err(cursor.expected(&format!("`{first}` or `{second}`{hint}")))
+}
 
 impl Parser {
     fn once(&mut self, cursor: &Cursor<'_>, keyword: &'static str) -> Result<(), GrammarError> {
@@ -64,8 +80,17 @@ impl Parser {
             let name = cursor
                 .identifier()
                 .ok_or_else(|| cursor.expected("the name of a constant"))?;
-            cursor.expect("=")?;
-            let value = expression::parse_constant(cursor, &self.constants, &mut self.errors)?;
+            let value = cursor.expect("=").and_then(|()| {
+                expression::parse_constant(cursor, &self.constants, &mut self.errors)
+            });
+            let value = match value {
+                Ok(value) => value,
+                Err(fault) => {
+                    // It is known all the same: where it is used there is no other fault.
+                    self.constants.entry(name.to_owned()).or_insert(1.0);
+                    return Err(fault);
+                }
+            };
             if self.constants.insert(name.to_owned(), value).is_some() {
                 return Err(
                     cursor.error_at(at, format!("the constant `{name}` is given a value twice"))
@@ -79,11 +104,7 @@ impl Parser {
 
     pub(super) fn context(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
         self.once(cursor, "context")?;
-        match cursor.identifier() {
-            Some("literal") => self.literal = true,
-            Some("branches") => {}
-            _ => return Err(cursor.expected("`literal` or `branches`")),
-        }
+        self.literal = word_of(cursor, [("literal", true), ("branches", false)])?;
         Ok(())
     }
 
@@ -93,17 +114,22 @@ impl Parser {
         statement: &Statement,
     ) -> Result<(), GrammarError> {
         let keyword = statement.keyword;
-        if !matches!(keyword, "" | "ignore" | "shape") {
+        if !matches!(
+            keyword,
+            "" | "ignore" | "shape" | "surface" | "colour" | "material" | "growth"
+        ) {
             self.once(cursor, keyword)?;
         }
         match keyword {
             "axiom" => self.axiom(cursor),
             "ignore" => {
+                self.lists(cursor, statement, self.considered.is_some())?;
                 let names = self.list(cursor)?;
                 self.ignored.extend(names);
                 Ok(())
             }
             "consider" => {
+                self.lists(cursor, statement, !self.ignored.is_empty())?;
                 self.considered = Some(self.list(cursor)?);
                 Ok(())
             }
@@ -128,19 +154,13 @@ impl Parser {
                 Ok(())
             }
             "order" => {
-                self.order = match cursor.identifier() {
-                    Some("first") => Order::First,
-                    Some("specific") => Order::Specific,
-                    _ => return Err(cursor.expected("`first` or `specific`")),
-                };
+                let words = [("first", Order::First), ("specific", Order::Specific)];
+                self.order = word_of(cursor, words)?;
                 Ok(())
             }
             "wrap" => {
-                self.wrap = match cursor.identifier() {
-                    Some("carry") => Wrap::Carry,
-                    Some("restart") => Wrap::Restart,
-                    _ => return Err(cursor.expected("`carry` or `restart`")),
-                };
+                let words = [("carry", Wrap::Carry), ("restart", Wrap::Restart)];
+                self.wrap = word_of(cursor, words)?;
                 Ok(())
             }
             "dialect" => {
@@ -183,12 +203,26 @@ impl Parser {
                 let at = cursor.pos();
                 let shape = shape::read(&self.names, cursor)?;
                 if !self.shape_names.insert(shape.name.clone()) {
-                    let message = format!("the shape `{}` is given twice", shape.name);
+                    let message = format!("`{}` is a shape or surface already", shape.name);
                     return Err(cursor.error_at(at, message));
                 }
                 self.shapes.push(shape);
                 Ok(())
             }
+            "colour" => look::colour(&mut self.palette, cursor),
+            "material" => look::material(&mut self.palette, cursor),
+            "surface" => {
+                cursor.skip_blank();
+                let at = cursor.pos();
+                let named = look::surface(&self.names, cursor)?;
+                if !self.shape_names.insert(named.name.clone()) {
+                    let message = format!("`{}` is a shape or surface already", named.name);
+                    return Err(cursor.error_at(at, message));
+                }
+                self.surfaces.push(named);
+                Ok(())
+            }
+            "growth" => self.growth(cursor),
             "decompose" => {
                 let depth = self.block(cursor, DECOMPOSE_DEPTH)?;
                 self.decompose.get_or_insert_with(|| (Vec::new(), 0)).1 = depth;
@@ -203,22 +237,42 @@ impl Parser {
         }
     }
 
+    /// `growth F linear`, `growth default once`.
+    fn growth(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
+        cursor.skip_blank();
+        let at = cursor.pos();
+        let mut ahead = cursor.clone();
+        let twice = if ahead.identifier() == Some("default") {
+            *cursor = ahead;
+            let curve = growth::curve(cursor)?;
+            self.curves.default.replace(curve).is_some()
+        } else {
+            let name = self.names.read(cursor)?.to_owned();
+            let curve = growth::curve(cursor)?;
+            if !self.names.is_used(&name) {
+                let known = nearest(&name, self.names.used());
+                let hint = known.map_or(String::new(), |n| {
+                    format!("; the nearest known one is `{n}`")
+                });
+                let message = format!("no module of this grammar is called `{name}`{hint}");
+                return Err(cursor.error_at(at, message));
+            }
+            self.curves.of.insert(name, curve).is_some()
+        };
+        if twice {
+            let message = "this module's growth is given a second time; expected it once";
+            return Err(cursor.error_at(at, message.into()));
+        }
+        Ok(())
+    }
+
     fn production(
         &mut self,
         cursor: &mut Cursor<'_>,
         statement: &Statement,
     ) -> Result<(), GrammarError> {
         if !cursor.rest().contains("->") {
-            let word: String = cursor
-                .rest()
-                .chars()
-                .take_while(|c| c.is_alphanumeric())
-                .take(40)
-                .collect();
-            let hint = nearest(&word, KEYWORDS.iter().copied()).map_or(String::new(), |n| {
-                format!("; the nearest known word is `{n}`")
-            });
-            return Err(cursor.expected(&format!("a statement or a production with `->`{hint}")));
+            return Err(self.no_production(cursor));
         }
         let rule = rules::production(self, cursor, statement.block != Block::Main)?;
         let list = match statement.block {
@@ -246,6 +300,66 @@ impl Parser {
         Ok(())
     }
 
+    /// Both lists of what contexts see, or one where they see everything, mean nothing.
+    fn lists(
+        &self,
+        cursor: &Cursor<'_>,
+        statement: &Statement,
+        other: bool,
+    ) -> Result<(), GrammarError> {
+        let message = if self.literal {
+            "`context literal` sees every module, so `ignore` and `consider` mean nothing with it; remove one of them"
+        } else if other {
+            "found both `ignore` and `consider`; expected one of them"
+        } else {
+            return Ok(());
+        };
+        Err(cursor.error_at(statement.start, message.into()))
+    }
+
+    /// What is wrong with a statement that has neither a known word nor an arrow.
+    fn no_production(&mut self, cursor: &mut Cursor<'_>) -> GrammarError {
+        cursor.skip_blank();
+        let start = cursor.pos();
+        let text = cursor.rest();
+        if text.starts_with('}') {
+            return cursor.error_at(start, "this `}` closes no block".into());
+        }
+        for arrow in ["→", "⟶", "=>", "- >"] {
+            if let Some(at) = text.find(arrow) {
+                return cursor.error_at(start + at, format!("found `{arrow}`; expected `->`"));
+            }
+        }
+        let word: String = text
+            .chars()
+            .take_while(|c| c.is_alphanumeric())
+            .take(40)
+            .collect();
+        if word == "derivation" || word == "iterations" {
+            return cursor.expected("a statement; the number of steps is said by `steps 5`");
+        }
+        let near = nearest(&word, KEYWORDS.iter().copied());
+        if near == Some("axiom") {
+            self.seen.insert("axiom"); // it is not missing, too
+        }
+        let after = text.get(word.len()..).unwrap_or("").trim_start();
+        if near == Some(word.as_str()) && after.starts_with([':', '=']) {
+            let sign = if after.starts_with(':') { ':' } else { '=' };
+            return cursor.error_at(
+                start,
+                format!("found `{word}{sign}`; expected a blank after `{word}`, as in `{word} …`"),
+            );
+        }
+        let hint = near.map_or(String::new(), |near| {
+            format!("; the nearest known word is `{near}`")
+        });
+        if hint.is_empty() && (word.chars().count() < 2 || after.starts_with(['(', ':'])) {
+            cursor.advance(text.trim_end().len());
+            return cursor.expected("`->` and a successor");
+        }
+        cursor.expected(&format!("a statement or a production with `->`{hint}"))
+    }
+
     fn axiom(&mut self, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
         let mut axiom = ModuleString {
             symbols: Column::up_to(u32::from(Symbol::MAX)),
@@ -261,7 +375,7 @@ impl Parser {
         }
         while !cursor.at_end() {
             let at = cursor.pos();
-            let name = self.names.read(cursor)?;
+            let name = self.read_name(cursor)?;
             let (constants, errors) = (&self.constants, &mut self.errors);
             let arity = parameters(cursor, |c| {
                 axiom

@@ -20,7 +20,7 @@ pub(super) struct Half {
 }
 
 impl Half {
-    fn of_degrees(degrees: f64) -> Self {
+    pub(super) fn of_degrees(degrees: f64) -> Self {
         let (sin, cos) = (degrees.to_radians() * 0.5).sin_cos();
         Self { sin, cos }
     }
@@ -35,6 +35,8 @@ pub(super) struct Turn {
     default: Half,
     last_degrees: f64,
     last: Half,
+    /// Degrees where the module has no parameter.
+    pub(super) default_degrees: f64,
 }
 
 impl Turn {
@@ -46,6 +48,7 @@ impl Turn {
             default: default_half,
             last_degrees: default,
             last: default_half,
+            default_degrees: default,
         }
     }
 
@@ -54,7 +57,7 @@ impl Turn {
         clippy::float_cmp,
         reason = "the very same angle has the same sine; another is worked out"
     )]
-    #[inline]
+    #[inline(always)]
     pub(super) fn half(&mut self, degrees: Option<f64>) -> Half {
         let Some(degrees) = degrees else {
             return self.default;
@@ -83,6 +86,12 @@ pub(super) enum Action {
     TurnAround,
     Level,
     Width,
+    /// Multiplies the width,
+    ScaleWidth,
+    /// the step without a parameter,
+    ScaleLength,
+    /// or the turn without one.
+    ScaleAngle,
     Push,
     Pop,
     BeginPolygon,
@@ -111,6 +120,23 @@ pub(super) fn actions(grammar: &Grammar, params: &TurtleParams) -> Vec<Action> {
     symbols.map(|s| action(grammar, s, angle)).collect()
 }
 
+/// Whether any symbol draws more than a skeleton: organs, colours, materials, cylinders.
+pub(super) fn draws_organs(grammar: &Grammar, params: &TurtleParams) -> bool {
+    let more = |action: &Action| {
+        matches!(
+            action,
+            Action::BeginPolygon
+                | Action::NextColour
+                | Action::LastColour
+                | Action::Material
+                | Action::Sphere
+                | Action::Surface
+                | Action::BeginCylinder
+        )
+    };
+    actions(grammar, params).iter().any(more)
+}
+
 fn action(grammar: &Grammar, symbol: Symbol, angle: f64) -> Action {
     if let Some(shape) = grammar.shape_of.get(usize::from(symbol)).copied().flatten() {
         return Action::Follow(shape);
@@ -131,6 +157,9 @@ fn action(grammar: &Grammar, symbol: Symbol, angle: f64) -> Action {
         "|" => Action::TurnAround,
         "$" => Action::Level,
         "!" => Action::Width,
+        "@w" => Action::ScaleWidth,
+        "@l" => Action::ScaleLength,
+        "@a" => Action::ScaleAngle,
         "[" => Action::Push,
         "]" => Action::Pop,
         "{" => Action::BeginPolygon,

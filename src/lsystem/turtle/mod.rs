@@ -5,7 +5,7 @@
 //!                                                                                                   Extent ─▶ counts and bounds
 //! ```
 //!
-//! What a symbol does is in `action`, where the turtle stands and how it turns in `pen`, the reading in `walk`. A tree is counted first (`plan`) and drawn in parts beside each other (`parts`). The turtle
+//! What a symbol does is in `action`, where the turtle stands and how it turns in `pen`, the reading in `walk`. A tree is counted first (`plan`) and drawn in parts beside each other (`parts`). What is nowhere written down is drawn as it comes (`stream`). The turtle
 //! itself holds a pen for each open bracket and the vertices of open outlines, whatever the length of the string; the stack is on the heap.
 //! `docs/src/language.md` lists each symbol.
 
@@ -19,16 +19,23 @@ use crate::tree::Tree;
 
 mod action;
 mod canvas;
+mod drawing;
 mod extent;
+mod grown;
 mod parts;
 mod pen;
 mod plan;
+mod stream;
 mod tree;
 mod walk;
 
 pub use canvas::{Canvas, Drawn, Outline};
+pub use drawing::{DrawingCanvas, draw};
 pub use extent::Extent;
+pub(super) use grown::{Grown, is_index, length_of};
 pub use pen::{Cylinder, Pen};
+pub(in crate::lsystem) use plan::{Lines, lines_of};
+pub use stream::{stream_on, streams};
 pub use tree::TreeCanvas;
 pub use walk::Turtle;
 

@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use glam::{DVec3, Vec3};
 use rayon::Scope;
 
-use super::super::column::Cell;
+use super::super::column::{Cell, for_width};
 use super::super::error::{DeriveError, DeriveProblem};
 use super::super::grammar::Grammar;
 use super::super::names::Symbol;
@@ -177,7 +177,10 @@ impl Work<'_> {
             module: from,
             parameters: part.parameters,
         };
-        if let Err(error) = self.read(scope, &mut turtle, &mut reader, end) {
+        let read = for_width!(&self.string.symbols, symbols => {
+            self.read(scope, &mut turtle, symbols, &mut reader, end)
+        });
+        if let Err(error) = read {
             let at = turtle.position();
             let mut failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner);
             if failed.as_ref().is_none_or(|(first, _)| at < *first) {
@@ -186,10 +189,11 @@ impl Work<'_> {
         }
     }
 
-    fn read<'s>(
+    fn read<'s, S: Cell>(
         &'s self,
         scope: Option<&Scope<'s>>,
         turtle: &mut Turtle<'_, Placed<'s>>,
+        symbols: &[S],
         reader: &mut Reader<'_>,
         end: usize,
     ) -> Result<(), DeriveError> {
@@ -200,7 +204,7 @@ impl Work<'_> {
             let next = branches.first().filter(|branch| branch.open < end);
             turtle.set_position(reader.module as u64);
             let until = next.map_or(end, |branch| branch.open);
-            turtle.read(reader.until(until), self.cancel)?;
+            turtle.read(reader.until(symbols, until), self.cancel)?;
             let (Some(branch), Some(scope)) = (next, scope) else {
                 return Ok(());
             };
@@ -228,13 +232,15 @@ struct Reader<'s> {
 
 impl<'s> Reader<'s> {
     /// The modules up to `end`, of which the reader stands behind each that was read.
-    fn until(&mut self, end: usize) -> impl Iterator<Item = Module<'s>> + use<'_, 's> {
+    fn until<'r, S: Cell>(
+        &'r mut self,
+        symbols: &'r [S],
+        end: usize,
+    ) -> impl Iterator<Item = Module<'s>> + use<'r, 's, S> {
         let string = self.string;
+        let symbols = symbols.get(..end).unwrap_or(symbols);
         std::iter::from_fn(move || {
-            if self.module >= end {
-                return None;
-            }
-            let symbol = Symbol::of(string.symbols.get(self.module)?);
+            let symbol = Symbol::of((*symbols.get(self.module)?).into());
             let arity = arity_of(&string.arity, symbol);
             let module = Module {
                 symbol,
@@ -315,7 +321,7 @@ struct Placed<'w> {
 }
 
 impl Placed<'_> {
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, parent: u32, position: DVec3, radius: f32, pen: &Pen, by: Drawn) -> u32 {
         let Places {
             first,

@@ -1,8 +1,8 @@
 //! Where the turtle stands, how it is turned and what it draws with: what brackets save.
 //!
 //! Its frame is a unit quaternion whose own axes are X = right (−L), Y = heading H, Z = up U, so that the start (H = +Y, L = −X, U = +Z) is the
-//! quaternion 1 and a shape's x, y, z are the stage's. `+` turns about U, `&` about L, `/` about H, all right-handed. After every
-//! turn the frame is brought back to length 1 by a Newton step, exact where the length is off by no more than rounding; positions are
+//! quaternion 1 and a shape's x, y, z are the stage's. `+` turns about U, `&` about L, `/` about H, all right-handed. Every few
+//! turns the frame is brought back to length 1 by a Newton step, exact where the length is off by no more than rounding; positions are
 //! summed in f64.
 
 use glam::{DQuat, DVec3};
@@ -12,6 +12,9 @@ use crate::tree::NO_PARENT;
 
 /// A heading whose horizontal part is shorter than this is vertical.
 const VERTICAL: f64 = 1e-12;
+
+/// Turns after which the frame is brought back to length 1: each rounds it by some 1e-16.
+const TURNS: u8 = 16;
 
 /// Whether the pen draws a generalized cylinder, between `@Gs` and `@Ge`. A branch in between is one of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,6 +39,10 @@ pub struct Pen {
     pub width: f64,
     /// Strength of the tropism.
     pub tropism: f64,
+    /// Multiplies the length of a step without a parameter.
+    pub length_scale: f64,
+    /// Multiplies the angle of a turn without a parameter.
+    pub angle_scale: f64,
     /// The node at this position, or `NO_PARENT` after a move without drawing.
     pub node: u32,
     /// Brackets round it; 65535 where there are more.
@@ -46,6 +53,8 @@ pub struct Pen {
     pub material: u16,
     /// Whether a generalized cylinder is drawn.
     pub cylinder: Cylinder,
+    /// Turns since the frame was of length 1 to the last bit.
+    turns: u8,
     /// The dictionary letter drawn last and its parameter, if nothing else was drawn since.
     pub(super) shape: Option<(u16, f64)>,
 }
@@ -59,18 +68,28 @@ impl Pen {
             frame: DQuat::IDENTITY,
             width,
             tropism: 0.0,
+            length_scale: 1.0,
+            angle_scale: 1.0,
             node: 0,
             order: 0,
             colour: 0,
             material: 0,
             cylinder: Cylinder::None,
+            turns: 0,
             shape: None,
         }
     }
 
+    /// The degrees of a turn without a parameter, where they are not the grammar's.
+    #[expect(clippy::float_cmp, reason = "1 until something is multiplied")]
+    #[inline]
+    pub(super) fn scaled_turn(&self, degrees: f64) -> Option<f64> {
+        (self.angle_scale != 1.0).then_some(degrees * self.angle_scale)
+    }
+
     /// H, the direction of the next segment.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn heading(&self) -> DVec3 {
         let DQuat { x, y, z, w } = self.frame;
         DVec3::new(
@@ -93,41 +112,31 @@ impl Pen {
     }
 
     /// The point so far ahead.
-    #[inline]
+    #[inline(always)]
     pub(super) fn ahead(&self, length: f64) -> DVec3 {
         self.position + self.heading() * length
     }
 
     /// Turns about one of the turtle's own axes.
-    #[inline]
-    pub(super) fn turn_about(&mut self, axis: Axis, Half { sin, cos }: Half) {
-        let DQuat { x, y, z, w } = self.frame;
-        self.frame = normal(match axis {
-            Axis::X => DQuat::from_xyzw(
-                x * cos + w * sin,
-                y * cos + z * sin,
-                z * cos - y * sin,
-                w * cos - x * sin,
-            ),
-            Axis::Heading => DQuat::from_xyzw(
-                x * cos - z * sin,
-                y * cos + w * sin,
-                z * cos + x * sin,
-                w * cos - y * sin,
-            ),
-            Axis::Up => DQuat::from_xyzw(
-                x * cos + y * sin,
-                y * cos - x * sin,
-                z * cos + w * sin,
-                w * cos - z * sin,
-            ),
-        });
+    #[inline(always)]
+    pub(super) fn turn_about(&mut self, axis: Axis, half: Half) {
+        self.set_frame(turned(self.frame, axis, half));
+    }
+
+    #[inline(always)]
+    fn set_frame(&mut self, frame: DQuat) {
+        self.frame = frame;
+        self.turns += 1;
+        if self.turns >= TURNS {
+            self.turns = 0;
+            self.frame = normal(frame);
+        }
     }
 
     /// Turns by a rotation in the turtle's own axes.
     #[inline]
     pub(super) fn turn(&mut self, by: DQuat) {
-        self.frame = normal(self.frame * by);
+        self.set_frame(self.frame * by);
     }
 
     /// Half a turn about U.
@@ -153,12 +162,11 @@ impl Pen {
         } else {
             (level - up, right)
         };
-        let scale = 1.0 / (sin * sin + cos * cos).sqrt();
-        let half = Half {
-            sin: sin * scale,
-            cos: cos * scale,
-        };
-        self.turn_about(Axis::Heading, half);
+        // The square of their length, by which the turned frame is divided.
+        let square = 2.0 * level * (level + up.abs());
+        self.set_frame(
+            turned(self.frame, Axis::Heading, Half { sin, cos }) * (1.0 / square.sqrt()),
+        );
     }
 
     /// Turns the heading toward a vector by e·|H × T| radians (ABOP, section 2.1).
@@ -167,12 +175,12 @@ impl Pen {
         let strength = torque.length();
         if strength > 1e-12 {
             let bend = DQuat::from_axis_angle(torque / strength, self.tropism * strength);
-            self.frame = normal(bend * self.frame);
+            self.set_frame(bend * self.frame);
         }
     }
 
     /// Goes somewhere without drawing.
-    #[inline]
+    #[inline(always)]
     pub(super) fn jump(&mut self, to: DVec3) {
         self.position = to;
         self.node = NO_PARENT;
@@ -182,8 +190,34 @@ impl Pen {
     }
 }
 
+/// A frame turned about one of its own axes.
+#[inline(always)]
+fn turned(frame: DQuat, axis: Axis, Half { sin, cos }: Half) -> DQuat {
+    let DQuat { x, y, z, w } = frame;
+    match axis {
+        Axis::X => DQuat::from_xyzw(
+            x * cos + w * sin,
+            y * cos + z * sin,
+            z * cos - y * sin,
+            w * cos - x * sin,
+        ),
+        Axis::Heading => DQuat::from_xyzw(
+            x * cos - z * sin,
+            y * cos + w * sin,
+            z * cos + x * sin,
+            w * cos - y * sin,
+        ),
+        Axis::Up => DQuat::from_xyzw(
+            x * cos + y * sin,
+            y * cos - x * sin,
+            z * cos + w * sin,
+            w * cos - z * sin,
+        ),
+    }
+}
+
 /// A quaternion that is all but of length 1, of length 1.
-#[inline]
+#[inline(always)]
 fn normal(q: DQuat) -> DQuat {
     q * (1.5 - 0.5 * q.length_squared())
 }

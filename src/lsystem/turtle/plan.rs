@@ -14,7 +14,8 @@ use super::super::column::{Cell, for_width};
 use super::super::grammar::Grammar;
 use super::super::rewrite::pays_in_parallel;
 use super::super::string::ModuleString;
-use super::action::Action;
+use super::TurtleParams;
+use super::action::{Action, actions};
 
 /// Modules counted by themselves.
 const CHUNK: usize = 1 << 14;
@@ -67,6 +68,27 @@ fn counted(grammar: &Grammar, actions: &[Action]) -> Vec<Counted> {
         Counted { kind, arity, nodes }
     };
     actions.iter().zip(grammar.arity.iter()).map(of).collect()
+}
+
+/// What a module adds to the number of segments.
+pub(in crate::lsystem) enum Lines {
+    Segments(u16),
+    /// An outline begins, in which nothing draws segments,
+    Begin,
+    /// and ends.
+    End,
+}
+
+/// What each symbol's modules add to the number of segments.
+pub(in crate::lsystem) fn lines_of(grammar: &Grammar) -> Vec<Lines> {
+    let lines = |one: &Counted| match one.kind {
+        Kind::Draws | Kind::Places => Lines::Segments(one.nodes),
+        Kind::Begin => Lines::Begin,
+        Kind::End => Lines::End,
+        _ => Lines::Segments(0),
+    };
+    let actions = actions(grammar, &TurtleParams::default());
+    counted(grammar, &actions).iter().map(lines).collect()
 }
 
 /// A branch large enough to be drawn beside others. No outline is open at either end.

@@ -6,11 +6,13 @@ use glam::DVec3;
 
 use super::super::error::{DeriveError, DeriveProblem};
 use super::super::grammar::Grammar;
+use super::super::names::Symbol;
 use super::super::shape::Shape;
 use super::super::string::Module;
 use super::TurtleParams;
 use super::action::{Action, actions};
 use super::canvas::{Canvas, Drawn, Outline, narrow, narrowed};
+use super::grown::Grown;
 use super::pen::{Cylinder, Pen};
 use crate::tree::NO_PARENT;
 
@@ -33,13 +35,15 @@ struct Open {
 /// The turtle: a pen, a pen for each open bracket, and the vertices of open outlines.
 pub struct Turtle<'a, C> {
     grammar: &'a Grammar,
-    params: &'a TurtleParams,
+    pub(super) params: &'a TurtleParams,
     /// By symbol.
     actions: Vec<Action>,
-    pen: Pen,
+    pub(super) pen: Pen,
     stack: Vec<Pen>,
     /// Brackets that were open where it began.
     below: usize,
+    /// How large the segments of shapes are drawn.
+    pub(super) shape_scale: f64,
     outlines: Vec<Open>,
     /// Of all open outlines, the outermost first.
     vertices: Vec<DVec3>,
@@ -69,6 +73,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             pen: Pen::new(params.width),
             stack: Vec::new(),
             below: 0,
+            shape_scale: 1.0,
             outlines: Vec::new(),
             vertices: Vec::new(),
             position: 0,
@@ -130,6 +135,26 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         Ok(())
     }
 
+    /// Reads modules that are partly grown.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(crate) fn read_grown<'m>(
+        &mut self,
+        modules: impl Iterator<Item = (Module<'m>, Grown)>,
+        cancel: &AtomicBool,
+    ) -> Result<(), DeriveError> {
+        for (module, grown) in modules {
+            if self.position.is_multiple_of(CHECK_EVERY) && cancel.load(Ordering::Relaxed) {
+                let step = module.birth;
+                return Err(DeriveProblem::Cancelled { step }.into());
+            }
+            self.step_grown(module, grown)?;
+            self.position += 1;
+        }
+        Ok(())
+    }
+
     /// The canvas, when everything is read.
     ///
     /// # Errors
@@ -144,8 +169,14 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         }
     }
 
-    #[inline]
-    fn step(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
+    /// What a symbol makes it do.
+    pub(super) fn action(&self, symbol: Symbol) -> Action {
+        let action = self.actions.get(usize::from(symbol));
+        action.copied().unwrap_or(Action::Nothing)
+    }
+
+    #[inline(always)]
+    pub(super) fn step(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
         let by = Drawn {
             symbol: module.symbol,
             birth: module.birth,
@@ -158,7 +189,8 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         match action {
             Action::Nothing => {}
             Action::Turn(turn) => {
-                let half = turn.half(first);
+                let degrees = first.or_else(|| self.pen.scaled_turn(turn.default_degrees));
+                let half = turn.half(degrees);
                 self.pen.turn_about(turn.axis, half);
             }
             Action::Draw => return self.forward(by, first, true),
@@ -174,6 +206,9 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             Action::Width => {
                 self.pen.width = first.unwrap_or(self.pen.width * self.params.narrow);
             }
+            Action::ScaleWidth => self.pen.width *= first.unwrap_or(1.0),
+            Action::ScaleLength => self.pen.length_scale *= first.unwrap_or(1.0),
+            Action::ScaleAngle => self.pen.angle_scale *= first.unwrap_or(1.0),
             Action::Level => self.pen.level(),
             Action::TurnAround => self.pen.turn_around(),
             Action::Tropism => self.pen.tropism = first.unwrap_or(0.0),
@@ -212,6 +247,12 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         Ok(())
     }
 
+    /// [`Self::step`] where its speed is not what counts.
+    #[inline(never)]
+    pub(super) fn step_one(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
+        self.step(module)
+    }
+
     fn push(&mut self) -> Result<(), DeriveError> {
         if self.below + self.stack.len() >= self.params.max_depth {
             let problem = DeriveProblem::TooDeep {
@@ -236,7 +277,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         length: Option<f64>,
         is_vertex: bool,
     ) -> Result<(), DeriveError> {
-        let length = length.unwrap_or(self.params.length);
+        let length = length.unwrap_or(self.params.length * self.pen.length_scale);
         self.pen.shape = None;
         if self.outlines.is_empty() {
             self.draw(by, length, None)?;
@@ -253,7 +294,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
     /// `f` and `g`.
     fn skip(&mut self, length: Option<f64>, is_vertex: bool) -> Result<(), DeriveError> {
         self.pen.shape = None;
-        let length = length.unwrap_or(self.params.length);
+        let length = length.unwrap_or(self.params.length * self.pen.length_scale);
         self.pen.jump(self.pen.ahead(length));
         if is_vertex { self.vertex() } else { Ok(()) }
     }
@@ -274,8 +315,8 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             return Ok(());
         };
         match index {
-            Some(index) => self.follow_segment(by, letter, shape, whole(index), 1.0),
-            None => self.follow_all(by, letter, shape, 1.0),
+            Some(index) => self.follow_segment(by, letter, shape, whole(index), self.shape_scale),
+            None => self.follow_all(by, letter, shape, self.shape_scale),
         }
     }
 

@@ -6,6 +6,7 @@ use super::{Backdrop, DrawReport, Renderer};
 use crate::render::{
     data::Counts,
     frame::{block_stride, full_barrier, transition},
+    memory::Buffer,
     meshes::Run,
     target::{Resolved, StereoImage, Target, aspects, discard},
     tree_upload::TreeUpload,
@@ -44,6 +45,7 @@ impl Renderer {
             .depth_attachment(&depth);
         self.begin(pass, &info, self.shadow.extent(), 0);
         self.record_tubes(pass, self.pipelines.shadow.handle, report);
+        self.record_organs(pass, self.pipelines.organ_shadow.handle, report);
         self.end(pass);
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         full_barrier(
@@ -224,6 +226,7 @@ impl Renderer {
         self.begin(pass, &info, extent, block);
         self.record_tubes(pass, self.pipelines.tubes.handle, report);
         self.record_caps(pass, report);
+        self.record_organs(pass, self.pipelines.organs.handle, report);
         self.record_instances(pass, report);
         if pass.board {
             self.record_board(pass, block, report);
@@ -265,13 +268,8 @@ impl Renderer {
             (self.gpu.newer.begin_rendering)(pass.commands, std::ptr::from_ref(info));
             device.cmd_set_viewport(pass.commands, 0, &viewport);
             device.cmd_set_scissor(pass.commands, 0, &scissor);
-            device.cmd_bind_index_buffer(
-                pass.commands,
-                self.meshes.indices.handle,
-                0,
-                vk::IndexType::UINT16,
-            );
         }
+        self.bind_indices(pass, &self.meshes.indices, vk::IndexType::UINT16);
         self.bind_frame(pass, self.pipelines.tree_layout.handle, block);
     }
 
@@ -321,6 +319,32 @@ impl Renderer {
         for chunk in &tree.chunks {
             self.bind_chunk(pass, chunk.set);
             self.draw_run(pass, self.meshes.caps, 0..chunk.cap_batches, report);
+        }
+    }
+
+    fn record_organs(&self, pass: &Pass<'_>, pipeline: vk::Pipeline, report: &mut DrawReport) {
+        let Some(tree) = pass.tree.filter(|tree| !tree.organs.is_empty()) else {
+            return;
+        };
+        self.bind(pass, pipeline);
+        for chunk in &tree.organs {
+            self.bind_chunk(pass, chunk.set);
+            self.bind_indices(pass, &chunk.indices, vk::IndexType::UINT32);
+            let run = Run {
+                count: chunk.count,
+                ..Run::default()
+            };
+            self.draw_run(pass, run, 0..1, report);
+        }
+        self.bind_indices(pass, &self.meshes.indices, vk::IndexType::UINT16);
+    }
+
+    fn bind_indices(&self, pass: &Pass<'_>, buffer: &Buffer, kind: vk::IndexType) {
+        // SAFETY: the buffer lives until the frame is done.
+        unsafe {
+            self.gpu
+                .device
+                .cmd_bind_index_buffer(pass.commands, buffer.handle, 0, kind);
         }
     }
 

@@ -1,4 +1,5 @@
-//! glTF 2.0 in its binary form: one mesh with normals, texture coordinates and a bark material.
+//! glTF 2.0 in its binary form: one mesh with a primitive of bark (normals, texture coordinates) and one for each other material
+//! (normals, colours at the vertices).
 //!
 //! Metres, Y up, right-handed: glTF's own convention and ours, so nothing is turned. The texture is embedded.
 //! Specification: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html> (§4.4 for the chunks).
@@ -6,9 +7,11 @@
 use std::io::{self, Write};
 
 use bytemuck::cast_slice;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::{ExportParams, Surface};
+use super::ExportParams;
+use super::surface::{Group, Matter, Surface};
+use crate::tree::organs::{Colour, Organs};
 use crate::tree::{Tree, TreeError, bark};
 
 /// glTF's number for f32.
@@ -19,7 +22,9 @@ const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 /// glTF's number for a buffer of indices.
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-/// Position, normal, texture coordinates and (about six to each) indices.
+/// glTF's number for u16.
+const UNSIGNED_SHORT: u32 = 5123;
+/// Position, normal, texture coordinates or colour, and (about six to each) indices.
 const VERTEX_BYTES: u64 = 12 + 12 + 8 + 6 * 4;
 
 /// The tree as a GLB file.
@@ -27,7 +32,8 @@ const VERTEX_BYTES: u64 = 12 + 12 + 8 + 6 * 4;
 /// # Errors
 /// As [`Glb::new`].
 pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
-    let file = Glb::new(tree, params)?;
+    let organs = Organs::default();
+    let file = Glb::new(tree, &organs, params)?;
     let mut bytes = Vec::new();
     let _ = file.write(&mut bytes); // Writing into a vector cannot fail.
     Ok(bytes)
@@ -35,22 +41,31 @@ pub fn glb(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
 
 /// A GLB file that is checked and not written yet.
 #[derive(Debug)]
-pub struct Glb {
+pub struct Glb<'a> {
     /// All before the binary chunk's contents.
     head: Vec<u8>,
-    surface: Surface,
+    surface: Surface<'a>,
+    /// Empty where nothing is bark.
     texture: Vec<u8>,
 }
 
-impl Glb {
-    /// Checks a tree and lays its file out.
+impl<'a> Glb<'a> {
+    /// Checks a tree and what it carries, and lays its file out.
     ///
     /// # Errors
-    /// A tree that breaks an invariant, has no segment or is too large for the format; sides outside 3 to 64.
-    pub fn new(tree: &Tree, params: &ExportParams) -> Result<Self, TreeError> {
-        let surface = Surface::new(tree, params, "GLB", VERTEX_BYTES)?;
-        let texture = bark::png(&bark::BarkParams::default())?;
-        let head = head(tree, params, &surface, texture.len())?;
+    /// A tree that breaks an invariant, has nothing to draw or is too large for the format; sides outside 3 to 64.
+    pub fn new(tree: &Tree, organs: &'a Organs, params: &ExportParams) -> Result<Self, TreeError> {
+        let surface = Surface::new(tree, organs, params, "GLB", VERTEX_BYTES)?;
+        let has_bark = surface
+            .groups
+            .iter()
+            .any(|group| group.matter == Matter::Bark);
+        let texture = if has_bark {
+            bark::png(&bark::BarkParams::default())?
+        } else {
+            Vec::new()
+        };
+        let head = head(tree, organs, params, &surface, texture.len())?;
         Ok(Self {
             head,
             surface,
@@ -65,83 +80,168 @@ impl Glb {
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         out.write_all(&self.head)?;
         let surface = &self.surface;
-        surface.each(|mesh, _| out.write_all(cast_slice(&mesh.positions)))?;
-        surface.each(|mesh, _| out.write_all(cast_slice(&mesh.normals)))?;
-        surface.each(|mesh, _| out.write_all(cast_slice(&mesh.uvs)))?;
         let mut indices: Vec<u32> = Vec::new();
-        surface.each(|mesh, before| {
-            indices.clear();
-            indices.extend(mesh.indices.iter().map(|index| index + before));
-            out.write_all(cast_slice(&indices))
-        })?;
+        let mut colours: Vec<[u16; 4]> = Vec::new();
+        for group in &surface.groups {
+            surface.each(group.matter, |part, _| {
+                out.write_all(cast_slice(&part.positions))
+            })?;
+            surface.each(group.matter, |part, _| {
+                out.write_all(cast_slice(&part.normals))
+            })?;
+            surface.each(group.matter, |part, _| {
+                if group.matter == Matter::Bark {
+                    return out.write_all(cast_slice(&part.uvs));
+                }
+                colours.clear();
+                colours.extend(part.colours.iter().map(|colour| short(*colour)));
+                out.write_all(cast_slice(&colours))
+            })?;
+            surface.each(group.matter, |part, before| {
+                indices.clear();
+                indices.extend(part.indices.iter().map(|index| index + before));
+                out.write_all(cast_slice(&indices))
+            })?;
+        }
         let mut texture = self.texture.clone();
         pad(&mut texture, 0);
         out.write_all(&texture)
     }
 }
 
-/// The header, the chunk of JSON and the header of the binary chunk.
-fn head(
-    tree: &Tree,
-    params: &ExportParams,
-    surface: &Surface,
-    texture: usize,
-) -> Result<Vec<u8>, TreeError> {
-    let [low, high] = surface.bounds;
-    let (vertices, indices) = (surface.vertices, surface.indices);
-    let parts: [(usize, Option<u32>); 5] = [
-        (12 * vertices, Some(ARRAY_BUFFER)),
-        (12 * vertices, Some(ARRAY_BUFFER)),
-        (8 * vertices, Some(ARRAY_BUFFER)),
-        (4 * indices, Some(ELEMENT_ARRAY_BUFFER)),
-        (texture, None),
-    ];
-    let mut binary_length = 0;
-    let mut views = Vec::new();
-    for (bytes, target) in parts {
-        let mut view = json!({ "buffer": 0, "byteOffset": binary_length, "byteLength": bytes });
+/// A linear colour as glTF's vertices hold it.
+fn short([r, g, b]: Colour) -> [u16; 4] {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "0 to 65535, and `as` saturates"
+    )]
+    [r, g, b, 1.0].map(|part| (part * 65535.0).round() as u16)
+}
+
+/// The parts of the document that each group adds to.
+#[derive(Default)]
+struct Lists {
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    primitives: Vec<Value>,
+    materials: Vec<Value>,
+    bytes: usize,
+}
+
+impl Lists {
+    fn view(&mut self, bytes: usize, target: Option<u32>) {
+        let mut view = json!({ "buffer": 0, "byteOffset": self.bytes, "byteLength": bytes });
         if let Some(target) = target {
             view["target"] = json!(target);
         }
-        views.push(view);
-        binary_length += bytes.next_multiple_of(4);
+        self.views.push(view);
+        self.bytes += bytes.next_multiple_of(4);
     }
 
-    let document = json!({
-        "asset": { "version": "2.0", "generator": concat!("Ramus ", env!("CARGO_PKG_VERSION")) },
-        "scene": 0,
-        "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "name": "tree", "mesh": 0 }],
-        "meshes": [{
-            "name": "tree",
-            "primitives": [{
-                "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2 },
-                "indices": 3,
-                "material": 0,
-            }],
-            "extras": { "segments": tree.segment_count(), "nodes": tree.len() },
-        }],
-        "materials": [{
+    fn group(&mut self, group: &Group, organs: &Organs) {
+        let [low, high] = group.bounds;
+        let (vertices, indices) = (group.vertices, group.indices);
+        let first = self.views.len();
+        for bytes in [12, 12, 8] {
+            self.view(bytes * vertices, Some(ARRAY_BUFFER));
+        }
+        self.view(4 * indices, Some(ELEMENT_ARRAY_BUFFER));
+        let vertex = |view: usize, kind: &str| json!({ "bufferView": view, "componentType": FLOAT, "count": vertices, "type": kind });
+        let mut place = vertex(first, "VEC3");
+        place["min"] = json!(low);
+        place["max"] = json!(high);
+        let (name, third) = match group.matter {
+            Matter::Bark => ("TEXCOORD_0", vertex(first + 2, "VEC2")),
+            Matter::Painted(_) => (
+                "COLOR_0",
+                json!({
+                    "bufferView": first + 2, "componentType": UNSIGNED_SHORT, "normalized": true,
+                    "count": vertices, "type": "VEC4",
+                }),
+            ),
+        };
+        self.accessors.extend([
+            place,
+            vertex(first + 1, "VEC3"),
+            third,
+            json!({ "bufferView": first + 3, "componentType": UNSIGNED_INT, "count": indices, "type": "SCALAR" }),
+        ]);
+        let mut attributes = json!({ "POSITION": first, "NORMAL": first + 1 });
+        attributes[name] = json!(first + 2);
+        self.primitives.push(json!({
+            "attributes": attributes,
+            "indices": first + 3,
+            "material": self.materials.len(),
+        }));
+        self.materials.push(material(group.matter, organs));
+    }
+}
+
+fn material(matter: Matter, organs: &Organs) -> Value {
+    match matter {
+        Matter::Bark => json!({
             "name": "bark",
             "pbrMetallicRoughness": {
                 "baseColorTexture": { "index": 0 },
                 "metallicFactor": 0.0,
                 "roughnessFactor": 0.9,
             },
+        }),
+        Matter::Painted(index) => {
+            let material = organs.palette.material(index);
+            json!({
+                "name": format!("material {index}"),
+                "doubleSided": true,
+                "pbrMetallicRoughness": {
+                    "metallicFactor": material.metallic,
+                    "roughnessFactor": material.roughness,
+                },
+            })
+        }
+    }
+}
+
+/// The header, the chunk of JSON and the header of the binary chunk.
+fn head(
+    tree: &Tree,
+    organs: &Organs,
+    params: &ExportParams,
+    surface: &Surface<'_>,
+    texture: usize,
+) -> Result<Vec<u8>, TreeError> {
+    let mut lists = Lists::default();
+    for group in &surface.groups {
+        lists.group(group, organs);
+    }
+    let image = lists.views.len();
+    if texture > 0 {
+        lists.view(texture, None);
+    }
+    let mut document = json!({
+        "asset": { "version": "2.0", "generator": concat!("Ramus ", env!("CARGO_PKG_VERSION")) },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "name": "tree", "mesh": 0 }],
+        "meshes": [{
+            "name": "tree",
+            "primitives": lists.primitives,
+            "extras": { "segments": tree.segment_count(), "nodes": tree.len() },
         }],
-        "textures": [{ "sampler": 0, "source": 0 }],
-        // Linear with mipmaps, repeating.
-        "samplers": [{ "magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497 }],
-        "images": [{ "name": "bark", "bufferView": 4, "mimeType": "image/png" }],
-        "accessors": [
-            { "bufferView": 0, "componentType": FLOAT, "count": vertices, "type": "VEC3", "min": low, "max": high },
-            { "bufferView": 1, "componentType": FLOAT, "count": vertices, "type": "VEC3" },
-            { "bufferView": 2, "componentType": FLOAT, "count": vertices, "type": "VEC2" },
-            { "bufferView": 3, "componentType": UNSIGNED_INT, "count": indices, "type": "SCALAR" },
-        ],
-        "bufferViews": views,
-        "buffers": [{ "byteLength": binary_length }],
+        "materials": lists.materials,
+        "accessors": lists.accessors,
+        "bufferViews": lists.views,
+        "buffers": [{ "byteLength": lists.bytes }],
     });
+    if texture > 0 {
+        document["textures"] = json!([{ "sampler": 0, "source": 0 }]);
+        // Linear with mipmaps, repeating.
+        document["samplers"] =
+            json!([{ "magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497 }]);
+        document["images"] =
+            json!([{ "name": "bark", "bufferView": image, "mimeType": "image/png" }]);
+    }
+    let binary_length = lists.bytes;
     let mut text = document.to_string().into_bytes();
     pad(&mut text, b' ');
 

@@ -11,6 +11,7 @@
 mod basics;
 mod exports;
 mod growth;
+mod painted;
 mod radii;
 mod surface;
 mod swc;

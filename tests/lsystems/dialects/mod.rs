@@ -1,6 +1,10 @@
 //! Grammars of cpfg, L-Py and Houdini: what they become, what they derive, where their faults are told.
 
 mod cpfg;
+mod hostile;
+mod houdini;
+mod lpy;
+mod reference;
 
 use ramus::lsystem::dialect::{Dialect, Imported, import};
 use ramus::lsystem::{Grammar, Limits};

@@ -1,0 +1,117 @@
+//! What `ramus derive --print` prints of a string that is not written down: counts, growth, and the text of one that does not fit.
+
+use std::io::Write as _;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::{Context as _, Result, bail};
+
+use super::print_result;
+use super::progress::Progress;
+use crate::lsystem::report::Report;
+use crate::lsystem::turtle::streams;
+use crate::lsystem::{DeriveError, Grammar, Limits, TurtleParams};
+
+/// What is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    Counts,
+    Growth,
+    Text,
+}
+
+/// Prints it. False: the string has to be derived first, because only then is it known, or because it fits.
+pub(super) fn print(
+    wanted: Wanted,
+    grammar: &Grammar,
+    steps: u32,
+    limits: &Limits,
+    explain: impl Fn(DeriveError) -> anyhow::Error,
+) -> Result<bool> {
+    let never = AtomicBool::new(false);
+    let unwritten = grammar.unwritten(steps, limits, &never);
+    match (wanted, unwritten) {
+        (Wanted::Counts, Ok(Some(string))) => {
+            let text = string.counts(grammar).text();
+            print_result("the counts", |out| out.write_all(text.as_bytes()))?;
+        }
+        (Wanted::Growth, Ok(Some(string))) => {
+            print_result("the growth", |out| {
+                (0..)
+                    .zip(string.growth())
+                    .try_for_each(|one| line(out, one))
+            })?;
+        }
+        (Wanted::Growth, Ok(None)) => growth(grammar, steps, limits, explain)?,
+        (Wanted::Text, Ok(Some(string)))
+            if string.modules() <= u128::from(limits.modules)
+                && string.bytes() > u128::from(limits.bytes) =>
+        {
+            print_result("the string", |out| {
+                string.write_text(grammar, out)?;
+                writeln!(out)
+            })?;
+        }
+        // A string of so many modules is past other limits, too.
+        (Wanted::Text, _) | (_, Ok(None)) => return Ok(false),
+        (_, Err(error)) => return Err(explain(error)),
+    }
+    Ok(true)
+}
+
+/// Prints the JSON object of a string that is drawn as it comes.
+pub(super) fn stream(
+    grammar: &Grammar,
+    steps: u32,
+    limits: &Limits,
+    name: &str,
+    explain: impl Fn(DeriveError) -> anyhow::Error,
+) -> Result<()> {
+    let never = AtomicBool::new(false);
+    let unwritten = grammar.unwritten(steps, limits, &never).map_err(&explain)?;
+    let Some(string) = unwritten.filter(|_| streams(grammar)) else {
+        bail!(
+            "{name}: the modules of this grammar do not each develop alone and without chance (or its `interpret` block draws or cuts), so its string has to be derived: leave out --stream"
+        );
+    };
+    let params = TurtleParams {
+        limits: *limits,
+        ..TurtleParams::default()
+    };
+    let report = Progress::during("drawing with the turtle", || {
+        Report::streamed(grammar, string.iter(), steps, &params, &never)
+    })
+    .map_err(&explain)?;
+    let json = report.to_json().with_context(|| name.to_owned())?;
+    print_result("the JSON", |out| writeln!(out, "{json}"))
+}
+
+/// Prints the modules of each step while it is derived.
+fn growth(
+    grammar: &Grammar,
+    steps: u32,
+    limits: &Limits,
+    explain: impl Fn(DeriveError) -> anyhow::Error,
+) -> Result<()> {
+    let never = AtomicBool::new(false);
+    let mut string = grammar.derive(0, limits, &never).map_err(&explain)?;
+    let mut lines = vec![(0, string.len() as u128)];
+    let mut failed = None;
+    for step in 1..=steps {
+        match grammar.derive_next(&string, step, limits, &never) {
+            Ok(following) => string = following,
+            Err(error) => {
+                failed = Some(explain(error));
+                break;
+            }
+        }
+        lines.push((step, string.len() as u128));
+    }
+    print_result("the growth", |out| {
+        lines.into_iter().try_for_each(|one| line(out, one))
+    })?;
+    failed.map_or(Ok(()), Err)
+}
+
+fn line(out: &mut dyn std::io::Write, (step, modules): (u32, u128)) -> std::io::Result<()> {
+    writeln!(out, "{step} {modules}")
+}

@@ -1,0 +1,232 @@
+//! Polygons, spheres and surfaces of a tree on their way to the device: triangles in chunks, as the tree's segments go.
+//!
+//! Every vertex is written out where it stands. Instances of a few surfaces would take a tenth of the memory, but polygons, which are as
+//! many, have none in common, and one path serves all three; a leaf of 55 vertices takes 1.8 kB, a hundred thousand of them 180 MB.
+
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use gpu_allocator::MemoryLocation;
+
+use super::{error::RenderError, gpu::Gpu, memory::Buffer, tree_upload::CHUNK_BYTES};
+use crate::{
+    tree::{
+        growth,
+        organs::{LookTable, Organ, OrganMesh, Organist},
+    },
+    world::scene::PlacedTree,
+};
+
+/// `Vertex` of shaders/organ.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+struct Vertex {
+    place: [f32; 3],
+    /// The look's number and [`THIN`].
+    look: u32,
+    base: [f32; 3],
+    /// Octahedral, two snorm16.
+    normal: u32,
+}
+
+/// The highest bit of a vertex's look: a sheet with two sides.
+const THIN: u32 = 1 << 31;
+
+/// Bytes of an organ's vertex.
+pub(crate) const VERTEX_BYTES: usize = size_of::<Vertex>();
+
+const _: () = assert!(VERTEX_BYTES == 32, "shaders/organ.wgsl reads 32 bytes");
+
+/// Organs that one draw shows.
+pub(crate) struct OrganChunk {
+    pub(crate) vertices: Buffer,
+    pub(crate) indices: Buffer,
+    /// Number of indices.
+    pub(crate) count: u32,
+    /// Vertices, then indices, until they are copied.
+    staging: Option<Buffer>,
+    copied: u64,
+    pub(crate) set: vk::DescriptorSet,
+}
+
+impl OrganChunk {
+    /// All organs of a placed tree; any thread.
+    pub(crate) fn all(
+        gpu: &Gpu,
+        placed: &PlacedTree,
+        looks: &mut LookTable,
+    ) -> Result<Vec<Self>, RenderError> {
+        let range = CHUNK_BYTES.min(u64::from(gpu.limits.max_storage_buffer_range));
+        let most = usize::try_from(range).unwrap_or(usize::MAX) / VERTEX_BYTES;
+        let mut maker = Maker {
+            placed,
+            looks,
+            bases: growth::bases(&placed.tree, placed.newest),
+            mesh: OrganMesh::default(),
+            vertices: Vec::new(),
+        };
+        let mut organist = Organist::new(&placed.organs);
+        let mut chunks = Vec::new();
+        for index in 0..placed.organs.len() {
+            let (more, _) = organist.size(index);
+            if !maker.vertices.is_empty() && maker.vertices.len() + more > most {
+                chunks.extend(maker.chunk(gpu)?);
+            }
+            if let Some(organ) = organist.organ(index) {
+                organist.add(index, &mut maker.mesh);
+                maker.take(organ);
+            }
+        }
+        chunks.extend(maker.chunk(gpu)?);
+        Ok(chunks)
+    }
+
+    fn new(gpu: &Gpu, vertices: &[Vertex], indices: &[u32]) -> Result<Self, RenderError> {
+        let [vertex_bytes, index_bytes] =
+            [size_of_val(vertices), size_of_val(indices)].map(|n| n as u64);
+        let mut staging = Buffer::new(
+            gpu,
+            "the organs on their way",
+            vertex_bytes + index_bytes,
+            vk::BufferUsageFlags::TRANSFER_SRC,
+            MemoryLocation::CpuToGpu,
+        )?;
+        staging.write(0, vertices);
+        staging.write(vertex_bytes, indices);
+        let there = |name, size, usage| {
+            let usage = usage | vk::BufferUsageFlags::TRANSFER_DST;
+            Buffer::new(gpu, name, size, usage, MemoryLocation::GpuOnly)
+        };
+        Ok(Self {
+            vertices: there(
+                "the organs' vertices",
+                vertex_bytes,
+                vk::BufferUsageFlags::STORAGE_BUFFER,
+            )?,
+            indices: there(
+                "the organs' indices",
+                index_bytes,
+                vk::BufferUsageFlags::INDEX_BUFFER,
+            )?,
+            count: u32::try_from(indices.len()).unwrap_or(u32::MAX),
+            staging: Some(staging),
+            copied: 0,
+            set: vk::DescriptorSet::null(),
+        })
+    }
+
+    /// Copies up to `budget` bytes more; true when all is there.
+    pub(crate) fn copy(
+        &mut self,
+        gpu: &Gpu,
+        commands: vk::CommandBuffer,
+        budget: &mut u64,
+    ) -> bool {
+        let Some(staging) = &self.staging else {
+            return true;
+        };
+        let parts = [&self.vertices, &self.indices];
+        let sizes = [self.vertices.size, self.indices.size];
+        let mut first = 0;
+        for (buffer, size) in parts.into_iter().zip(sizes) {
+            let done = self.copied.clamp(first, first + size) - first;
+            let now = (size - done).min(*budget);
+            if now > 0 {
+                let region = [vk::BufferCopy {
+                    src_offset: first + done,
+                    dst_offset: done,
+                    size: now,
+                }];
+                // SAFETY: both buffers have these ranges and live until the frame is done.
+                unsafe {
+                    gpu.device
+                        .cmd_copy_buffer(commands, staging.handle, buffer.handle, &region)
+                };
+                *budget -= now;
+                self.copied += now;
+            }
+            first += size;
+        }
+        self.copied >= first
+    }
+
+    pub(crate) fn take_staging(&mut self) -> Option<Buffer> {
+        self.staging.take()
+    }
+}
+
+/// Gathers organs until a chunk is full.
+struct Maker<'a> {
+    placed: &'a PlacedTree,
+    looks: &'a mut LookTable,
+    /// By node: the nearest whole one.
+    bases: Vec<u32>,
+    mesh: OrganMesh,
+    vertices: Vec<Vertex>,
+}
+
+impl Maker<'_> {
+    /// Takes over the vertices that an organ has just added to the mesh.
+    fn take(&mut self, organ: Organ) {
+        let first = self.vertices.len();
+        let base = self.base(&organ, first);
+        let thin = if organ.thin { THIN } else { 0 };
+        let palette = &self.placed.organs.palette;
+        let mut last: Option<([f32; 3], u32)> = None;
+        let mesh = &self.mesh;
+        let new = mesh.positions.iter().zip(&mesh.normals).zip(&mesh.colours);
+        for ((place, normal), colour) in new.skip(first) {
+            let look = match last {
+                Some((same, look)) if same == *colour => look,
+                _ => self.looks.number(*colour, palette, organ.paint.material),
+            };
+            last = Some((*colour, look));
+            self.vertices.push(Vertex {
+                place: *place,
+                look: look | thin,
+                base: base.unwrap_or(*place),
+                normal: octahedral(Vec3::from(*normal)),
+            });
+        }
+    }
+
+    /// Where an organ unfolds from while the newest step grows; `None` where it is whole.
+    fn base(&self, organ: &Organ, first: usize) -> Option<[f32; 3]> {
+        let placed = self.placed;
+        let Some(base) = self.bases.get(organ.node as usize) else {
+            // It hangs on nothing: it grows from its own first vertex.
+            let foot = self.mesh.positions.get(first).copied()?;
+            return (organ.birth >= placed.newest).then_some(foot);
+        };
+        let whole = organ.birth < placed.newest && *base == organ.node;
+        let foot = placed.tree.position.get(*base as usize)?;
+        (!whole).then_some(foot.to_array())
+    }
+
+    /// The chunk of what was gathered; none where that is nothing.
+    fn chunk(&mut self, gpu: &Gpu) -> Result<Option<OrganChunk>, RenderError> {
+        let made = if self.mesh.indices.is_empty() {
+            None
+        } else {
+            Some(OrganChunk::new(gpu, &self.vertices, &self.mesh.indices)?)
+        };
+        self.vertices.clear();
+        self.mesh.clear();
+        Ok(made)
+    }
+}
+
+/// A unit vector as two snorm16: the octahedron's faces unfolded into a square.
+fn octahedral(normal: Vec3) -> u32 {
+    let sum = normal.abs().element_sum().max(f32::MIN_POSITIVE);
+    let p = normal / sum;
+    let side = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
+    let [x, y] = if p.z >= 0.0 {
+        [p.x, p.y]
+    } else {
+        [(1.0 - p.y.abs()) * side(p.x), (1.0 - p.x.abs()) * side(p.y)]
+    };
+    #[allow(clippy::cast_possible_truncation, reason = "lies within ±32767")]
+    let [x, y] = [x, y].map(|part| (part * f32::from(i16::MAX)).round() as i16);
+    u32::from(x.cast_unsigned()) | u32::from(y.cast_unsigned()) << 16
+}

@@ -1,0 +1,182 @@
+//! Drawings with organs as GLB and OBJ, read back by readers that we did not write.
+
+use glam::{Quat, Vec3, vec3};
+
+use super::fork;
+use crate::tree::export::{ExportParams, Glb, Obj, glb};
+use crate::tree::organs::{Material, Paint, Placed, Polygon, Smooth, Sphere, Surface};
+use crate::tree::{NO_PARENT, Organs, Tree};
+
+/// One of everything, on the fork.
+pub(super) fn laden() -> (Tree, Organs) {
+    let tree = fork();
+    let mut organs = Organs {
+        surfaces: vec![
+            Surface::built_in("leaf").unwrap(),
+            Surface::built_in("flower").unwrap(),
+        ],
+        ..Organs::default()
+    };
+    let paint = |colour, material| Paint { colour, material };
+    organs.set_paint(4, paint(3, 0));
+    organs.set_paint(5, paint(4, 2));
+    organs.palette.set_material(
+        2,
+        Material {
+            roughness: 0.25,
+            metallic: 0.5,
+        },
+    );
+    organs.polygons.push(Polygon {
+        first: 0,
+        paint: paint(2, 0),
+        birth: 0,
+        node: 3,
+    });
+    organs.corners = vec![
+        Vec3::Y,
+        vec3(1.0, 1.0, 0.0),
+        vec3(0.3, 1.3, 0.0),
+        vec3(0.0, 2.0, 0.0),
+    ];
+    organs.spheres.push(Sphere {
+        center: Vec3::Y * 3.0,
+        radius: 0.2,
+        paint: paint(5, 2),
+        birth: 1,
+        node: NO_PARENT,
+    });
+    for (surface, scale) in [(0, 1.0), (1, 0.5), (1, -0.5)] {
+        organs.placed.push(Placed {
+            surface,
+            paint: paint(0, 0),
+            position: Vec3::Y * 2.0,
+            orientation: Quat::from_rotation_x(0.4),
+            scale,
+            birth: 1,
+            node: 2,
+        });
+    }
+    organs.smooth = [1, 2, 4, 5]
+        .map(|node| Smooth {
+            node,
+            cylinder: if node < 4 { 1 } else { 4 },
+        })
+        .to_vec();
+    organs.validate(&tree).unwrap();
+    (tree, organs)
+}
+
+pub(super) fn laden_glb() -> Vec<u8> {
+    let (tree, organs) = laden();
+    let file = Glb::new(&tree, &organs, &ExportParams::default()).unwrap();
+    let mut bytes = Vec::new();
+    file.write(&mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn a_glb_holds_bark_and_a_primitive_for_each_material() {
+    let bytes = laden_glb();
+    let file = gltf::Gltf::from_slice(&bytes).unwrap();
+    let blob = file.blob.as_deref();
+    let mesh = file.meshes().next().unwrap();
+    let names: Vec<_> = mesh
+        .primitives()
+        .map(|p| p.material().name().unwrap().to_owned())
+        .collect();
+    assert_eq!(names, ["bark", "material 0", "material 2"]);
+    let primitives: Vec<_> = mesh.primitives().collect();
+    let wet = primitives[2].material();
+    let pbr = wet.pbr_metallic_roughness();
+    assert_eq!((pbr.roughness_factor(), pbr.metallic_factor()), (0.25, 0.5));
+    assert!(wet.double_sided() && pbr.base_color_texture().is_none());
+
+    let (_, organs) = laden();
+    let colours_of = |at: usize| -> Vec<[f32; 3]> {
+        let reader = primitives[at].reader(|_| blob);
+        let colours = reader
+            .read_colors(0)
+            .unwrap()
+            .into_rgb_f32()
+            .collect::<Vec<_>>();
+        assert_eq!(colours.len(), reader.read_positions().unwrap().count());
+        assert_eq!(colours.len(), reader.read_normals().unwrap().count());
+        let most = reader.read_indices().unwrap().into_u32().max().unwrap();
+        assert!((most as usize) < colours.len());
+        colours
+    };
+    let has = |colours: &[[f32; 3]], index: u16| {
+        let wanted = organs.palette.colour(index).unwrap();
+        let near = |c: &[f32; 3]| c.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-4);
+        colours.iter().filter(|c| near(c)).count()
+    };
+    let (matte, wet) = (colours_of(1), colours_of(2));
+    assert_eq!(has(&matte, 2), 4, "the polygon's corners");
+    assert!(has(&matte, 3) >= 18 && has(&matte, 4) == 0, "a red segment");
+    assert!(has(&wet, 4) >= 18, "a yellow segment of the wet material");
+    assert!(has(&wet, 5) > 50, "the sphere");
+    assert!(primitives[0].reader(|_| blob).read_colors(0).is_none());
+}
+
+#[test]
+fn an_obj_has_colours_once_something_is_painted() {
+    let (tree, organs) = laden();
+    let mut text = Vec::new();
+    let file = Obj::new(&tree, &organs, &ExportParams::default()).unwrap();
+    file.write(&mut text).unwrap();
+    let options = tobj::LoadOptions {
+        single_index: false,
+        ..tobj::LoadOptions::default()
+    };
+    let none = |_: &std::path::Path| Err(tobj::LoadError::GenericFailure);
+    let (models, _) = tobj::load_obj_buf(&mut &text[..], &options, none).unwrap();
+    let mesh = &models[0].mesh;
+    assert_eq!(
+        mesh.vertex_color.len(),
+        mesh.positions.len(),
+        "for every vertex"
+    );
+    let glb = gltf::Gltf::from_slice(&laden_glb()).unwrap();
+    let indices: usize = glb
+        .meshes()
+        .flat_map(|mesh| {
+            mesh.primitives()
+                .map(|p| p.indices().unwrap().count())
+                .collect::<Vec<_>>()
+        })
+        .sum();
+    assert_eq!(mesh.indices.len(), indices, "the same triangles");
+    let red = [190.0, 38.0, 30.0].map(|part: f32| part / 255.0);
+    let near = |c: &[f32]| c.iter().zip(red).all(|(a, b)| (a - b).abs() < 1e-3);
+    assert!(
+        mesh.vertex_color.chunks_exact(3).any(near),
+        "sRGB as it is given"
+    );
+}
+
+#[test]
+fn organs_alone_make_files_and_none_make_the_file_of_the_tree() {
+    let (tree, organs) = laden();
+    let bare = Tree {
+        letters: tree.letters.clone(),
+        ..Tree::default()
+    };
+    let alone = Organs {
+        spheres: organs.spheres.clone(),
+        ..Organs::default()
+    };
+    let file = Glb::new(&bare, &alone, &ExportParams::default()).unwrap();
+    let mut bytes = Vec::new();
+    file.write(&mut bytes).unwrap();
+    let read = gltf::Gltf::from_slice(&bytes).unwrap();
+    assert_eq!((read.materials().count(), read.images().count()), (1, 0));
+
+    let plain = glb(&tree, &ExportParams::default()).unwrap();
+    let read = gltf::Gltf::from_slice(&plain).unwrap();
+    assert_eq!((read.materials().count(), read.images().count()), (1, 1));
+    let mut broken = organs.clone();
+    broken.spheres[0].center = Vec3::NAN;
+    let error = Glb::new(&tree, &broken, &ExportParams::default()).unwrap_err();
+    assert!(error.to_string().contains("sphere 0"), "{error}");
+}
