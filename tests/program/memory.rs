@@ -59,7 +59,7 @@ fn what_the_memory_option_does_not_hold_is_refused_by_its_name() {
     for args in [
         // The strings, the tree, the surface, the picture.
         &["--steps", "30", "--json", "--memory", "64"][..],
-        &["--steps", "21", "--json", "--memory", "64"],
+        &["--steps", "22", "--json", "--memory", "64"],
         &["--steps", "19", "--export", "tree.glb", "--memory", "64"],
         &["--steps", "19", "--png", "tree.png", "--memory", "64"],
     ] {

@@ -1,6 +1,6 @@
 //! Grammars of cpfg, L-Py and Houdini, brought over into our notation.
 //!
-//! A file whose first line is `dialect cpfg` (or `lpy`, `houdini`) is read through a translator: foreign text → [`model::Model`] (names,
+//! A file whose first line is `dialect cpfg` (or `lpy`, `houdini`) is read through a translator: foreign text → `Model` (names,
 //! rules, strings of modules with their symbols as the program calls them) → text in our notation, in which every word knows
 //! its place in the foreign text. The text is then parsed like any other, so that there is one parser and one engine, and its
 //! faults are told at the foreign file, line and column. `ramus import` writes the same text to a file.

@@ -1,3 +1,5 @@
+//! What files of cpfg become.
+
 use ramus::lsystem::dialect::Dialect::Cpfg;
 
 use super::{brought, fault, lines, string};

@@ -1,3 +1,5 @@
+//! Texts that no program wrote: bounded time, no panics, and what is written can be read.
+
 use std::time::Duration;
 
 use proptest::prelude::*;

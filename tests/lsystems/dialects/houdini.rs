@@ -1,3 +1,5 @@
+//! What rules and parameters of Houdini become, and what is drawn.
+
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;

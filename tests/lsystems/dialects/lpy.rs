@@ -1,3 +1,5 @@
+//! What files of L-Py become.
+
 use ramus::lsystem::dialect::Dialect::Lpy;
 
 use super::{brought, fault, lines, string};
