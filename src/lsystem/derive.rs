@@ -69,6 +69,9 @@ fn start(
 /// Where a list becomes a string before the last step, to be shown: the last few.
 const SHOWN_OF_LIST: u32 = 4;
 
+/// Is shown strings and their steps.
+pub(super) type See<'s> = dyn FnMut(u32, &ModuleString) + 's;
+
 /// [`derive`] from a string on, whose step is given, or else from the axiom. Shows `see` the strings on the way that are made as such.
 pub(super) fn derive_on(
     grammar: &Grammar,
@@ -77,7 +80,7 @@ pub(super) fn derive_on(
     limits: &Limits,
     cancel: &AtomicBool,
     progress: &mut dyn FnMut(u32),
-    mut see: Option<&mut dyn FnMut(u32, &ModuleString)>,
+    mut see: Option<&mut See<'_>>,
 ) -> Result<ModuleString, DeriveError> {
     let (first, mut string) = match from {
         Some((step, string)) => (step, string.clone()),

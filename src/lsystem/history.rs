@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::derive::{Limits, derive_on};
+use super::derive::{Limits, See, derive_on};
 use super::edit::{Edit, Present, present};
 use super::error::DeriveError;
 use super::grammar::Grammar;
@@ -127,7 +127,7 @@ impl History {
                         shelf.put(at, Kept::of(grammar, Arc::new(string.clone())), step);
                     }
                 };
-                let see: &mut dyn FnMut(u32, &ModuleString) = &mut see;
+                let see: &mut See<'_> = &mut see;
                 derive_on(grammar, from, step, limits, cancel, &mut |_| {}, Some(see))?
             }
         };

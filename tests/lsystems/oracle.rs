@@ -180,7 +180,7 @@ impl Spec {
             }
             for (at, found) in chosen.into_iter().enumerate() {
                 let Some((rule, bound)) = found else {
-                    next.push(string[at].clone());
+                    next.push(string[at]);
                     continue;
                 };
                 let mut inherited = false;
@@ -340,7 +340,7 @@ fn cut(string: &[Mod]) -> Vec<Mod> {
                 at = partner(|i| string.get(i).map(|m| m.name), at) + 1;
             }
         } else {
-            kept.push(string[at].clone());
+            kept.push(string[at]);
             at += 1;
         }
     }

@@ -11,19 +11,19 @@ const BUSH: &str = "axiom A\nA -> [&FL!A]/////'[&FL!A]///////'[&FL!A]\nF -> S///
 const STOCH: &str = "axiom F\nF : weight 0.33 -> F[+F]F[-F]F\nF : weight 0.33 -> F[+F]F\nF : weight 0.34 -> F[-F]F\n";
 
 /// A system to time.
-pub struct System {
+pub(crate) struct System {
     /// Its name.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Its text.
-    pub grammar: String,
+    pub(crate) grammar: String,
     /// Steps.
-    pub steps: u32,
+    pub(crate) steps: u32,
     /// Modules of the last string; none where it is random.
-    pub length: Option<usize>,
+    pub(crate) length: Option<usize>,
 }
 
 /// All of them.
-pub fn systems() -> Vec<System> {
+pub(crate) fn systems() -> Vec<System> {
     let system = |name, grammar: &str, steps, length| System {
         name,
         grammar: grammar.to_owned(),
@@ -48,7 +48,7 @@ pub fn systems() -> Vec<System> {
 }
 
 /// The axiom of the diffusion.
-pub fn cells() -> String {
+pub(crate) fn cells() -> String {
     (0..1_u32 << 17)
         .map(|i| format!("C({})", i.count_ones()))
         .collect()
