@@ -4,7 +4,7 @@
 use std::sync::atomic::AtomicBool;
 
 use libfuzzer_sys::fuzz_target;
-use ramus::lsystem::{Grammar, Limits, TurtleParams, interpret};
+use ramus::lsystem::{Grammar, Limits, TurtleParams, draw};
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else {
@@ -25,8 +25,10 @@ fuzz_target!(|bytes: &[u8]| {
             limits,
             ..TurtleParams::default()
         };
-        if let Ok(tree) = interpret(&grammar, &string, &params, &cancel) {
-            tree.validate().expect("the turtle draws whole trees");
+        if let Ok(made) = draw(&grammar, &string, &params, &cancel) {
+            made.tree.validate().expect("the turtle draws whole trees");
+            let fits = made.organs.validate(&made.tree);
+            fits.expect("what they carry fits them");
         }
     }
 });

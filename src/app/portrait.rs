@@ -89,6 +89,11 @@ pub fn of_drawing(
         bail!("the tree has no node, so there is nothing to draw");
     };
     let half = ((high - low) * 0.5).max_element();
+    if !half.is_finite() {
+        bail!(
+            "the drawing is so large that 32-bit coordinates do not hold it: make lengths and scales smaller"
+        );
+    }
     if half < f32::MIN_POSITIVE {
         bail!(
             "the tree's nodes all stand in one place, so there is nothing to draw: give its segments a length"
@@ -284,6 +289,7 @@ mod tests {
             ("nothing", row(0, 0.0), "no segment"),
             ("the root alone", row(1, 0.0), "no segment"),
             ("all in one place", row(3, 0.0), "in one place"),
+            ("a span beyond f32", row(2, f32::INFINITY), "so large"),
         ] {
             let error = of_drawing(tree.into(), 16, true, Backdrop::Stage)
                 .unwrap_err()

@@ -1,10 +1,11 @@
 //! Polygons, spheres, surfaces and colours in pictures: where they are, how large, in which colour, and their shadow.
 
-use std::sync::Arc;
+use std::sync::{Arc, atomic::AtomicBool};
 
 use glam::{Affine3A, Quat, Vec3};
 use image::Rgba;
 use ramus::{
+    lsystem::{Grammar, Limits, TurtleParams, draw},
     render::{Eye, Offscreen, Renderer, RendererParams},
     tree::{
         NO_PARENT, Node, Organs, Tree,
@@ -13,6 +14,7 @@ use ramus::{
     world::scene::{PlacedTree, Scene},
 };
 
+use super::snapshots::snapshot;
 use super::support::{
     SIDE, ahead, blob, device, field, mode, pixels_per_tangent, plain, shoot, silent,
 };
@@ -261,5 +263,24 @@ fn organs_come_and_go_with_their_trees() {
     }
     assert!(seen[0] == 0 && seen[1] > 3 && seen[2] == 0, "{seen:?}");
     drop(renderer);
+    silent(&gpu);
+}
+
+/// Bells on an arched stalk before two leaves, as they were when they were looked at.
+#[test]
+fn a_lily_of_the_valley() {
+    let Some(gpu) = device() else { return };
+    let text = include_str!("../../assets/grammars/lily-of-the-valley.lsys");
+    let grammar = Grammar::parse(text, "lily.lsys").unwrap();
+    let never = AtomicBool::new(false);
+    let string = grammar
+        .derive(grammar.steps().unwrap(), &Limits::default(), &never)
+        .unwrap();
+    let drawing = draw(&grammar, &string, &TurtleParams::default(), &never).unwrap();
+    let params = RendererParams::new(200, 200, mode(&gpu));
+    let middle = Vec3::new(0.2, 0.9, 0.0);
+    let eyes = Eye::looking_at(middle + Vec3::new(0.0, 0.3, 2.6), middle, field()).pair(0.063);
+    let shot = shoot(&gpu, &params, &scene(drawing.tree, drawing.organs), &eyes);
+    snapshot("lily", &shot.color[0]);
     silent(&gpu);
 }

@@ -14,7 +14,7 @@ use super::support::{
 };
 
 /// Compares with `tests/images/NAME.png`, or rewrites it.
-fn snapshot(name: &str, picture: &RgbaImage) {
+pub(super) fn snapshot(name: &str, picture: &RgbaImage) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/images");
     let file = folder.join(format!("{name}.png"));
     let picture = image::DynamicImage::ImageRgba8(picture.clone()).to_rgb8();

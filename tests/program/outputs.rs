@@ -437,3 +437,44 @@ fn a_string_need_not_be_written_down() {
     );
     assert_eq!(long.len(), (1 << 20) + 1);
 }
+
+/// Leaves and flowers are in pictures and in GLB and OBJ files, also where there is no segment at all.
+#[test]
+fn organs_are_written_and_pictured() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(
+        at("leaf.lsys"),
+        "steps 0\naxiom '(3) {.f.+(120)f.} ~L @O(0.2) ~K\nsurface K = flower\n",
+    )
+    .unwrap();
+    let said = succeed(ramus().current_dir(folder.path()).args([
+        "derive",
+        "leaf.lsys",
+        "--export",
+        "leaf.glb",
+        "--export",
+        "leaf.obj",
+        "--png",
+        "leaf.png",
+        "--size",
+        "128",
+    ]));
+    assert!(
+        said.contains("0 segments, 1 polygons, 1 spheres, 2 surfaces"),
+        "{said}"
+    );
+    let glb = gltf::Gltf::from_slice(&fs::read(at("leaf.glb")).unwrap()).unwrap();
+    assert_eq!(glb.materials().count(), 1);
+    let obj = fs::read_to_string(at("leaf.obj")).unwrap();
+    let vertex = obj.lines().find(|line| line.starts_with("v ")).unwrap();
+    assert_eq!(vertex.split(' ').count(), 7, "with a colour: {vertex}");
+    let picture = image::open(at("leaf.png")).unwrap().to_rgb8();
+    let red = |pixel: &image::Rgb<u8>| u16::from(pixel.0[0]) > 2 * u16::from(pixel.0[1]);
+    assert!(picture.pixels().filter(|p| red(p)).count() > 100);
+    let small = ["derive", "leaf.lsys", "--png", "leaf.png", "--memory", "1"];
+    let crowd = format!("steps 0\naxiom {}\n", "~L".repeat(4000));
+    fs::write(at("leaf.lsys"), crowd).unwrap();
+    let output = ramus().current_dir(folder.path()).args(small).output();
+    refused(&output.unwrap(), &["4000 surfaces", "--memory"]);
+}
