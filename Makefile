@@ -11,7 +11,7 @@ ARGS ?=
 STAGES ?=
 BENCH ?=
 FUZZ_SECONDS ?= 60
-FUZZ ?= grammar format project session journal swc
+FUZZ ?= grammar dialect format project session journal swc
 
 CARGO_TARGET_DIR ?= $(CURDIR)/target
 export CARGO_TARGET_DIR

@@ -12,6 +12,7 @@ use std::time::Duration;
 use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use ramus::lsystem::{Grammar, History, Limits, TurtleParams, interpret};
+use ramus::tree::tubes::{mesh, segments};
 
 #[path = "peers/src/systems.rs"]
 mod systems;
@@ -72,18 +73,27 @@ fn derivation(criterion: &mut Criterion) {
     group.finish();
 }
 
-fn sketch_sized(criterion: &mut Criterion) {
+/// Triangles of a tree grown, drawn and meshed from a text, with tubes of four sides.
+fn grown_and_meshed(text: &str, steps: u32) -> usize {
     let cancel = AtomicBool::new(false);
-    let params = TurtleParams::default();
-    criterion.bench_function("honda 12 steps: parse, derive, interpret", |bencher| {
-        bencher.iter(|| {
-            let grammar = Grammar::parse(HONDA, "honda.lsys").ok()?;
-            let string = grammar.derive(12, &Limits::default(), &cancel).ok()?;
-            interpret(&grammar, &string, &params, &cancel)
-                .ok()
-                .map(|tree| tree.parent.len())
-        });
-    });
+    let grammar = Grammar::parse(text, "honda.lsys").unwrap();
+    let string = grammar.derive(steps, &Limits::default(), &cancel).unwrap();
+    let tree = interpret(&grammar, &string, &TurtleParams::default(), &cancel).unwrap();
+    let mut tubes = Vec::new();
+    segments(&tree, &[], u32::MAX, &mut tubes);
+    mesh(&tubes, 1.0, 4).indices.len() / 3
+}
+
+fn sketch_sized(criterion: &mut Criterion) {
+    // 8,190 segments of eight triangles each, and the ends that are closed.
+    let triangles = grown_and_meshed(HONDA, 12);
+    assert!(triangles >= 65_520, "{triangles} triangles are too few");
+    criterion.bench_function(
+        "honda 12 steps: parse, derive, interpret, mesh",
+        |bencher| {
+            bencher.iter(|| grown_and_meshed(black_box(HONDA), 12));
+        },
+    );
 }
 
 /// A step forward, a step back and an edit where the string has some 100,000 modules.

@@ -229,6 +229,8 @@ pub(crate) struct RuleSet {
     /// For each symbol its productions, best first.
     pub(crate) by_symbol: Vec<Vec<u16>>,
     plans: Vec<Plan>,
+    /// Whether no more than a draw is needed to choose any module's production.
+    pub(crate) is_drawn: bool,
     /// For each symbol whose plan is [`Plan::Near`] its productions, best first.
     near: Vec<Vec<Near>>,
     /// For each symbol whose plan is [`Plan::Draw`] its choices, each with the number up to which a draw from 0 to 1
@@ -393,6 +395,8 @@ impl RuleSet {
         };
         let plans: Vec<Plan> = by_symbol.iter().enumerate().map(plan).collect();
         let table = table(&plans, &near);
+        let drawn = |plan: &Plan| matches!(plan, Plan::Stay | Plan::Always(_) | Plan::Draw);
+        let is_drawn = plans.iter().all(drawn);
         let columns = columns(&rules);
         let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let size = |rule: &Rule| (number(rule.successor.len()), number(rule.arguments.len()));
@@ -404,6 +408,7 @@ impl RuleSet {
             rules,
             by_symbol,
             plans,
+            is_drawn,
             near,
             weighted,
             order,

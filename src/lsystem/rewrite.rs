@@ -336,6 +336,9 @@ impl<'a> Round<'a> {
             return Ok(self.count_near(table, indexed, from, choices));
         }
         let mut work = Worker::new(self, indexed);
+        if self.rules.is_drawn {
+            return Ok(self.count_drawn(&work, indexed, from, choices));
+        }
         let mut choosing = Choosing::new(self, indexed);
         let mut offset = parameters_from;
         let symbols = indexed.symbols.get(from..).unwrap_or(&[]);
@@ -377,6 +380,36 @@ impl<'a> Round<'a> {
             size.parameters += u64::from(parameters) + own as u64;
         }
         Ok(size)
+    }
+
+    /// [`Self::count`] where each module's symbol and a draw decide: a short loop, which the processor's registers hold.
+    fn count_drawn<S: Narrow>(
+        &self,
+        work: &Worker<'_, '_, Indexed<'_, S>>,
+        indexed: &Indexed<'_, S>,
+        from: usize,
+        choices: &mut [S],
+    ) -> Size {
+        let mut size = Size::default();
+        let symbols = indexed.symbols.get(from..).unwrap_or(&[]);
+        for (at, (cell, choice)) in (from..).zip(symbols.iter().zip(choices)) {
+            let symbol: Symbol = (*cell).into();
+            let chosen = match self.rules.plan(symbol) {
+                Plan::Always(number) => number + 1,
+                Plan::Draw => work.pick(self.rules.weighted(symbol), at),
+                _ => STAYS,
+            };
+            *choice = S::of(u32::from(chosen));
+            let (modules, parameters) = self.rules.made(chosen);
+            size.modules += u64::from(modules);
+            size.parameters += u64::from(parameters);
+            if chosen == STAYS {
+                size.parameters += indexed.arity(*cell) as u64;
+            } else {
+                size.rewritten += 1;
+            }
+        }
+        size
     }
 
     /// [`Self::count`] where modules have no parameters, and their neighbours decide.

@@ -207,7 +207,8 @@ impl<'a> Houdini<'a> {
                 "!" | "?" => "thickness scale",
                 _ => continue,
             };
-            if !model.is_constant(&name.replace(' ', "_")) {
+            let told = missing.iter().any(|(_, _, known)| *known == name);
+            if !told && !model.is_constant(&name.replace(' ', "_")) {
                 missing.push((module.at, module.key.clone(), name));
             }
         }
