@@ -11,4 +11,4 @@ if command -v npm >/dev/null && [ ! -d "$modules/lindenmayer" ]; then
         echo "npm's lindenmayer cannot be fetched"
 fi
 CARGO_TARGET_DIR=$target RAYON_NUM_THREADS=1 \
-    cargo run --release --locked --quiet --manifest-path "$repository/benches/peers/Cargo.toml" -- "$modules"
+    cargo run --release --quiet --manifest-path "$repository/benches/peers/Cargo.toml" -- "$modules"
