@@ -141,6 +141,7 @@ impl Budget {
     fn explain(self, error: DeriveError, file: &str) -> anyhow::Error {
         match *error.problem {
             DeriveProblem::Limit { .. }
+            | DeriveProblem::DecompositionLimit { .. }
             | DeriveProblem::Memory { .. }
             | DeriveProblem::DrawingMemory { .. }
             | DeriveProblem::TooManyNodes { .. } => {

@@ -26,6 +26,7 @@ mod column;
 mod context;
 mod derive;
 pub mod dialect;
+mod endless;
 mod error;
 mod explain;
 mod expression;
