@@ -53,14 +53,45 @@ pub(crate) fn derive(
     cancel: &AtomicBool,
     progress: &mut dyn FnMut(u32),
 ) -> Result<ModuleString, DeriveError> {
-    let mut string = cut(grammar, &grammar.axiom);
+    derive_on(grammar, None, steps, limits, cancel, progress, None)
+}
+
+/// The string of step 0.
+fn start(
+    grammar: &Grammar,
+    limits: &Limits,
+    cancel: &AtomicBool,
+) -> Result<ModuleString, DeriveError> {
+    let string = cut(grammar, &grammar.axiom);
     if let Some(problem) = past(grammar, Size::of(&string), 0, limits) {
         return Err(problem.into());
     }
+    let string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
+    answered(grammar, string, limits, cancel)
+}
+
+/// Where a list becomes a string before the last step, to be shown: the last few.
+const SHOWN_OF_LIST: u32 = 4;
+
+/// Is shown strings and their steps.
+pub(super) type See<'s> = dyn FnMut(u32, &ModuleString) + 's;
+
+/// [`derive`] from a string on, whose step is given, or else from the axiom. Shows `see` the strings on the way that are made as such.
+pub(super) fn derive_on(
+    grammar: &Grammar,
+    from: Option<(u32, &ModuleString)>,
+    steps: u32,
+    limits: &Limits,
+    cancel: &AtomicBool,
+    progress: &mut dyn FnMut(u32),
+    mut see: Option<&mut See<'_>>,
+) -> Result<ModuleString, DeriveError> {
+    let (first, mut string) = match from {
+        Some((step, string)) => (step, string.clone()),
+        None => (0, start(grammar, limits, cancel)?),
+    };
     let mut spare = Spare::default();
-    string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
-    string = answered(grammar, string, limits, cancel)?;
-    if steps > 0
+    if steps > first
         && let Ok(graph) = Blocks::new(grammar, steps, limits, cancel, |step, size| {
             past(grammar, size, step, limits).is_some()
         })
@@ -68,7 +99,7 @@ pub(crate) fn derive(
         return by_blocks(grammar, &graph, steps, limits, cancel);
     }
     let mut chain = Chain::start(grammar, &string);
-    for step in 1..=steps {
+    for step in first + 1..=steps {
         progress(step - 1);
         if let Some(list) = &mut chain {
             if list.rests() {
@@ -76,18 +107,29 @@ pub(crate) fn derive(
             }
             let made = list.step(step, limits, cancel).is_ok();
             if made && !list.is_busy() {
+                if let Some(see) = &mut see
+                    && steps - step < SHOWN_OF_LIST
+                {
+                    see(step, &list.string());
+                }
                 continue;
             }
             // Where it could not be made, the rounds find the same fault and say where it is.
             string = list.string();
             chain = None;
             if made {
+                if let Some(see) = &mut see {
+                    see(step, &string);
+                }
                 continue;
             }
         }
         match next(grammar, &string, step, &mut spare, limits, cancel) {
             Ok(following) => {
                 spare.string = std::mem::replace(&mut string, following);
+                if let Some(see) = &mut see {
+                    see(step, &string);
+                }
                 if Chain::would_pay(string.len(), spare.rewritten) {
                     chain = Chain::new(grammar, &string);
                 }
