@@ -236,7 +236,7 @@ fn cancelling_is_quick() {
         "axiom A(1)\nA(x) -> A(x)A(x+1)[A(x*2)]\n",
         &ignored,
         &format!("{row}A < A > A -> A\nF -> F\n"),
-        &format!("axiom F\nF -> F\ndecompose depth 1000000000 {{\n  F : weight 1 -> F\n}}\n"),
+        "axiom F\nF -> F\ndecompose depth 1000000000 {\n  F : weight 1 -> F\n}\n",
         &format!("{row}interpret depth 1000000000 {{\n  A : weight 1 -> A\n}}\n"),
     ] {
         let grammar = parse(text);
