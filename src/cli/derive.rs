@@ -149,6 +149,10 @@ impl Budget {
                 limit: Limit::Bytes(_),
                 ..
             }
+            | DeriveProblem::DecompositionLimit {
+                limit: Limit::Bytes(_),
+                ..
+            }
             | DeriveProblem::Memory { .. }
             | DeriveProblem::DrawingMemory { .. }
             | DeriveProblem::TooManyNodes { .. } => {

@@ -12,8 +12,10 @@ use super::active::Chain;
 use super::blocks::{Blocks, Size};
 use super::choices::Choices;
 use super::column::bytes_up_to;
+use super::endless::cycle;
 use super::error::{DeriveError, DeriveProblem, Limit};
-use super::grammar::{Grammar, Role, RuleSet};
+use super::grammar::{Grammar, Role, Rule, RuleSet};
+use super::names::Symbol;
 use super::output::Spare;
 use super::query::answered;
 use super::rewrite::{Births, Round};
@@ -31,6 +33,8 @@ pub struct Limits {
 /// A string of so many modules is made again to be kept, where a larger one is cancelled or passes a limit: a matter of
 /// milliseconds.
 const QUICK_MODULES: u128 = 1 << 21;
+/// So is a graph of so many pieces.
+const QUICK_PIECES: usize = 1 << 16;
 
 impl Default for Limits {
     /// 2^31 modules in 4 GiB.
@@ -174,10 +178,17 @@ fn by_blocks(
     Err(error)
 }
 
-/// The last step before this one whose string is soon made.
+/// The last step before this one whose string is soon made, and the graph of it.
 fn kept_before(graph: &Blocks, step: u32) -> u32 {
-    let quick = |step: &u32| graph.size(*step).modules <= QUICK_MODULES;
-    (0..step).rev().find(quick).unwrap_or(0)
+    let quick = |step: &u32| {
+        graph.size(*step).modules <= QUICK_MODULES && graph.pieces_at(*step) <= QUICK_PIECES
+    };
+    // From its end on, the graph's string stays as it is.
+    let end = u32::try_from(graph.steps()).unwrap_or(u32::MAX);
+    (0..step.min(end.saturating_add(1)))
+        .rev()
+        .find(quick)
+        .unwrap_or(0)
 }
 
 /// Bytes of a string of this size after a step.
@@ -278,6 +289,14 @@ pub(super) fn decomposed_watched(
     let Some(rules) = &grammar.decompose else {
         return Ok(string);
     };
+    let endless = &grammar.endless;
+    let goes_on = |s: &Symbol| endless.get(usize::from(*s)) == Some(&true);
+    if !endless.is_empty()
+        && let Some(symbol) = string.symbols().find(goes_on)
+        && let Some(rule) = cycle(rules, endless, symbol)
+    {
+        return Err(not_ended(grammar, rule, step).into());
+    }
     let mut spare = Spare::default();
     for number in 1..=grammar.decompose_depth.saturating_add(1) {
         let round = Round {
@@ -294,21 +313,44 @@ pub(super) fn decomposed_watched(
             let Some(rule) = round.first_applied(&string)? else {
                 return Ok(string);
             };
-            return Err(DeriveProblem::Decomposition {
-                step,
-                depth: grammar.decompose_depth,
-                production: rule.text.clone(),
-                location: rule.location.clone(),
-            }
-            .into());
+            return Err(not_ended(grammar, rule, step).into());
         }
-        match round.apply(&string, &mut spare)? {
+        let made = round.apply(&string, &mut spare);
+        match made.map_err(|error| too_large(&round, &spare.choices, error))? {
             Some(following) => spare.string = std::mem::replace(&mut string, following),
             None => break,
         }
         watch(rules, &spare.choices)?;
     }
     Ok(string)
+}
+
+/// A decomposition that goes on by this production.
+fn not_ended(grammar: &Grammar, rule: &Rule, step: u32) -> DeriveProblem {
+    DeriveProblem::Decomposition {
+        step,
+        depth: grammar.decompose_depth,
+        production: rule.text.clone(),
+        location: rule.location.clone(),
+    }
+}
+
+/// Where a round of decomposition passes a limit: which production made it so large.
+fn too_large(round: &Round<'_>, choices: &Choices, error: DeriveError) -> DeriveError {
+    match (*error.problem, choices.iter().find_map(|c| round.rule(c))) {
+        (DeriveProblem::Limit { limit, .. }, Some(rule)) => {
+            let (step, round) = (round.step, round.number);
+            DeriveProblem::DecompositionLimit {
+                step,
+                round,
+                limit,
+                production: rule.text.clone(),
+                location: rule.location.clone(),
+            }
+            .into()
+        }
+        (problem, _) => problem.into(),
+    }
 }
 
 /// What the turtle is shown: the interpretation productions applied, the string itself unchanged (`None`: it is shown as it is).

@@ -207,23 +207,40 @@ pub enum DeriveProblem {
         /// What went wrong.
         problem: ValueProblem,
     },
-    /// A decomposition went on past its depth.
+    /// A decomposition goes on past its depth.
     #[error(
-        "step {step}: decomposition has not ended after {depth} rounds, last by `{production}` ({location}); it may be cyclic, else raise its depth"
+        "step {step}: decomposition does not end within {depth} rounds, because of `{production}` ({location}); it may be cyclic, else raise its depth"
     )]
     Decomposition {
         /// The step that was not finished.
         step: u32,
-        /// Rounds made.
+        /// Rounds allowed.
         depth: u32,
-        /// A production that still applied.
+        /// A production that would still apply.
+        production: String,
+        /// Its file and line.
+        location: String,
+    },
+    /// A round of a decomposition would pass one of the limits.
+    #[error(
+        "step {step}: round {round} of the decomposition passes the limit of {limit}, because of `{production}` ({location}); it may be cyclic, else {}",
+        smaller(*step)
+    )]
+    DecompositionLimit {
+        /// The step that was not made.
+        step: u32,
+        /// The round, from 1.
+        round: u32,
+        /// The limit.
+        limit: Limit,
+        /// The first production that applied.
         production: String,
         /// Its file and line.
         location: String,
     },
     /// Brackets nest deeper than the turtle's stack may grow.
     #[error(
-        "module {position}: brackets nest deeper than {depth}, which the turtle does not follow; take fewer steps"
+        "module {position}: brackets nest deeper than {depth}, which the turtle does not follow; nest fewer brackets"
     )]
     TooDeep {
         /// Index of the bracket.

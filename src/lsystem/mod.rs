@@ -27,6 +27,7 @@ mod context;
 mod derive;
 pub mod dialect;
 mod edit;
+mod endless;
 mod error;
 mod explain;
 mod expression;

@@ -272,9 +272,17 @@ impl<'a> Round<'a> {
             arity: &string.arity,
             index: ContextIndex::default(), // decomposition has no contexts
         };
-        let mut choices = vec![S::of(u32::from(STAYS)); symbols.len()];
-        self.count(&indexed, 0, 0, &mut choices)?;
-        Ok(choices.iter().find_map(|c| self.rule((*c).into())))
+        let mut parameters_from = 0;
+        for (number, chunk) in symbols.chunks(CHUNK).enumerate() {
+            let mut choices = [S::default(); CHUNK];
+            let choices = choices.get_mut(..chunk.len()).unwrap_or(&mut []);
+            self.count(&indexed, number * CHUNK, parameters_from, choices)?;
+            if let Some(rule) = choices.iter().find_map(|c| self.rule((*c).into())) {
+                return Ok(Some(rule));
+            }
+            parameters_from += parameters_of(indexed.arity, chunk);
+        }
+        Ok(None)
     }
 
     fn check_size(
