@@ -53,6 +53,7 @@ test:
 bench:
 	@scripts/setup.sh run
 	$(CARGO) bench --workspace --benches -- $(BENCH)
+	@scripts/peers.sh
 
 .PHONY: doc
 doc:

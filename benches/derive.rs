@@ -11,54 +11,15 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use ramus::lsystem::{Grammar, Limits, TurtleParams, interpret};
+use ramus::lsystem::{Grammar, History, Limits, TurtleParams, interpret};
+use ramus::tree::tubes::{mesh, segments};
+
+#[path = "peers/src/systems.rs"]
+mod systems;
+
+use systems::{System, systems};
 
 const HONDA: &str = include_str!("../assets/grammars/honda.lsys");
-const ROW: &str = "const p = 0.3, q = 0.7, h = (0.3*0.7)^0.5\naxiom F(1,0)\n\
-    F(x,t) : t==0 -> F(x*p,2)+F(x*h,1)--F(x*h,1)+F(x*q,0)\nF(x,t) : t>0 -> F(x,t-1)\n";
-const ALGAE: &str = "axiom b\na -> ab\nb -> a\n";
-const HOGEWEG_HESPER: &str = "ignore +-F\naxiom F1F1F1\n0 < 0 > 0 -> 1\n0 < 0 > 1 -> 1[-F1F1]\n0 < 1 > 0 -> 1\n\
-    0 < 1 > 1 -> 1\n1 < 0 > 0 -> 0\n1 < 0 > 1 -> 1F1\n1 < 1 > 0 -> 1\n1 < 1 > 1 -> 0\n+ -> -\n- -> +\n";
-
-const BUSH: &str = "axiom A\nA -> [&FL!A]/////'[&FL!A]///////'[&FL!A]\nF -> S/////F\nS -> FL\n\
-    L -> ['''^^{-f+f+f-|-f+f+f}]\n";
-const STOCH: &str = "axiom F\nF : weight 0.33 -> F[+F]F[-F]F\nF : weight 0.33 -> F[+F]F\nF : weight 0.34 -> F[-F]F\n";
-
-/// A system to time.
-struct System {
-    name: &'static str,
-    grammar: String,
-    steps: u32,
-    /// Modules of the last string; none where it is random.
-    length: Option<usize>,
-}
-
-fn systems() -> Vec<System> {
-    let system = |name, grammar: &str, steps, length| System {
-        name,
-        grammar: grammar.to_owned(),
-        steps,
-        length,
-    };
-    let signal = format!("axiom b{}\nb < a -> b\nb -> a\n", "a".repeat(1 << 20));
-    let cells: Vec<String> = (0..1_u32 << 17)
-        .map(|i| format!("C({})", i.count_ones()))
-        .collect();
-    let diffuse = format!(
-        "axiom {}\nC(l) < C(x) > C(r) : x>=0 -> C(x+0.25*(l+r-2*x))\n",
-        cells.concat()
-    );
-    vec![
-        system("algae", ALGAE, 35, Some(14_930_352)),
-        system("bush", BUSH, 11, Some(6_351_974)),
-        system("stoch", STOCH, 11, None),
-        system("honda", HONDA, 18, Some(1_835_002)),
-        system("row", ROW, 18, Some(3_530_486)),
-        system("signal", &signal, 20, Some(1_048_577)),
-        system("hh", HOGEWEG_HESPER, 36, Some(141_946)),
-        system("diffuse", &diffuse, 10, Some(131_072)),
-    ]
-}
 
 /// Modules of all strings behind the axiom.
 fn produced(grammar: &Grammar, steps: u32) -> u64 {
@@ -112,19 +73,73 @@ fn derivation(criterion: &mut Criterion) {
     group.finish();
 }
 
-fn sketch_sized(criterion: &mut Criterion) {
+/// Triangles of a tree grown, drawn and meshed from a text, with tubes of four sides.
+fn grown_and_meshed(text: &str, steps: u32) -> usize {
     let cancel = AtomicBool::new(false);
-    let params = TurtleParams::default();
-    criterion.bench_function("honda 12 steps: parse, derive, interpret", |bencher| {
-        bencher.iter(|| {
-            let grammar = Grammar::parse(HONDA, "honda.lsys").ok()?;
-            let string = grammar.derive(12, &Limits::default(), &cancel).ok()?;
-            interpret(&grammar, &string, &params, &cancel)
-                .ok()
-                .map(|tree| tree.parent.len())
-        });
-    });
+    let grammar = Grammar::parse(text, "honda.lsys").unwrap();
+    let string = grammar.derive(steps, &Limits::default(), &cancel).unwrap();
+    let tree = interpret(&grammar, &string, &TurtleParams::default(), &cancel).unwrap();
+    let mut tubes = Vec::new();
+    segments(&tree, &[], u32::MAX, &mut tubes);
+    mesh(&tubes, 1.0, 4).indices.len() / 3
 }
 
-criterion_group!(benches, derivation, sketch_sized);
+fn sketch_sized(criterion: &mut Criterion) {
+    // 8,190 segments of eight triangles each, and the ends that are closed.
+    let triangles = grown_and_meshed(HONDA, 12);
+    assert!(triangles >= 65_520, "{triangles} triangles are too few");
+    criterion.bench_function(
+        "honda 12 steps: parse, derive, interpret, mesh",
+        |bencher| {
+            bencher.iter(|| grown_and_meshed(black_box(HONDA), 12));
+        },
+    );
+}
+
+/// A step forward, a step back and an edit where the string has some 100,000 modules.
+fn history(criterion: &mut Criterion) {
+    const LAST: u32 = 14;
+    let (limits, cancel) = (Limits::default(), AtomicBool::new(false));
+    let grammar = Grammar::parse(HONDA, "honda.lsys").unwrap();
+    let edited = HONDA.replace("C(l, w) -> !(w) F(l)", "C(l, w) -> !(w) F(l) X");
+    let edited = Grammar::parse(&edited, "honda.lsys").unwrap();
+    let looked_at = |steps: &[u32]| {
+        let mut history = History::new(grammar.clone(), 64 << 20);
+        for step in steps {
+            history.at(*step, &limits, &cancel).unwrap();
+        }
+        history
+    };
+    let length = grammar.derive(LAST, &limits, &cancel).unwrap().len();
+    assert_eq!(length, 114_682, "another string than the literature's");
+    let mut group = criterion.benchmark_group("history of 114,682 modules");
+    let mut time = |name: &str, before: &History, deed: &dyn Fn(&mut History)| {
+        group.bench_function(name, |bencher| {
+            bencher.iter_custom(|rounds| {
+                let mut spent = Duration::ZERO;
+                for _ in 0..rounds {
+                    let mut history = before.clone();
+                    let start = ProcessTime::now();
+                    deed(&mut history);
+                    spent += start.elapsed();
+                }
+                spent
+            });
+        });
+    };
+    let look = |history: &mut History, step: u32| {
+        black_box(history.at(step, &limits, &cancel).unwrap());
+    };
+    let seen = looked_at(&[LAST - 1]);
+    time("a step forward", &seen, &|history| look(history, LAST));
+    let seen = looked_at(&[LAST - 1, LAST]);
+    time("a step back", &seen, &|history| look(history, LAST - 1));
+    time("an edit, seen at once", &seen, &|history| {
+        history.edit(edited.clone());
+        look(history, LAST);
+    });
+    group.finish();
+}
+
+criterion_group!(benches, derivation, sketch_sized, history);
 criterion_main!(benches);

@@ -88,12 +88,13 @@ pub fn of_drawing(
     let Some((low, high)) = drawing.bounds() else {
         bail!("the tree has no node, so there is nothing to draw");
     };
-    let half = ((high - low) * 0.5).max_element();
-    if !half.is_finite() {
+    let extent = high - low;
+    if !extent.is_finite() {
         bail!(
             "the drawing is so large that 32-bit coordinates do not hold it: make lengths and scales smaller"
         );
     }
+    let half = (extent * 0.5).max_element();
     if half < f32::MIN_POSITIVE {
         bail!(
             "the tree's nodes all stand in one place, so there is nothing to draw: give its segments a length"

@@ -135,8 +135,14 @@ impl<'r, 'a, S: Narrow> Batch<'r, 'a, S> {
         }
     }
 
-    /// Puts what a production binds for modules, whose contexts match, into the columns.
-    fn bind(&mut self, rule: &Rule, modules: &Places) {
+    /// Puts what a production binds for modules, whose contexts match, into the columns; from contexts only where these expressions
+    /// read it.
+    fn bind<'e>(
+        &mut self,
+        rule: &Rule,
+        modules: &Places,
+        mut read_by: impl Iterator<Item = &'e Expression>,
+    ) {
         let indexed = self.indexed;
         let parameters = indexed.parameters;
         let own = indexed.arity_of(rule.predecessor);
@@ -144,7 +150,7 @@ impl<'r, 'a, S: Narrow> Batch<'r, 'a, S> {
             self.values
                 .gather(slot, parameters, &modules.offset, slot, own);
         }
-        if rule.slots == own {
+        if rule.slots == own || !read_by.any(|expression| expression.reads_from(own)) {
             return;
         }
         if rule.looks.into_branches {
@@ -370,7 +376,8 @@ impl<'r, 'a, 's, S: Narrow> Choosing<'r, 'a, 's, S> {
         }
         if rule.condition.is_some() || rule.weight.is_some() {
             self.places.choose(modules, &self.fitting);
-            self.batch.bind(rule, &self.places);
+            let read_by = rule.condition.iter().chain(&rule.weight);
+            self.batch.bind(rule, &self.places, read_by);
         }
         self.batch.go_on(rule, self.open.len())
     }
@@ -540,7 +547,7 @@ impl<'r, 'a, 's, S: Narrow, B: Cell> Filling<'r, 'a, 's, S, B> {
         rule: &Rule,
         modules: &mut Unwritten<'s, S, B>,
     ) -> Result<(), DeriveError> {
-        batch.bind(rule, &modules.places);
+        batch.bind(rule, &modules.places, rule.arguments.iter());
         batch.go_on(rule, modules.places.len())?;
         let finite = Self::evaluated(batch, rule, modules);
         let arity = batch.indexed.arity_of(rule.predecessor);

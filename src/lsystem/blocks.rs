@@ -98,6 +98,8 @@ pub(crate) struct Blocks {
     most_symbol: u32,
     /// Of each step's string, the axiom's first. Where it ends early, the string stays as it is.
     sizes: Vec<Size>,
+    /// Pieces up to there.
+    made: Vec<usize>,
 }
 
 /// The grammar is not one of those, its modules are too different, or a step cannot be made: the rounds say why.
@@ -147,6 +149,7 @@ impl Blocks {
                 arity: Arc::clone(&grammar.arity),
                 most_symbol: grammar.axiom.symbols.most(),
                 sizes: Vec::new(),
+                made: Vec::new(),
             },
             found: HashMap::new(),
             next: Vec::new(),
@@ -180,6 +183,12 @@ impl Blocks {
     pub(crate) fn size(&self, step: u32) -> Size {
         let at = usize::try_from(step).ok().and_then(|s| self.sizes.get(s));
         at.or(self.sizes.last()).copied().unwrap_or_default()
+    }
+
+    /// Pieces of the graph of so many steps.
+    pub(crate) fn pieces_at(&self, step: u32) -> usize {
+        let at = usize::try_from(step).ok().and_then(|s| self.made.get(s));
+        at.or(self.made.last()).copied().unwrap_or_default()
     }
 
     /// Bytes of the string.
@@ -371,6 +380,7 @@ impl Making<'_> {
             size.add(one.times, 1, one.parameters.len() as u128);
         }
         self.graph.sizes.push(size);
+        self.graph.made.push(self.graph.pieces.len());
         std::mem::take(&mut self.next)
     }
 }

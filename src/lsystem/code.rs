@@ -242,6 +242,17 @@ impl Expression {
         matches!(self, Self::Code { code, .. } if code.iter().any(drawn))
     }
 
+    /// Whether it reads a slot from this one on.
+    pub(super) fn reads_from(&self, first: usize) -> bool {
+        match self {
+            Self::Constant(_) => false,
+            Self::Slot(slot) => usize::from(*slot) >= first,
+            Self::Code { code, .. } => code
+                .iter()
+                .any(|op| matches!(op, Op::Load(slot) if usize::from(*slot) >= first)),
+        }
+    }
+
     /// Whether it draws, and how often depends on the values.
     pub(super) fn may_draw(&self) -> bool {
         let jumps = |op: &Op| matches!(op, Op::And(_) | Op::Or(_));

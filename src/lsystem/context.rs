@@ -309,6 +309,16 @@ impl<S: Narrow> Indexed<'_, S> {
             Side::Right => &self.index.right,
         };
         let back = if side == Side::Left { arity } else { 0 };
+        if index.is_empty() {
+            for (at, edge) in at.iter_mut().zip(edge) {
+                *at = match side {
+                    Side::Left => at.wrapping_sub(1),
+                    Side::Right => at.wrapping_add(1),
+                };
+                *edge = edge.saturating_sub(back);
+            }
+            return;
+        }
         for (at, edge) in at.iter_mut().zip(edge) {
             let next = match side {
                 Side::Left => at.wrapping_sub(1),

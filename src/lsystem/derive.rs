@@ -12,8 +12,10 @@ use super::active::Chain;
 use super::blocks::{Blocks, Size};
 use super::choices::Choices;
 use super::column::bytes_up_to;
-use super::error::{DeriveError, DeriveProblem};
-use super::grammar::{Grammar, Role, RuleSet};
+use super::endless::cycle;
+use super::error::{DeriveError, DeriveProblem, Limit};
+use super::grammar::{Grammar, Role, Rule, RuleSet};
+use super::names::Symbol;
 use super::output::Spare;
 use super::query::answered;
 use super::rewrite::{Births, Round};
@@ -31,6 +33,8 @@ pub struct Limits {
 /// A string of so many modules is made again to be kept, where a larger one is cancelled or passes a limit: a matter of
 /// milliseconds.
 const QUICK_MODULES: u128 = 1 << 21;
+/// So is a graph of so many pieces.
+const QUICK_PIECES: usize = 1 << 16;
 
 impl Default for Limits {
     /// 2^31 modules in 4 GiB.
@@ -49,14 +53,45 @@ pub(crate) fn derive(
     cancel: &AtomicBool,
     progress: &mut dyn FnMut(u32),
 ) -> Result<ModuleString, DeriveError> {
-    let mut string = cut(grammar, &grammar.axiom);
+    derive_on(grammar, None, steps, limits, cancel, progress, None)
+}
+
+/// The string of step 0.
+fn start(
+    grammar: &Grammar,
+    limits: &Limits,
+    cancel: &AtomicBool,
+) -> Result<ModuleString, DeriveError> {
+    let string = cut(grammar, &grammar.axiom);
     if let Some(problem) = past(grammar, Size::of(&string), 0, limits) {
         return Err(problem.into());
     }
+    let string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
+    answered(grammar, string, limits, cancel)
+}
+
+/// Where a list becomes a string before the last step, to be shown: the last few.
+const SHOWN_OF_LIST: u32 = 4;
+
+/// Is shown strings and their steps.
+pub(super) type See<'s> = dyn FnMut(u32, &ModuleString) + 's;
+
+/// [`derive`] from a string on, whose step is given, or else from the axiom. Shows `see` the strings on the way that are made as such.
+pub(super) fn derive_on(
+    grammar: &Grammar,
+    from: Option<(u32, &ModuleString)>,
+    steps: u32,
+    limits: &Limits,
+    cancel: &AtomicBool,
+    progress: &mut dyn FnMut(u32),
+    mut see: Option<&mut See<'_>>,
+) -> Result<ModuleString, DeriveError> {
+    let (first, mut string) = match from {
+        Some((step, string)) => (step, string.clone()),
+        None => (0, start(grammar, limits, cancel)?),
+    };
     let mut spare = Spare::default();
-    string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
-    string = answered(grammar, string, limits, cancel)?;
-    if steps > 0
+    if steps > first
         && let Ok(graph) = Blocks::new(grammar, steps, limits, cancel, |step, size| {
             past(grammar, size, step, limits).is_some()
         })
@@ -64,7 +99,7 @@ pub(crate) fn derive(
         return by_blocks(grammar, &graph, steps, limits, cancel);
     }
     let mut chain = Chain::start(grammar, &string);
-    for step in 1..=steps {
+    for step in first + 1..=steps {
         progress(step - 1);
         if let Some(list) = &mut chain {
             if list.rests() {
@@ -72,18 +107,29 @@ pub(crate) fn derive(
             }
             let made = list.step(step, limits, cancel).is_ok();
             if made && !list.is_busy() {
+                if let Some(see) = &mut see
+                    && steps - step < SHOWN_OF_LIST
+                {
+                    see(step, &list.string());
+                }
                 continue;
             }
             // Where it could not be made, the rounds find the same fault and say where it is.
             string = list.string();
             chain = None;
             if made {
+                if let Some(see) = &mut see {
+                    see(step, &string);
+                }
                 continue;
             }
         }
         match next(grammar, &string, step, &mut spare, limits, cancel) {
             Ok(following) => {
                 spare.string = std::mem::replace(&mut string, following);
+                if let Some(see) = &mut see {
+                    see(step, &string);
+                }
                 if Chain::would_pay(string.len(), spare.rewritten) {
                     chain = Chain::new(grammar, &string);
                 }
@@ -132,10 +178,17 @@ fn by_blocks(
     Err(error)
 }
 
-/// The last step before this one whose string is soon made.
+/// The last step before this one whose string is soon made, and the graph of it.
 fn kept_before(graph: &Blocks, step: u32) -> u32 {
-    let quick = |step: &u32| graph.size(*step).modules <= QUICK_MODULES;
-    (0..step).rev().find(quick).unwrap_or(0)
+    let quick = |step: &u32| {
+        graph.size(*step).modules <= QUICK_MODULES && graph.pieces_at(*step) <= QUICK_PIECES
+    };
+    // From its end on, the graph's string stays as it is.
+    let end = u32::try_from(graph.steps()).unwrap_or(u32::MAX);
+    (0..step.min(end.saturating_add(1)))
+        .rev()
+        .find(quick)
+        .unwrap_or(0)
 }
 
 /// Bytes of a string of this size after a step.
@@ -156,9 +209,9 @@ pub(super) fn past(
     let bytes = bytes_of(grammar, size, step);
     let most = limits.modules.min(u64::from(u32::MAX));
     let limit = if modules > most {
-        format!("{most} modules")
+        Limit::Modules(most)
     } else if bytes > limits.bytes {
-        format!("{} bytes", limits.bytes)
+        Limit::Bytes(limits.bytes)
     } else {
         return None;
     };
@@ -236,6 +289,14 @@ pub(super) fn decomposed_watched(
     let Some(rules) = &grammar.decompose else {
         return Ok(string);
     };
+    let endless = &grammar.endless;
+    let goes_on = |s: &Symbol| endless.get(usize::from(*s)) == Some(&true);
+    if !endless.is_empty()
+        && let Some(symbol) = string.symbols().find(goes_on)
+        && let Some(rule) = cycle(rules, endless, symbol)
+    {
+        return Err(not_ended(grammar, rule, step).into());
+    }
     let mut spare = Spare::default();
     for number in 1..=grammar.decompose_depth.saturating_add(1) {
         let round = Round {
@@ -252,21 +313,44 @@ pub(super) fn decomposed_watched(
             let Some(rule) = round.first_applied(&string)? else {
                 return Ok(string);
             };
-            return Err(DeriveProblem::Decomposition {
-                step,
-                depth: grammar.decompose_depth,
-                production: rule.text.clone(),
-                location: rule.location.clone(),
-            }
-            .into());
+            return Err(not_ended(grammar, rule, step).into());
         }
-        match round.apply(&string, &mut spare)? {
+        let made = round.apply(&string, &mut spare);
+        match made.map_err(|error| too_large(&round, &spare.choices, error))? {
             Some(following) => spare.string = std::mem::replace(&mut string, following),
             None => break,
         }
         watch(rules, &spare.choices)?;
     }
     Ok(string)
+}
+
+/// A decomposition that goes on by this production.
+fn not_ended(grammar: &Grammar, rule: &Rule, step: u32) -> DeriveProblem {
+    DeriveProblem::Decomposition {
+        step,
+        depth: grammar.decompose_depth,
+        production: rule.text.clone(),
+        location: rule.location.clone(),
+    }
+}
+
+/// Where a round of decomposition passes a limit: which production made it so large.
+fn too_large(round: &Round<'_>, choices: &Choices, error: DeriveError) -> DeriveError {
+    match (*error.problem, choices.iter().find_map(|c| round.rule(c))) {
+        (DeriveProblem::Limit { limit, .. }, Some(rule)) => {
+            let (step, round) = (round.step, round.number);
+            DeriveProblem::DecompositionLimit {
+                step,
+                round,
+                limit,
+                production: rule.text.clone(),
+                location: rule.location.clone(),
+            }
+            .into()
+        }
+        (problem, _) => problem.into(),
+    }
 }
 
 /// What the turtle is shown: the interpretation productions applied, the string itself unchanged (`None`: it is shown as it is).

@@ -156,8 +156,8 @@ pub enum DeriveProblem {
         modules: u64,
         /// Bytes it needs, the string before it included.
         bytes: u64,
-        /// The limit, with its unit.
-        limit: String,
+        /// The limit.
+        limit: Limit,
     },
     /// A string of which only the size is asked for has more modules than are counted.
     #[error(
@@ -207,23 +207,40 @@ pub enum DeriveProblem {
         /// What went wrong.
         problem: ValueProblem,
     },
-    /// A decomposition went on past its depth.
+    /// A decomposition goes on past its depth.
     #[error(
-        "step {step}: decomposition has not ended after {depth} rounds, last by `{production}` ({location}); it may be cyclic, else raise its depth"
+        "step {step}: decomposition does not end within {depth} rounds, because of `{production}` ({location}); it may be cyclic, else raise its depth"
     )]
     Decomposition {
         /// The step that was not finished.
         step: u32,
-        /// Rounds made.
+        /// Rounds allowed.
         depth: u32,
-        /// A production that still applied.
+        /// A production that would still apply.
+        production: String,
+        /// Its file and line.
+        location: String,
+    },
+    /// A round of a decomposition would pass one of the limits.
+    #[error(
+        "step {step}: round {round} of the decomposition passes the limit of {limit}, because of `{production}` ({location}); it may be cyclic, else {}",
+        smaller(*step)
+    )]
+    DecompositionLimit {
+        /// The step that was not made.
+        step: u32,
+        /// The round, from 1.
+        round: u32,
+        /// The limit.
+        limit: Limit,
+        /// The first production that applied.
         production: String,
         /// Its file and line.
         location: String,
     },
     /// Brackets nest deeper than the turtle's stack may grow.
     #[error(
-        "module {position}: brackets nest deeper than {depth}, which the turtle does not follow; take fewer steps"
+        "module {position}: brackets nest deeper than {depth}, which the turtle does not follow; nest fewer brackets"
     )]
     TooDeep {
         /// Index of the bracket.
@@ -301,6 +318,17 @@ pub enum DeriveProblem {
     },
 }
 
+/// A limit of a derivation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Limit {
+    /// Modules of a string.
+    #[error("{0} modules")]
+    Modules(u64),
+    /// Bytes of strings and what goes with them.
+    #[error("{0} bytes")]
+    Bytes(u64),
+}
+
 /// What was being made: before the first step there are only the axiom and its decomposition.
 fn at_step(step: u32) -> String {
     match step {
@@ -359,6 +387,17 @@ impl From<DeriveProblem> for DeriveError {
 }
 
 impl DeriveError {
+    /// The last step whose string was made or is known to fit. (Of a large string that its graph counts, an earlier one is
+    /// kept in `last`.)
+    #[must_use]
+    pub fn last_whole_step(&self) -> Option<u32> {
+        let (kept, _) = self.last.as_deref()?;
+        match *self.problem {
+            DeriveProblem::Limit { step, .. } => step.checked_sub(1),
+            _ => Some(*kept),
+        }
+    }
+
     /// True where the caller's flag ended it.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {

@@ -32,6 +32,8 @@ pub struct Grammar {
     /// Applied after each step until nothing changes.
     pub(crate) decompose: Option<RuleSet>,
     pub(crate) decompose_depth: u32,
+    /// By symbol: whether its decomposition never ends, whatever the parameters. Empty where all may end.
+    pub(crate) endless: Vec<bool>,
     /// Applied to what the turtle draws, never to the string.
     pub(crate) interpret: Option<RuleSet>,
     pub(crate) interpret_depth: u32,

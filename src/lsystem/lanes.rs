@@ -64,7 +64,9 @@ impl Values {
         let (Some(column), Some(&first)) = (self.slots.get_mut(slot), starts.first()) else {
             return;
         };
-        let next_to_each_other = arity == 1 && starts.iter().zip(first..).all(|(a, b)| *a == b);
+        // Without an early end the comparison is done for several at once.
+        let follow = |all, (a, b): (&usize, usize)| all & (*a == b);
+        let next_to_each_other = arity == 1 && starts.iter().zip(first..).fold(true, follow);
         if next_to_each_other
             && let Some(values) = parameters.get(first..first + starts.len())
             && let Some(column) = column.get_mut(..starts.len())

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` and `fill` all of it, with `choice` for each module or `batch` and `lanes` for many at once, `blocks` what is alike once, `active` what may change; `record` keeps which production did it, `explain` tells it),
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` (`rewrite` and `fill` all of it, with `choice` for each module or `batch` and `lanes` for many at once, `blocks` what is alike once, `active` what may change; `record` keeps which production did it, `explain` tells it; `history` keeps the strings, `edit` says which of them an edit changes),
 //! `turtle` draws it and answers what `query` asks, `report` says what `ramus derive` prints, `format` lays the text out.
 
 mod active;
@@ -26,6 +26,8 @@ mod column;
 mod context;
 mod derive;
 pub mod dialect;
+mod edit;
+mod endless;
 mod error;
 mod explain;
 mod expression;
@@ -34,6 +36,7 @@ mod format;
 mod grammar;
 mod growing;
 mod growth;
+mod history;
 mod include;
 mod lanes;
 mod look;
@@ -54,11 +57,12 @@ pub mod turtle;
 mod unwritten;
 
 pub use derive::Limits;
-pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
+pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, Limit, ValueProblem};
 pub use explain::{Chance, ExplainParams, Explanation, Fate, ProductionUse, Seen};
 pub use format::{FormatError, format};
 pub use grammar::Grammar;
 pub use growing::Growing;
+pub use history::History;
 pub use names::Symbol;
 pub use record::Recorded;
 pub use shape::shape_frames;

@@ -55,6 +55,12 @@ impl Names {
             .map_or("", String::as_str)
     }
 
+    /// The symbol of a name with so many parameters.
+    pub(crate) fn find(&self, name: &str, arity: u8) -> Option<Symbol> {
+        let name = self.name_of.get(name)?;
+        self.symbol_of.get(&(*name, arity)).copied()
+    }
+
     /// All names of modules that the grammar uses.
     pub(crate) fn used(&self) -> impl Iterator<Item = &str> {
         self.names.iter().map(String::as_str)

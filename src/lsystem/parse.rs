@@ -12,6 +12,7 @@ use glam::DVec3;
 
 use super::column::Column;
 use super::dialect::{self, Remark};
+use super::endless::endless;
 use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::growth::Curves;
@@ -433,12 +434,15 @@ impl Parser {
             Column::from_numbers(most.min(u32::from(Symbol::MAX)), axiom.symbols.iter());
         let set =
             |rules: Vec<Rule>| (!rules.is_empty()).then(|| RuleSet::new(rules, count, self.order));
+        let decompose = set(decompose);
+        let endless = decompose.as_ref().map(|set| endless(set, count));
         Ok(Grammar {
             arity,
             roles,
             axiom,
             rules: RuleSet::new(self.rules, count, self.order),
-            decompose: set(decompose),
+            decompose,
+            endless: endless.unwrap_or_default(),
             decompose_depth,
             interpret: set(interpret),
             interpret_depth,

@@ -86,6 +86,32 @@ impl ModuleString {
             })
     }
 
+    /// The same modules in the numbers of another grammar, whose symbols and choices go up to `most`; none where one has no number.
+    pub(super) fn renumbered(
+        self,
+        numbers: Option<&[Option<Symbol>]>,
+        most: u32,
+        arity: &Arc<[u8]>,
+    ) -> Option<Self> {
+        let symbols = match numbers {
+            None if self.symbols.most() == most => self.symbols,
+            None => Column::from_numbers(most, self.symbols.iter()),
+            Some(numbers) => {
+                let number = |symbol: Symbol| numbers.get(usize::from(symbol)).copied().flatten();
+                if !self.symbols().all(|symbol| number(symbol).is_some()) {
+                    return None;
+                }
+                let renumbered = self.symbols().map(|s| number(s).map_or(0, u32::from));
+                Column::from_numbers(most, renumbered)
+            }
+        };
+        Some(Self {
+            symbols,
+            arity: Arc::clone(arity),
+            ..self
+        })
+    }
+
     /// An empty string for modules with symbols and births up to these.
     pub(super) fn up_to(symbol: u32, birth: u32, arity: &Arc<[u8]>) -> Self {
         Self {

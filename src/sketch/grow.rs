@@ -5,14 +5,15 @@
 //! because step 0 shows the root alone.
 //!
 //! The string does not depend on where the nodes are, only on which there are. A [`Grower`] therefore
-//! keeps the last string: moving a node draws it anew without deriving it, and a step forward
-//! derives one step. What it gives is what [`grow`] gives.
+//! keeps strings ([`History`]): moving a node draws one anew without deriving it, a step forward
+//! derives one step, a step back none, and a stroke more or less leaves what grew before it. What it
+//! gives is what [`grow`] gives.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, atomic::AtomicBool};
 
 use super::{BOUNDS, Letter, Predictor, Sketch, SketchError};
 use crate::{
-    lsystem::{Grammar, Limits, ModuleString, TurtleParams, interpret},
+    lsystem::{Grammar, History, Limits, ModuleString, TurtleParams, interpret},
     tree::{
         NO_PARENT, Tree,
         radii::{RadiusParams, da_vinci},
@@ -41,6 +42,9 @@ pub const GROW: GrowParams = GrowParams {
 /// a helper for each stroke.
 const MODULES_PER_SEGMENT: u64 = 8;
 
+/// Bytes of strings that a [`Grower`] keeps: some twenty steps of a tree of 100,000 segments.
+const KEPT_BYTES: u64 = 64 << 20;
+
 /// A grown sketch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grown {
@@ -64,17 +68,14 @@ pub fn grow(sketch: &Sketch, step: u32, cancel: &AtomicBool) -> Result<Grown, Sk
     Grower::default().grow(sketch, step, cancel)
 }
 
-/// Grows sketches one after the other, with the last string kept: for a workshop where each one
-/// differs little from the one before.
+/// Grows sketches one after the other, with strings kept: for a workshop where each one differs
+/// little from the one before.
 #[derive(Clone, Debug)]
 pub struct Grower {
     /// The bounds.
     pub params: GrowParams,
-    /// The rules that the string follows from; empty: none is kept.
-    rules: String,
-    /// Rewrites of the string.
-    rewrites: u32,
-    string: ModuleString,
+    /// None before the first.
+    history: Option<History>,
     predictor: Predictor,
 }
 
@@ -90,9 +91,7 @@ impl Grower {
     pub fn new(params: GrowParams) -> Self {
         Self {
             params,
-            rules: String::new(),
-            rewrites: 0,
-            string: ModuleString::default(),
+            history: None,
             predictor: Predictor::default(),
         }
     }
@@ -120,14 +119,13 @@ impl Grower {
         if step == 0 || sketch.is_empty() {
             return Ok(root_alone(sketch, step));
         }
-        let rules = sketch.rules_text();
-        let mut text = rules.clone();
+        let mut text = sketch.rules_text();
         sketch.push_shapes(&mut text);
         let grammar = Grammar::parse(&text, "the sketch").map_err(refused)?;
-        self.derive(&grammar, rules, step - 1, &limits(sketch, segments), cancel)?;
+        let string = self.string(&grammar, step - 1, &limits(sketch, segments), cancel)?;
 
         let turtle = TurtleParams::default();
-        let mut tree = interpret(&grammar, &self.string, &turtle, cancel).map_err(refused)?;
+        let mut tree = interpret(&grammar, &string, &turtle, cancel).map_err(refused)?;
         for (birth, parent) in tree.birth.iter_mut().zip(&tree.parent) {
             *birth = if *parent == NO_PARENT {
                 0
@@ -139,38 +137,28 @@ impl Grower {
         Ok(Grown {
             tree,
             radius_before,
-            string: self
-                .string
-                .to_text_within(&grammar, self.params.string_bytes),
+            string: string.to_text_within(&grammar, self.params.string_bytes),
             newest: step,
-            modules: self.string.len(),
+            modules: string.len(),
         })
     }
 
-    /// Brings the kept string to the given rules and rewrites.
-    fn derive(
+    /// The string after so many rewrites.
+    fn string(
         &mut self,
         grammar: &Grammar,
-        rules: String,
         rewrites: u32,
         limits: &Limits,
         cancel: &AtomicBool,
-    ) -> Result<(), SketchError> {
-        // The same rules give the same symbols, whatever the shapes are.
-        let same_rules = self.rules == rules;
-        if same_rules && self.rewrites == rewrites {
-            return Ok(());
-        }
-        self.string = if same_rules && self.rewrites + 1 == rewrites {
-            grammar.derive_next(&self.string, rewrites, limits, cancel)
-        } else {
-            // From the axiom: in proportion to what grows, however many steps it takes.
-            grammar.derive(rewrites, limits, cancel)
-        }
-        .map_err(refused)?;
-        self.rules = rules;
-        self.rewrites = rewrites;
-        Ok(())
+    ) -> Result<Arc<ModuleString>, SketchError> {
+        let history = match &mut self.history {
+            Some(history) => {
+                history.edit(grammar.clone());
+                history
+            }
+            none => none.insert(History::new(grammar.clone(), KEPT_BYTES)),
+        };
+        history.at(rewrites, limits, cancel).map_err(refused)
     }
 }
 

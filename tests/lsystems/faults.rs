@@ -459,7 +459,8 @@ fn every_fault_is_told_as_a_person_wants_it() {
         ),
         (
             "axiom @X\n",
-            &["1:7: found `@`; expected one of the turtle's `@O`, `@Gs`, `@Ge`"][..],
+            &["1:7: found `@`; expected one of the turtle's `@O`, `@Gs`, `@Ge`, `@l`, `@a`, `@w`"]
+                [..],
         ),
         (
             "axiom ?Q(1,2)\n",

@@ -4,23 +4,37 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use ramus::lsystem::{Grammar, Limits, TurtleParams, interpret};
+use ramus::lsystem::{DeriveProblem, Grammar, Limits, TurtleParams, interpret};
 
 use super::{derive, draw, parse, text_of};
 
 #[test]
-fn a_million_nested_brackets() {
-    let deep = 1_000_000;
-    let text = format!(
-        "axiom {}F{}\nA < F -> F\nF > A -> F\n",
-        "[".repeat(deep),
-        "]".repeat(deep)
-    );
-    let grammar = parse(&text);
-    let string = derive(&grammar, 2);
-    assert_eq!(string.len(), 2 * deep + 1);
-    let tree = draw(&grammar, &string);
-    assert_eq!(tree.order[1], u16::MAX, "orders stop at what they can hold");
+fn ten_million_nested_brackets() {
+    let deep = 10_000_000;
+    let (open, close) = ("[".repeat(deep), "]".repeat(deep));
+    for rules in ["F -> F\n", "A < F -> F\nF > A -> F\n"] {
+        let grammar = parse(&format!("axiom {open}F{close}\n{rules}"));
+        let string = derive(&grammar, 1);
+        assert_eq!(string.len(), 2 * deep + 1, "{rules}");
+        if rules.contains('<') {
+            let tree = draw(&grammar, &string);
+            assert_eq!(tree.order[1], u16::MAX, "orders stop at what they can hold");
+        }
+    }
+    // Half of the memory holds two pens.
+    let grammar = parse("axiom [[[F]]]\n");
+    let small = TurtleParams {
+        limits: Limits {
+            modules: 10,
+            bytes: 4 * size_of::<ramus::lsystem::turtle::Pen>() as u64,
+        },
+        ..TurtleParams::default()
+    };
+    let never = AtomicBool::new(false);
+    let error = interpret(&grammar, &derive(&grammar, 0), &small, &never).unwrap_err();
+    let said = error.to_string();
+    assert!(said.contains("nest fewer brackets"), "{said}");
+    assert!(!said.contains("steps"), "{said}");
 }
 
 #[test]
@@ -128,7 +142,7 @@ fn what_is_too_large_says_what_to_make_smaller() {
     };
     let params = TurtleParams::default();
     let cancel = AtomicBool::new(false);
-    let table: [(&str, u32, &[&str], &[&str]); 7] = [
+    let table: [(&str, u32, &[&str], &[&str]); 9] = [
         (
             "axiom A\nA -> AA\n",
             20,
@@ -138,9 +152,22 @@ fn what_is_too_large_says_what_to_make_smaller() {
         (
             "axiom A\ndecompose {\n  A -> AA\n}\n",
             3,
+            &["decomposition does not end", "`A -> AA` (test.lsys:3)"],
+            &["fewer steps"],
+        ),
+        (
+            "axiom A\nA -> B\ndecompose {\n  B -> CC\n  C -> B\n}\n",
+            3,
+            &["step 1: decomposition does not end", "may be cyclic"],
+            &["fewer steps", "past the limit"],
+        ),
+        (
+            "axiom A(0)\ndecompose {\n  A(x) : x >= 0 -> A(x) A(x)\n}\n",
+            3,
             &[
-                "step 0 (the axiom and its decomposition)",
-                "let its decomposition end earlier",
+                "step 0: round 10 of the decomposition passes the limit of 1000 modules",
+                "`A(x) : x >= 0 -> A(x) A(x)` (test.lsys:3)",
+                "may be cyclic",
             ],
             &["fewer steps"],
         ),
@@ -195,23 +222,38 @@ fn what_is_too_large_says_what_to_make_smaller() {
     }
 }
 
-/// Explosive growth and endless contexts stop soon after the flag is set.
+/// Explosive growth, endless contexts, decompositions and drawings stop soon after the flag is set, and derivations
+/// keep their last whole step.
 #[test]
 fn cancelling_is_quick() {
     let ignored = format!(
         "ignore F\naxiom {}\nA < F -> F\nF > A -> F\n",
         "F".repeat(300_000)
     );
-    for text in ["axiom A(1)\nA(x) -> A(x)A(x+1)[A(x*2)]\n", ignored.as_str()] {
+    let row = format!("axiom {}F\n", "A".repeat(1 << 20));
+    for text in [
+        "axiom b\na -> ab\nb -> a\n",
+        "axiom A(1)\nA(x) -> A(x)A(x+1)[A(x*2)]\n",
+        &ignored,
+        &format!("{row}A < A > A -> A\nF -> F\n"),
+        "axiom F\nF -> F\ndecompose depth 1000000000 {\n  F : weight 1 -> F\n}\n",
+        &format!("{row}interpret depth 1000000000 {{\n  A : weight 1 -> A\n}}\n"),
+    ] {
         let grammar = parse(text);
         let cancel = AtomicBool::new(false);
         let limits = Limits {
-            modules: 20_000_000,
-            bytes: 1 << 30,
+            modules: u64::MAX,
+            bytes: u64::MAX,
         };
+        let algae = text.contains("b -> a");
         let (result, waited) = std::thread::scope(|scope| {
             let worker = scope.spawn(|| {
-                let result = grammar.derive(1_000_000, &limits, &cancel);
+                // Algae of 10^9 modules, which takes a moment.
+                let steps = if algae { 42 } else { 1_000_000 };
+                let result = grammar.derive(steps, &limits, &cancel).map(|string| {
+                    let params = TurtleParams::default();
+                    interpret(&grammar, &string, &params, &cancel).map(drop)
+                });
                 (result, Instant::now())
             });
             std::thread::sleep(Duration::from_millis(60));
@@ -220,13 +262,15 @@ fn cancelling_is_quick() {
             let (result, ended) = worker.join().unwrap();
             (result, ended.saturating_duration_since(set))
         });
-        let error = result.unwrap_err();
-        // The first may reach its limit before the flag on a fast machine. 50 ms on an idle machine; this one may be busy.
-        assert!(
-            error.is_cancelled() || error.to_string().contains("past the limit"),
-            "{error}"
-        );
-        assert!(waited < Duration::from_millis(1000), "{waited:?}");
+        let shown = &text[..text.len().min(80)];
+        match result {
+            Err(error) => {
+                assert!(error.is_cancelled(), "{shown}: {error}");
+            }
+            Ok(drawn) => assert!(drawn.unwrap_err().is_cancelled(), "{shown}"),
+        }
+        // 50 ms on an idle machine; this one may be busy.
+        assert!(waited < Duration::from_millis(1000), "{shown}: {waited:?}");
     }
 }
 
@@ -276,5 +320,36 @@ proptest! {
         "B < A(x) > [A(y)] B : x > y -> A(x-y)%\n", "A(x) : weight x -> F(x)\n", "depth 3", "order specific\n",
     ]), 0..60)) {
         survives(&parts.concat());
+    }
+}
+
+/// Modules are tried and evaluated in batches, symbol by symbol; of many faults the first in the string is told.
+#[test]
+fn of_many_faults_the_first_is_told() {
+    let axiom: String = (0..3000).map(|i| format!("A({i})B({i})")).collect();
+    let zero = |a, b| format!("6 % ((x - {a}) * (x - {b}))");
+    let (of_a, of_b) = (zero(700, 1500), zero(650, 2000));
+    for (productions, position) in [
+        (
+            format!("A(x) : {of_a} < 9 -> A(x)\nB(x) : {of_b} < 9 -> B(x)"),
+            1301,
+        ),
+        (format!("A(x) -> A({of_a})\nB(x) -> B({of_b})B(x)"), 1301),
+        // Whatever production is looked for comes before what one makes.
+        (
+            format!("A(x) : {of_a} < 9 -> A(x)\nB(x) -> B({of_b})"),
+            1400,
+        ),
+        (
+            format!("A(x) : x >= 0, weight 9 + {of_a} -> A(x)\nA(x) : weight 1 -> A(x)"),
+            1400,
+        ),
+        (format!("B(y) < A(x) : x > 700 && {of_a} < 9 -> A(x)"), 3000),
+    ] {
+        let grammar = parse(&format!("axiom {axiom}\n{productions}\n"));
+        let error = grammar.derive(1, &Limits::default(), &AtomicBool::new(false));
+        let problem = error.unwrap_err().problem;
+        let told = matches!(*problem, DeriveProblem::Value { position: at, .. } if at == position);
+        assert!(told, "{productions}: {problem}");
     }
 }

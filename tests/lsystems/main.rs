@@ -14,6 +14,7 @@ mod faults;
 mod gallery;
 mod growth;
 mod guide;
+mod history;
 mod hostile;
 mod include;
 mod language;

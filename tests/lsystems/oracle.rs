@@ -50,7 +50,7 @@ impl Template {
 }
 
 #[derive(Clone, Debug)]
-struct Rule {
+pub(super) struct Rule {
     pred: char,
     left: Vec<char>,
     right: Vec<char>,
@@ -62,14 +62,14 @@ struct Rule {
 }
 
 #[derive(Clone, Debug)]
-struct Spec {
-    rules: Vec<Rule>,
+pub(super) struct Spec {
+    pub(super) rules: Vec<Rule>,
     axiom: Vec<Template>,
     /// The axiom stands so often in a row.
-    times: usize,
-    ignored: Vec<char>,
+    pub(super) times: usize,
+    pub(super) ignored: Vec<char>,
     literal: bool,
-    specific: bool,
+    pub(super) specific: bool,
 }
 
 struct ZeroDivision;
@@ -90,7 +90,7 @@ fn bound_names(rule: &Rule) -> Vec<String> {
 }
 
 impl Spec {
-    fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let mut text = String::new();
         if self.literal {
             text += "context literal\n";
@@ -180,7 +180,7 @@ impl Spec {
             }
             for (at, found) in chosen.into_iter().enumerate() {
                 let Some((rule, bound)) = found else {
-                    next.push(string[at].clone());
+                    next.push(string[at]);
                     continue;
                 };
                 let mut inherited = false;
@@ -340,7 +340,7 @@ fn cut(string: &[Mod]) -> Vec<Mod> {
                 at = partner(|i| string.get(i).map(|m| m.name), at) + 1;
             }
         } else {
-            kept.push(string[at].clone());
+            kept.push(string[at]);
             at += 1;
         }
     }
@@ -419,7 +419,7 @@ fn letters(least: usize) -> impl Strategy<Value = Vec<char>> {
     )
 }
 
-fn rule(literal: bool) -> impl Strategy<Value = Rule> {
+pub(super) fn rule(literal: bool) -> impl Strategy<Value = Rule> {
     let inner = (letters(1), letters(1), any::<bool>()).prop_map(|(mut outer, inner, nested)| {
         if nested {
             let at = outer.len().min(1);
@@ -465,7 +465,7 @@ fn rule(literal: bool) -> impl Strategy<Value = Rule> {
         })
 }
 
-fn spec() -> impl Strategy<Value = Spec> {
+pub(super) fn spec() -> impl Strategy<Value = Spec> {
     let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
     flags.prop_flat_map(|(literal, specific, cuts, alone)| {
         let ignored = prop_oneof![Just(vec![]), Just(vec!['F']), Just(vec!['F', 'D'])];

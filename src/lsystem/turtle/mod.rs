@@ -50,7 +50,7 @@ pub struct TurtleParams {
     pub narrow: f64,
     /// Degrees of a turn without a parameter, where the grammar has no `angle`.
     pub angle: f64,
-    /// Brackets within brackets.
+    /// Brackets within brackets; no more than half of `limits.bytes` holds.
     pub max_depth: usize,
     /// Nodes of the tree; at most 2^32 − 2, and no more than `limits.bytes` holds. Vertices of open outlines, too.
     pub max_nodes: u64,
@@ -60,14 +60,14 @@ pub struct TurtleParams {
 
 impl Default for TurtleParams {
     /// A step of 1 m, a width of 0.1 m that `!` divides by √2 (two such branches have the parent's cross-section), turns
-    /// of 60° as in L-Py, 4 million brackets within brackets, 512 million nodes.
+    /// of 60° as in L-Py, 12 million brackets within brackets, 512 million nodes.
     fn default() -> Self {
         Self {
             length: 1.0,
             width: 0.1,
             narrow: std::f64::consts::FRAC_1_SQRT_2,
             angle: 60.0,
-            max_depth: 4_000_000,
+            max_depth: 12_000_000,
             max_nodes: 1 << 29,
             limits: Limits::default(),
         }

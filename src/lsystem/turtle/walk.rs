@@ -40,6 +40,8 @@ pub struct Turtle<'a, C> {
     actions: Vec<Action>,
     pub(super) pen: Pen,
     stack: Vec<Pen>,
+    /// Brackets within brackets at most.
+    deepest: usize,
     /// Brackets that were open where it began.
     below: usize,
     /// How large the segments of shapes are drawn.
@@ -72,6 +74,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             actions,
             pen: Pen::new(params.width),
             stack: Vec::new(),
+            deepest: deepest(params),
             below: 0,
             shape_scale: 1.0,
             outlines: Vec::new(),
@@ -254,10 +257,10 @@ impl<'a, C: Canvas> Turtle<'a, C> {
     }
 
     fn push(&mut self) -> Result<(), DeriveError> {
-        if self.below + self.stack.len() >= self.params.max_depth {
+        if self.below + self.stack.len() >= self.deepest {
             let problem = DeriveProblem::TooDeep {
                 position: self.position,
-                depth: self.params.max_depth,
+                depth: self.deepest,
             };
             return Err(problem.into());
         }
@@ -472,6 +475,14 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         };
         problem.into()
     }
+}
+
+/// Pens take half of the memory at most: a stack doubles when it is full.
+fn deepest(params: &TurtleParams) -> usize {
+    let pens = params.limits.bytes / 2 / size_of::<Pen>() as u64;
+    params
+        .max_depth
+        .min(usize::try_from(pens).unwrap_or(usize::MAX))
 }
 
 /// Numbers from here on are no u32.
