@@ -40,7 +40,7 @@ pub(super) struct Args {
     #[arg(long, value_enum, value_name = "WHAT")]
     print: Option<Print>,
     /// Print counts, sums and bounds as one JSON object on one line
-    #[arg(long, conflicts_with = "print")]
+    #[arg(long)]
     json: bool,
     /// Count and measure the string as it comes, holding neither it nor a tree: for strings of any length, in the time that they take
     #[arg(long, requires = "json", conflicts_with_all = ["print", "export", "png", "time"])]
@@ -260,7 +260,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
     let named = || args.file.display().to_string();
     let explain = |error| budget.explain(error, &named());
-    let only_printed = outputs().next().is_none();
+    let only_printed = outputs().next().is_none() && !args.json;
     let wanted = match args.print {
         Some(Print::String) if only_printed => Some(Wanted::Text),
         Some(Print::Counts) if only_printed && age >= 1.0 => Some(Wanted::Counts),

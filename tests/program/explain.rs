@@ -148,11 +148,6 @@ fn what_cannot_be_explained_is_said() {
             2,
             "cannot be used with '--time <STEPS>'",
         ),
-        (
-            &["--json", "--print", "growth"],
-            2,
-            "cannot be used with '--print <WHAT>'",
-        ),
     ] {
         let output = ramus()
             .arg("derive")

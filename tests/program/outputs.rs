@@ -246,7 +246,7 @@ fn nobody_needs_to_read_to_the_end() {
     let mut child = ramus()
         .arg("derive")
         .arg(&grammar)
-        .args(["--steps", "9", "--print", "string", "--export"])
+        .args(["--steps", "9", "--print", "string", "--json", "--export"])
         .arg(&glb)
         .stdout(Stdio::piped())
         .spawn()
