@@ -17,7 +17,9 @@ use super::progress::Progress;
 use super::unwritten::{self, Wanted};
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
-use crate::lsystem::{DeriveError, DeriveProblem, ExplainParams, Grammar, Limits, TurtleParams};
+use crate::lsystem::{
+    DeriveError, DeriveProblem, ExplainParams, Grammar, Limit, Limits, TurtleParams,
+};
 use crate::render::{self, RenderError};
 use crate::sketch::Sketch;
 use crate::tree::organs::{Organist, refined_len};
@@ -38,14 +40,14 @@ pub(super) struct Args {
     #[arg(long, value_enum, value_name = "WHAT")]
     print: Option<Print>,
     /// Print counts, sums and bounds as one JSON object on one line
-    #[arg(long)]
+    #[arg(long, conflicts_with = "print")]
     json: bool,
     /// Count and measure the string as it comes, holding neither it nor a tree: for strings of any length, in the time that they take
     #[arg(long, requires = "json", conflicts_with_all = ["print", "export", "png", "time"])]
     stream: bool,
     /// Say which production rewrote each module in a step: the last one, or STEP
     #[arg(long, value_name = "STEP", num_args = 0..=1, value_parser = explain::step(),
-        conflicts_with_all = ["print", "export", "png"])]
+        conflicts_with_all = ["print", "export", "png", "stream", "time"])]
     explain: Option<Option<u32>>,
     /// The first module that --explain shows, as its position from 0
     #[arg(
@@ -139,15 +141,24 @@ impl Budget {
 
     /// The problem of a derivation or drawing, with what this command line can do about it.
     fn explain(self, error: DeriveError, file: &str) -> anyhow::Error {
+        let last = error.last_whole_step().map_or_else(String::new, |step| {
+            format!("; steps up to {step} can be derived: give --steps {step}")
+        });
         match *error.problem {
-            DeriveProblem::Limit { .. }
-            | DeriveProblem::DecompositionLimit { .. }
+            DeriveProblem::Limit {
+                limit: Limit::Bytes(_),
+                ..
+            }
+            | DeriveProblem::DecompositionLimit {
+                limit: Limit::Bytes(_),
+                ..
+            }
             | DeriveProblem::Memory { .. }
             | DeriveProblem::DrawingMemory { .. }
             | DeriveProblem::TooManyNodes { .. } => {
-                anyhow!("{file}: {error}, or {}", self.advice())
+                anyhow!("{file}: {error}, or {}{last}", self.advice())
             }
-            _ => anyhow!("{file}: {error}"),
+            _ => anyhow!("{file}: {error}{last}"),
         }
     }
 
@@ -249,7 +260,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
     let named = || args.file.display().to_string();
     let explain = |error| budget.explain(error, &named());
-    let only_printed = !args.json && outputs().next().is_none();
+    let only_printed = outputs().next().is_none();
     let wanted = match args.print {
         Some(Print::String) if only_printed => Some(Wanted::Text),
         Some(Print::Counts) if only_printed && age >= 1.0 => Some(Wanted::Counts),

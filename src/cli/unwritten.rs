@@ -85,7 +85,7 @@ pub(super) fn stream(
     print_result("the JSON", |out| writeln!(out, "{json}"))
 }
 
-/// Prints the modules of each step while it is derived.
+/// Prints the modules of each step as soon as it is derived, for as long as somebody reads them.
 fn growth(
     grammar: &Grammar,
     steps: u32,
@@ -94,20 +94,21 @@ fn growth(
 ) -> Result<()> {
     let never = AtomicBool::new(false);
     let mut string = grammar.derive(0, limits, &never).map_err(&explain)?;
-    let mut lines = vec![(0, string.len() as u128)];
     let mut failed = None;
-    for step in 1..=steps {
-        match grammar.derive_next(&string, step, limits, &never) {
-            Ok(following) => string = following,
-            Err(error) => {
-                failed = Some(explain(error));
-                break;
-            }
-        }
-        lines.push((step, string.len() as u128));
-    }
     print_result("the growth", |out| {
-        lines.into_iter().try_for_each(|one| line(out, one))
+        line(out, (0, string.len() as u128))?;
+        for step in 1..=steps {
+            match grammar.derive_next(&string, step, limits, &never) {
+                Ok(following) => string = following,
+                Err(error) => {
+                    failed = Some(explain(error));
+                    break;
+                }
+            }
+            line(out, (step, string.len() as u128))?;
+            out.flush()?;
+        }
+        Ok(())
     })?;
     failed.map_or(Ok(()), Err)
 }

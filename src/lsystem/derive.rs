@@ -13,7 +13,7 @@ use super::blocks::{Blocks, Size};
 use super::choices::Choices;
 use super::column::bytes_up_to;
 use super::endless::cycle;
-use super::error::{DeriveError, DeriveProblem};
+use super::error::{DeriveError, DeriveProblem, Limit};
 use super::grammar::{Grammar, Role, Rule, RuleSet};
 use super::names::Symbol;
 use super::output::Spare;
@@ -209,9 +209,9 @@ pub(super) fn past(
     let bytes = bytes_of(grammar, size, step);
     let most = limits.modules.min(u64::from(u32::MAX));
     let limit = if modules > most {
-        format!("{most} modules")
+        Limit::Modules(most)
     } else if bytes > limits.bytes {
-        format!("{} bytes", limits.bytes)
+        Limit::Bytes(limits.bytes)
     } else {
         return None;
     };

@@ -156,8 +156,8 @@ pub enum DeriveProblem {
         modules: u64,
         /// Bytes it needs, the string before it included.
         bytes: u64,
-        /// The limit, with its unit.
-        limit: String,
+        /// The limit.
+        limit: Limit,
     },
     /// A string of which only the size is asked for has more modules than are counted.
     #[error(
@@ -231,8 +231,8 @@ pub enum DeriveProblem {
         step: u32,
         /// The round, from 1.
         round: u32,
-        /// The limit, with its unit.
-        limit: String,
+        /// The limit.
+        limit: Limit,
         /// The first production that applied.
         production: String,
         /// Its file and line.
@@ -318,6 +318,17 @@ pub enum DeriveProblem {
     },
 }
 
+/// A limit of a derivation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Limit {
+    /// Modules of a string.
+    #[error("{0} modules")]
+    Modules(u64),
+    /// Bytes of strings and what goes with them.
+    #[error("{0} bytes")]
+    Bytes(u64),
+}
+
 /// What was being made: before the first step there are only the axiom and its decomposition.
 fn at_step(step: u32) -> String {
     match step {
@@ -376,6 +387,17 @@ impl From<DeriveProblem> for DeriveError {
 }
 
 impl DeriveError {
+    /// The last step whose string was made or is known to fit. (Of a large string that its graph counts, an earlier one is
+    /// kept in `last`.)
+    #[must_use]
+    pub fn last_whole_step(&self) -> Option<u32> {
+        let (kept, _) = self.last.as_deref()?;
+        match *self.problem {
+            DeriveProblem::Limit { step, .. } => step.checked_sub(1),
+            _ => Some(*kept),
+        }
+    }
+
     /// True where the caller's flag ended it.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {

@@ -57,7 +57,7 @@ pub mod turtle;
 mod unwritten;
 
 pub use derive::Limits;
-pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, ValueProblem};
+pub use error::{DeriveError, DeriveProblem, GrammarError, GrammarErrors, Limit, ValueProblem};
 pub use explain::{Chance, ExplainParams, Explanation, Fate, ProductionUse, Seen};
 pub use format::{FormatError, format};
 pub use grammar::Grammar;

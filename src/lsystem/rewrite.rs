@@ -17,7 +17,7 @@ use super::choices::{Choices, pack, unpack};
 use super::column::{Cell, Column, Narrow, bytes_up_to};
 use super::context::{ContextIndex, Indexed, Modules as _};
 use super::derive::Limits;
-use super::error::{DeriveError, DeriveProblem, ValueProblem};
+use super::error::{DeriveError, DeriveProblem, Limit, ValueProblem};
 use super::grammar::{Grammar, NearTable, Plan, Rule, RuleSet};
 use super::names::Symbol;
 use super::output::{Output, Spare, reused};
@@ -302,10 +302,11 @@ impl<'a> Round<'a> {
         let bytes = string_bytes(symbol + birth, modules, parameters)
             .saturating_add(string.bytes())
             .saturating_add(index + choices);
-        let limit = if modules > self.limits.modules.min(u64::from(u32::MAX)) {
-            format!("{} modules", self.limits.modules.min(u64::from(u32::MAX)))
+        let most = self.limits.modules.min(u64::from(u32::MAX));
+        let limit = if modules > most {
+            Limit::Modules(most)
         } else if bytes > self.limits.bytes {
-            format!("{} bytes", self.limits.bytes)
+            Limit::Bytes(self.limits.bytes)
         } else {
             return Ok(());
         };

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use ramus::lsystem::{Grammar, Limits, TurtleParams, interpret};
+use ramus::lsystem::{DeriveProblem, Grammar, Limits, TurtleParams, interpret};
 
 use super::{derive, draw, parse, text_of};
 
@@ -319,5 +319,36 @@ proptest! {
         "B < A(x) > [A(y)] B : x > y -> A(x-y)%\n", "A(x) : weight x -> F(x)\n", "depth 3", "order specific\n",
     ]), 0..60)) {
         survives(&parts.concat());
+    }
+}
+
+/// Modules are tried and evaluated in batches, symbol by symbol; of many faults the first in the string is told.
+#[test]
+fn of_many_faults_the_first_is_told() {
+    let axiom: String = (0..3000).map(|i| format!("A({i})B({i})")).collect();
+    let zero = |a, b| format!("6 % ((x - {a}) * (x - {b}))");
+    let (of_a, of_b) = (zero(700, 1500), zero(650, 2000));
+    for (productions, position) in [
+        (
+            format!("A(x) : {of_a} < 9 -> A(x)\nB(x) : {of_b} < 9 -> B(x)"),
+            1301,
+        ),
+        (format!("A(x) -> A({of_a})\nB(x) -> B({of_b})B(x)"), 1301),
+        // Whatever production is looked for comes before what one makes.
+        (
+            format!("A(x) : {of_a} < 9 -> A(x)\nB(x) -> B({of_b})"),
+            1400,
+        ),
+        (
+            format!("A(x) : x >= 0, weight 9 + {of_a} -> A(x)\nA(x) : weight 1 -> A(x)"),
+            1400,
+        ),
+        (format!("B(y) < A(x) : x > 700 && {of_a} < 9 -> A(x)"), 3000),
+    ] {
+        let grammar = parse(&format!("axiom {axiom}\n{productions}\n"));
+        let error = grammar.derive(1, &Limits::default(), &AtomicBool::new(false));
+        let problem = error.unwrap_err().problem;
+        let told = matches!(*problem, DeriveProblem::Value { position: at, .. } if at == position);
+        assert!(told, "{productions}: {problem}");
     }
 }

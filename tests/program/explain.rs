@@ -138,6 +138,21 @@ fn what_cannot_be_explained_is_said() {
             2,
             "cannot be used with",
         ),
+        (
+            &["--explain", "--json", "--stream"],
+            2,
+            "cannot be used with '--stream'",
+        ),
+        (
+            &["--explain", "--time", "2.5"],
+            2,
+            "cannot be used with '--time <STEPS>'",
+        ),
+        (
+            &["--json", "--print", "growth"],
+            2,
+            "cannot be used with '--print <WHAT>'",
+        ),
     ] {
         let output = ramus()
             .arg("derive")

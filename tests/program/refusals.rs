@@ -6,6 +6,44 @@ use std::path::PathBuf;
 use super::{FIRST_TREE, HONDA, folder, ramus, refused, succeed, text};
 
 #[test]
+fn what_cannot_be_derived_is_told_with_what_can() {
+    let folder = folder();
+    let wide = format!("axiom F\nF -> {}\n", "F".repeat(100));
+    for (grammar, args, words, memory) in [
+        (
+            "axiom A(2)\nA(x) -> A(x-1/x*x)F(1/x)\n",
+            &["--steps", "9"][..],
+            "step 3, production",
+            false,
+        ),
+        (
+            &wide,
+            &["--steps", "99"],
+            "2147483648 modules; take fewer steps; steps up to 4 can",
+            false,
+        ),
+        (
+            "axiom F\nF -> FF\n",
+            &["--steps", "99", "--memory", "16"],
+            "than 16 MiB with --memory; steps up to 23 can",
+            true,
+        ),
+    ] {
+        let path = folder.path().join("a.lsys");
+        fs::write(&path, grammar).unwrap();
+        let output = ramus().arg("derive").arg(&path).args(args).output();
+        let output = output.unwrap();
+        refused(&output, &[words, "; steps up to ", ": give --steps "]);
+        let said = text(&output.stderr);
+        assert_eq!(said.contains("--memory"), memory, "{said}");
+        let last = said.trim_end().rsplit(' ').next().unwrap();
+        if !grammar.starts_with("axiom F") {
+            succeed(ramus().arg("derive").arg(&path).args(["--steps", last]));
+        }
+    }
+}
+
+#[test]
 fn bad_grammars_and_options_get_one_clear_sentence() {
     let folder = folder();
     let file = |name: &str, bytes: &[u8]| {
