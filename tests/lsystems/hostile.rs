@@ -233,7 +233,6 @@ fn cancelling_is_quick() {
     let row = format!("axiom {}F\n", "A".repeat(1 << 20));
     for text in [
         "axiom b\na -> ab\nb -> a\n",
-        "axiom A(1)\nA(x) -> A(x)A(x+1)[A(x*2)]\n",
         &ignored,
         &format!("{row}A < A > A -> A\nF -> F\n"),
         "axiom F\nF -> F\ndecompose depth 1000000000 {\n  F : weight 1 -> F\n}\n",
