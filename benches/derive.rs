@@ -73,7 +73,7 @@ fn derivation(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Triangles of a tree grown, drawn and meshed from a text, with tubes of four sides.
+/// Triangles of a tree grown, drawn and meshed from a text, with tubes of eight sides.
 fn grown_and_meshed(text: &str, steps: u32) -> usize {
     let cancel = AtomicBool::new(false);
     let grammar = Grammar::parse(text, "honda.lsys").unwrap();
@@ -81,11 +81,11 @@ fn grown_and_meshed(text: &str, steps: u32) -> usize {
     let tree = interpret(&grammar, &string, &TurtleParams::default(), &cancel).unwrap();
     let mut tubes = Vec::new();
     segments(&tree, &[], u32::MAX, &mut tubes);
-    mesh(&tubes, 1.0, 4).indices.len() / 3
+    mesh(&tubes, 1.0, 8).indices.len() / 3
 }
 
 fn sketch_sized(criterion: &mut Criterion) {
-    // 8,190 segments of eight triangles each, and the ends that are closed.
+    // 4,095 segments of sixteen triangles each, and the ends that are closed.
     let triangles = grown_and_meshed(HONDA, 12);
     assert!(triangles >= 65_520, "{triangles} triangles are too few");
     criterion.bench_function(
