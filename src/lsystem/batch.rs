@@ -8,11 +8,12 @@
 use super::choice::Worker;
 use super::code::Expression;
 use super::column::{Cell, Narrow};
-use super::context::{Base, Indexed, Side};
+use super::context::{Base, Indexed};
 use super::error::DeriveError;
 use super::grammar::{Order, Pattern, Rule};
 use super::lanes::{LANES, Values};
 use super::names::Symbol;
+use super::neighbours::Side;
 use super::output::Output;
 use super::rewrite::{Round, STAYS};
 

@@ -1,8 +1,8 @@
 //! Context matching: the search of both contexts, and the index of a packed string that makes each look O(1).
 //!
-//! What a context sees next to a module may stand far away: behind whole branches and ignored modules. The index holds the place of that
-//! module for each one, on the sides that productions look at. Where nothing is to be skipped, it is simply the next
-//! module and no index is made. Productions whose right context has branches in it look into the branches, for which the
+//! What a context sees next to a module may stand far away: behind whole branches and ignored modules. [`super::neighbours`] finds that
+//! for a chunk at a time, on the sides that productions look at. Where nothing is to be skipped, it is simply the next
+//! module and nothing is looked for. Productions whose right context has branches in it look into the branches, for which the
 //! index holds the partner of each bracket. The start of every 8th module's parameters says where any module's are.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,23 +10,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::column::Narrow;
 use super::grammar::{Grammar, Pattern, Role, Rule, RuleSet};
 use super::names::Symbol;
-use super::rewrite::pays_in_parallel;
+use super::neighbours::{NOTHING, Seams, Side, Sides};
 use super::string::{arity_of, parameters_of};
 
 /// Modules between two entries of the index of parameters.
 const BLOCK: usize = 8;
 /// Modules that may be visited between two looks at the cancel flag.
 const VISITS_BETWEEN_CHECKS: u32 = 1 << 16;
-/// No module on that side.
-const NOTHING: u32 = u32::MAX;
+/// Modules between two looks at the cancel flag while an index is made.
+const INDEXED_AT_ONCE: usize = 1 << 16;
 
 /// Index over one string; what is not needed is empty.
 #[derive(Debug, Default)]
 pub(crate) struct ContextIndex {
-    /// For each module the place of the one that contexts see to its left,
-    left: Vec<u32>,
-    /// and to its right in its own branch.
-    right: Vec<u32>,
+    /// Whence it is found what contexts see; none where that is the module next to each.
+    pub(super) seams: Option<Seams>,
     /// For each bracket the place of its partner.
     partner: Vec<u32>,
     /// Where the parameters of every `BLOCK`th module begin.
@@ -34,49 +32,32 @@ pub(crate) struct ContextIndex {
 }
 
 impl ContextIndex {
-    /// Bytes that the index of a string of so many modules takes.
-    pub(crate) fn bytes(rules: &RuleSet, modules: u64) -> u64 {
-        let sides = [
-            rules.looks.left,
-            rules.looks.right,
-            rules.looks.into_branches,
-        ];
-        let places = 4 * sides.iter().filter(|side| **side).count() as u64;
-        modules
-            .saturating_mul(places)
-            .saturating_add(modules / BLOCK as u64 * 8)
+    /// Bytes that it takes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let arrays = 4 * self.partner.len() + 8 * self.blocks.len();
+        self.seams.as_ref().map_or(0, Seams::bytes) + arrays as u64
     }
 
-    /// Whether contexts see the modules next to each other.
-    pub(super) fn is_plain(&self) -> bool {
-        self.left.is_empty() && self.right.is_empty()
-    }
-
-    /// `None`: cancelled.
+    /// The index of a string that is worked on in chunks of so many modules, by several threads where `parallel`. `None`: cancelled.
     pub(crate) fn new<S: Narrow>(
         grammar: &Grammar,
         rules: &RuleSet,
         symbols: &[S],
+        chunks: (usize, bool),
         cancel: &AtomicBool,
     ) -> Option<Self> {
         let mut index = Self::default();
         let looks = rules.looks;
         let skipped = |symbol: &S| grammar.role((*symbol).into()) != Role::Module;
         if !grammar.literal && symbols.iter().any(skipped) {
-            let side = |looked, side| match looked {
-                true => neighbours(grammar, symbols, cancel, side),
-                false => Some(Vec::new()),
-            };
-            let (left, right) = (
-                || side(looks.left, Side::Left),
-                || side(looks.right, Side::Right),
-            );
-            let (left, right) = if pays_in_parallel(symbols.len() / JOINED_AT_ONCE) {
-                rayon::join(left, right)
-            } else {
-                (left(), right())
-            };
-            (index.left, index.right) = (left?, right?);
+            if looks.left || looks.right {
+                let lengths = rules
+                    .rules
+                    .iter()
+                    .map(|rule| rule.left.len().max(rule.right.len()));
+                let reach = lengths.max().unwrap_or(0);
+                index.seams = Some(Seams::new(grammar, symbols, reach, chunks, cancel)?);
+            }
             if looks.into_branches {
                 index.partner = partners(grammar, symbols, cancel)?;
             }
@@ -93,77 +74,32 @@ impl ContextIndex {
     }
 }
 
-/// A module's share of an index is so much less work than rewriting it.
-const JOINED_AT_ONCE: usize = 8;
-/// Modules between two looks at the cancel flag while an index is made.
-const INDEXED_AT_ONCE: usize = 1 << 16;
-
-/// The side of a module on which a context stands.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
-    Left,
-    Right,
+/// What contexts see beside the modules of one chunk.
+#[derive(Default)]
+pub(super) struct Window {
+    /// Its first module.
+    from: usize,
+    /// For each the place of the module that contexts see to its left, and to its right in its own branch; empty where that is the
+    /// next one.
+    places: Sides<Vec<u32>>,
 }
 
-impl Side {
-    /// The context that a production has on this side.
-    pub(super) fn of(self, rule: &Rule) -> &[Pattern] {
-        match self {
-            Self::Left => &rule.left,
-            Self::Right => &rule.right,
+impl Window {
+    /// Of a chunk, given its number and its first module.
+    pub(super) fn new<S: Narrow>(
+        grammar: &Grammar,
+        index: &ContextIndex,
+        symbols: &[S],
+        (number, from): (usize, usize),
+    ) -> Self {
+        let seams = index.seams.as_ref();
+        Self {
+            from,
+            places: seams.map_or_else(Sides::default, |seams| {
+                seams.places(grammar, symbols, number)
+            }),
         }
     }
-}
-
-/// For each module the place of the next one that contexts see on a side: branches and ignored modules are skipped, and
-/// to the left a branch goes on with what it stands on. `None`: cancelled.
-fn neighbours<S: Narrow>(
-    grammar: &Grammar,
-    symbols: &[S],
-    cancel: &AtomicBool,
-    side: Side,
-) -> Option<Vec<u32>> {
-    let mut near = vec![NOTHING; symbols.len()];
-    let mut last = NOTHING;
-    // What was last seen before each open branch.
-    let mut outside: Vec<u32> = Vec::new();
-    let mut visit = |at: usize, symbol: S, place: &mut u32| {
-        *place = last;
-        match (grammar.role(symbol.into()), side) {
-            (Role::Module | Role::Cut, _) => last = u32::try_from(at).unwrap_or(NOTHING),
-            (Role::Open, Side::Left) => outside.push(last),
-            (Role::Close, Side::Right) => {
-                outside.push(last);
-                last = NOTHING;
-            }
-            (Role::Close, Side::Left) | (Role::Open, Side::Right) => {
-                // Strings are balanced: the parser has checked the axiom and every successor.
-                last = outside.pop().unwrap_or(NOTHING);
-            }
-            (Role::Ignored, _) => {}
-        }
-    };
-    let starts = (0..symbols.len()).step_by(INDEXED_AT_ONCE);
-    let symbols = symbols.chunks(INDEXED_AT_ONCE);
-    let mut chunks: Vec<_> = starts
-        .zip(symbols.zip(near.chunks_mut(INDEXED_AT_ONCE)))
-        .collect();
-    if side == Side::Right {
-        chunks.reverse();
-    }
-    for (start, (symbols, places)) in chunks {
-        if cancel.load(Ordering::Relaxed) {
-            return None;
-        }
-        let modules = (start..start + symbols.len()).zip(symbols.iter().zip(places));
-        match side {
-            Side::Left => modules.for_each(|(at, (symbol, place))| visit(at, *symbol, place)),
-            Side::Right => modules
-                .rev()
-                .for_each(|(at, (symbol, place))| visit(at, *symbol, place)),
-        }
-    }
-    Some(near)
 }
 
 /// For each bracket the place of its partner. `None`: cancelled.
@@ -232,10 +168,28 @@ pub(crate) struct Indexed<'a, S> {
     pub(super) parameters: &'a [f64],
     /// Number of parameters of each symbol.
     pub(super) arity: &'a [u8],
-    pub(super) index: ContextIndex,
+    pub(super) index: &'a ContextIndex,
+    /// What contexts see beside the modules that are worked on.
+    pub(super) window: Window,
 }
 
 impl<S: Narrow> Indexed<'_, S> {
+    /// The module that contexts see beside another on a side; past the end or before the beginning where there is none.
+    #[inline]
+    fn beside(&self, side: Side, at: usize) -> usize {
+        let Some(seams) = &self.index.seams else {
+            return side.next(at);
+        };
+        let near = self.window.places.get(side);
+        let near = near.get(at.wrapping_sub(self.window.from));
+        let place = near.copied().unwrap_or_else(|| seams.beyond(side, at));
+        if place == NOTHING {
+            usize::MAX
+        } else {
+            place as usize
+        }
+    }
+
     #[inline]
     pub(super) fn arity(&self, symbol: S) -> usize {
         arity_of(self.arity, symbol)
@@ -265,11 +219,7 @@ impl<S: Narrow> Indexed<'_, S> {
     #[inline]
     pub(super) fn fits(&self, pattern: &[Pattern], side: Side, mut at: usize) -> bool {
         pattern.iter().all(|wanted| {
-            let place = match side {
-                Side::Left => self.left(at),
-                Side::Right => self.right(at),
-            };
-            at = place.unwrap_or(usize::MAX);
+            at = self.beside(side, at);
             let found = self.symbol(at);
             found.is_some() && found == wanted.symbol()
         })
@@ -278,14 +228,10 @@ impl<S: Narrow> Indexed<'_, S> {
     /// Whether the context surely stands beside each of the modules, which can be told where these stand next to each
     /// other.
     pub(super) fn fits_all(&self, pattern: &[Pattern], side: Side, at: &[usize]) -> bool {
-        let index = match side {
-            Side::Left => &self.index.left,
-            Side::Right => &self.index.right,
-        };
         let (Some(&first), Some(&last)) = (at.first(), at.last()) else {
             return true;
         };
-        if !index.is_empty() || last - first + 1 != at.len() {
+        if self.index.seams.is_some() || last - first + 1 != at.len() {
             return false;
         }
         (1..).zip(pattern).all(|(distance, wanted)| {
@@ -304,31 +250,17 @@ impl<S: Narrow> Indexed<'_, S> {
     /// Goes from places to those that contexts see beside them, where modules with `arity` parameters stand; and from the near
     /// edge of the former's parameters to the start of theirs.
     pub(super) fn step(&self, side: Side, arity: usize, at: &mut [usize], edge: &mut [usize]) {
-        let index = match side {
-            Side::Left => &self.index.left,
-            Side::Right => &self.index.right,
-        };
         let back = if side == Side::Left { arity } else { 0 };
-        if index.is_empty() {
+        if self.index.seams.is_none() {
             for (at, edge) in at.iter_mut().zip(edge) {
-                *at = match side {
-                    Side::Left => at.wrapping_sub(1),
-                    Side::Right => at.wrapping_add(1),
-                };
+                *at = side.next(*at);
                 *edge = edge.saturating_sub(back);
             }
             return;
         }
         for (at, edge) in at.iter_mut().zip(edge) {
-            let next = match side {
-                Side::Left => at.wrapping_sub(1),
-                Side::Right => at.wrapping_add(1),
-            };
-            let place = match index.get(*at) {
-                Some(place) => *place as usize,
-                None => next,
-            };
-            *edge = if place == next {
+            let place = self.beside(side, *at);
+            *edge = if place == side.next(*at) {
                 edge.saturating_sub(back)
             } else {
                 self.offset(place)
@@ -346,18 +278,12 @@ impl<S: Narrow> Modules for Indexed<'_, S> {
 
     #[inline]
     fn left(&self, at: usize) -> Option<usize> {
-        match self.index.left.get(at) {
-            Some(&place) => (place != NOTHING).then_some(place as usize),
-            None => at.checked_sub(1),
-        }
+        Some(self.beside(Side::Left, at)).filter(|place| *place != usize::MAX)
     }
 
     #[inline]
     fn right(&self, at: usize) -> Option<usize> {
-        match self.index.right.get(at) {
-            Some(&place) => (place != NOTHING).then_some(place as usize),
-            None => Some(at + 1),
-        }
+        Some(self.beside(Side::Right, at)).filter(|place| *place != usize::MAX)
     }
 
     fn partner(&self, at: usize) -> usize {

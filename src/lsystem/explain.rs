@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::choice::Worker;
 use super::column::{Column, Narrow};
-use super::context::{ContextIndex, Indexed, Modules};
+use super::context::{ContextIndex, Indexed, Modules, Window};
 use super::derive::{self, Limits};
 use super::error::DeriveError;
 use super::grammar::{Grammar, Pattern, Role, Rule};
@@ -172,13 +172,16 @@ fn fates_in<S: Narrow>(
     record: &Recorded,
     params: &ExplainParams,
 ) -> Result<(Vec<Fate>, usize), DeriveError> {
-    let index = ContextIndex::new(round.grammar, round.rules, symbols, round.cancel)
+    // Fates are told of any part of the string: all of it is one chunk.
+    let (grammar, chunks) = (round.grammar, (symbols.len(), false));
+    let index = ContextIndex::new(grammar, round.rules, symbols, chunks, round.cancel)
         .ok_or_else(|| round.cancelled())?;
     let indexed = Indexed {
         symbols,
         parameters: &before.parameters,
         arity: &before.arity,
-        index,
+        index: &index,
+        window: Window::new(grammar, &index, symbols, (0, 0)),
     };
     fates(round, before, &indexed, record, params)
 }

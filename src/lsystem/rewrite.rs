@@ -15,7 +15,7 @@ use super::batch::Choosing;
 use super::choice::{Worker, near};
 use super::choices::{Choices, pack, unpack};
 use super::column::{Cell, Column, Narrow, bytes_up_to};
-use super::context::{ContextIndex, Indexed, Modules as _};
+use super::context::{ContextIndex, Indexed, Window};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, Limit, ValueProblem};
 use super::grammar::{Grammar, NearTable, Plan, Rule, RuleSet};
@@ -147,18 +147,24 @@ impl<'a> Round<'a> {
     ) -> Result<Option<ModuleString>, DeriveError> {
         let parallel = pays_in_parallel(string.len());
         let index = if self.rules.has_context {
-            ContextIndex::new(self.grammar, self.rules, symbols, self.cancel)
+            let chunks = (CHUNK, parallel);
+            ContextIndex::new(self.grammar, self.rules, symbols, chunks, self.cancel)
                 .ok_or_else(|| self.cancelled())?
         } else {
             ContextIndex::default()
         };
-        let indexed = Indexed {
+        // What contexts see beside the modules of a chunk, where it is asked for.
+        let indexed = |chunk: usize, asked: bool| Indexed {
             symbols,
             parameters: &string.parameters,
             arity: &string.arity,
-            index,
+            index: &index,
+            window: match asked {
+                true => Window::new(self.grammar, &index, symbols, (chunk, chunk * CHUNK)),
+                false => Window::default(),
+            },
         };
-        let parameter_starts = parameter_starts(&indexed);
+        let parameter_starts = parameter_starts(string, symbols);
         let start_of = |chunk: usize| parameter_starts.get(chunk).copied().unwrap_or(0);
 
         let choices = std::mem::take(&mut spare.choices);
@@ -171,12 +177,21 @@ impl<'a> Round<'a> {
         let bits = choices.bits();
         let chunks = symbols.chunks(CHUNK).zip(choices.chunks_mut(CHUNK));
         let sizes = Self::each(parallel, chunks.enumerate().collect(), |(chunk, places)| {
-            let (symbols, packed) = places;
+            let (own, packed) = places;
             let mut choices = [S::default(); CHUNK];
-            let choices = choices.get_mut(..symbols.len()).unwrap_or(&mut []);
-            let size = self.count(&indexed, chunk * CHUNK, start_of(chunk), choices);
+            let choices = choices.get_mut(..own.len()).unwrap_or(&mut []);
+            if self.cancel.load(Ordering::Relaxed) {
+                return Err(self.cancelled());
+            }
+            let from = chunk * CHUNK;
+            let size = match &self.rules.table {
+                Some(table) if string.parameters.is_empty() => {
+                    self.count_near(table, &index, symbols, (chunk, from), choices)
+                }
+                _ => self.count(&indexed(chunk, true), from, start_of(chunk), choices)?,
+            };
             pack(bits, choices, packed);
-            size
+            Ok(size)
         })?;
         spare.rewritten = sizes.iter().map(|s| s.rewritten).sum();
         spare.choices = choices;
@@ -190,7 +205,7 @@ impl<'a> Round<'a> {
         let parameters = sizes
             .iter()
             .fold(0_u64, |sum, s| sum.saturating_add(s.parameters));
-        self.check_size(string, modules, parameters)?;
+        self.check_size(string, index.bytes(), modules, parameters)?;
 
         let bytes = string_bytes(
             (size_of::<S>() + size_of::<B>()) as u64,
@@ -239,7 +254,12 @@ impl<'a> Round<'a> {
                 choices,
                 out,
             };
-            self.fill(&indexed, births, templates.as_deref(), task)
+            self.fill(
+                &indexed(chunk, self.rules.looks.binds),
+                births,
+                templates.as_deref(),
+                task,
+            )
         })?;
         Ok(Some(ModuleString {
             symbols: S::column(next_symbols),
@@ -270,7 +290,8 @@ impl<'a> Round<'a> {
             symbols,
             parameters: &string.parameters,
             arity: &string.arity,
-            index: ContextIndex::default(), // decomposition has no contexts
+            index: &ContextIndex::default(), // decomposition has no contexts
+            window: Window::default(),
         };
         let mut parameters_from = 0;
         for (number, chunk) in symbols.chunks(CHUNK).enumerate() {
@@ -288,14 +309,10 @@ impl<'a> Round<'a> {
     fn check_size(
         &self,
         string: &ModuleString,
+        index: u64,
         modules: u64,
         parameters: u64,
     ) -> Result<(), DeriveError> {
-        let index = if self.rules.has_context {
-            ContextIndex::bytes(self.rules, string.len() as u64)
-        } else {
-            0
-        };
         let symbol = string.symbols.cell_bytes();
         let choices = self.choices_bytes(string.len() as u64);
         let birth = bytes_up_to(self.step).max(string.births.cell_bytes());
@@ -336,14 +353,6 @@ impl<'a> Round<'a> {
         parameters_from: usize,
         choices: &mut [S],
     ) -> Result<Size, DeriveError> {
-        if self.cancel.load(Ordering::Relaxed) {
-            return Err(self.cancelled());
-        }
-        if let Some(table) = self.rules.table.as_ref()
-            && indexed.parameters.is_empty()
-        {
-            return Ok(self.count_near(table, indexed, from, choices));
-        }
         let mut work = Worker::new(self, indexed);
         if self.rules.is_drawn {
             return Ok(self.count_drawn(&work, indexed, from, choices));
@@ -421,44 +430,42 @@ impl<'a> Round<'a> {
         size
     }
 
-    /// [`Self::count`] where modules have no parameters, and their neighbours decide.
+    /// [`Self::count`] where modules have no parameters, and their neighbours decide. The chunk is given by its number and its first
+    /// module.
     fn count_near<S: Narrow>(
         &self,
         table: &NearTable,
-        indexed: &Indexed<'_, S>,
-        from: usize,
+        index: &ContextIndex,
+        all: &[S],
+        (number, from): (usize, usize),
         choices: &mut [S],
     ) -> Size {
+        // There are few symbols where there is a table, so a cell holds each and this, which stands for none.
+        let nothing = S::of(u32::try_from(table.neighbour(None)).unwrap_or(u32::MAX));
+        let own = all.get(from..from + choices.len()).unwrap_or(&[]);
         let mut size = Size::default();
-        let mut note = |choice: u16, place: &mut S| {
+        let mut note = |left: S, own: S, right: S, place: &mut S| {
+            let choice = table.choice(left.into(), own.into(), right.into());
             *place = S::of(u32::from(choice));
             let (modules, parameters) = self.rules.made(choice);
             size.rewritten += usize::from(choice != STAYS);
             size.modules += u64::from(modules);
             size.parameters += u64::from(parameters);
         };
-        let all = indexed.symbols;
-        let symbol =
-            |place: Option<usize>| table.neighbour(place.and_then(|at| indexed.symbol(at)));
-        let symbols = all.get(from..).unwrap_or(&[]);
-        if indexed.index.is_plain() {
-            let mut left = symbol(from.checked_sub(1));
-            let following = all
-                .get(from + 1..)
-                .unwrap_or(&[])
-                .iter()
-                .map(|s| Into::<usize>::into(*s));
-            let following = following.chain(std::iter::once(symbol(None)));
-            for ((own, right), place) in symbols.iter().zip(following).zip(choices) {
-                let own: usize = (*own).into();
-                note(table.choice(left, own, right), place);
-                left = own;
+        if let Some(seams) = &index.seams {
+            let beside = seams.beside(self.grammar, all, number, |_, symbol| symbol, nothing);
+            let beside = beside.left.iter().zip(&beside.right);
+            for ((own, (left, right)), place) in own.iter().zip(beside).zip(choices) {
+                note(*left, *own, *right, place);
             }
-        } else {
-            for ((at, own), place) in (from..).zip(symbols).zip(choices) {
-                let (left, right) = (symbol(indexed.left(at)), symbol(indexed.right(at)));
-                note(table.choice(left, (*own).into(), right), place);
-            }
+            return size;
+        }
+        let before = from.checked_sub(1).and_then(|at| all.get(at));
+        let mut left = before.copied().unwrap_or(nothing);
+        let following = all.get(from + 1..).unwrap_or(&[]).iter().chain([&nothing]);
+        for ((own, right), place) in own.iter().zip(following).zip(choices) {
+            note(left, *own, *right, place);
+            left = *own;
         }
         size
     }
@@ -492,15 +499,15 @@ impl<'a> Round<'a> {
 }
 
 /// Where the parameters of each chunk begin; empty where there are none.
-fn parameter_starts<S: Narrow>(indexed: &Indexed<'_, S>) -> Vec<usize> {
-    if indexed.parameters.is_empty() {
+fn parameter_starts<S: Narrow>(string: &ModuleString, symbols: &[S]) -> Vec<usize> {
+    if string.parameters.is_empty() {
         return Vec::new();
     }
     let mut offset = 0;
-    let mut starts = Vec::with_capacity(indexed.symbols.len() / CHUNK + 1);
-    for chunk in indexed.symbols.chunks(CHUNK) {
+    let mut starts = Vec::with_capacity(symbols.len() / CHUNK + 1);
+    for chunk in symbols.chunks(CHUNK) {
         starts.push(offset);
-        offset += parameters_of(indexed.arity, chunk);
+        offset += parameters_of(&string.arity, chunk);
     }
     starts
 }
