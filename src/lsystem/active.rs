@@ -229,7 +229,7 @@ impl<'g> Chain<'g> {
                 made.symbols.push(u32::from(*symbol));
                 made.births.push(*birth);
             }
-            made.parameters.extend_from_slice(&written);
+            made.parameters.extend(written.iter().copied());
             made.symbols.push(u32::from(SEAM));
             made.births.push(0);
         }

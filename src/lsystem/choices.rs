@@ -3,8 +3,8 @@
 //!
 //! Eight choices are eight bytes in a word, and three shifts push them together or draw them apart.
 
+use super::cells::Cells;
 use super::column::Narrow;
-use super::output::reused;
 
 /// Choices that are packed together; chunks begin at multiples of it.
 const GROUP: usize = 8;
@@ -12,7 +12,7 @@ const GROUP: usize = 8;
 /// Choices in order, packed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Choices {
-    packed: Vec<u8>,
+    packed: Cells<u8>,
     length: usize,
     bits: usize,
 }
@@ -33,7 +33,7 @@ impl Choices {
     pub(super) fn renewed(self, length: usize, productions: usize) -> Option<Self> {
         let bits = Self::bits_among(productions);
         Some(Self {
-            packed: reused(self.packed, length.div_ceil(GROUP) * bits)?,
+            packed: self.packed.renewed(length.div_ceil(GROUP) * bits)?,
             length,
             bits,
         })

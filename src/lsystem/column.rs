@@ -5,9 +5,13 @@
 
 use std::fmt::Debug;
 
+use bytemuck::Pod;
+
+use super::cells::Cells;
+
 /// A number of a column.
 pub(super) trait Cell:
-    Copy + Default + PartialEq + Debug + Send + Sync + Into<u32> + TryFrom<u32> + 'static
+    Pod + Copy + Default + PartialEq + Debug + Send + Sync + Into<u32> + TryFrom<u32> + 'static
 {
     /// Its largest value.
     const MOST: u32;
@@ -15,8 +19,8 @@ pub(super) trait Cell:
     /// The number, or the largest where it is larger, which callers rule out by the column's width.
     fn of(number: u32) -> Self;
     /// The column's memory; none where it has another width.
-    fn into_cells(column: Column) -> Vec<Self>;
-    fn column(cells: Vec<Self>) -> Column;
+    fn into_cells(column: Column) -> Cells<Self>;
+    fn column(cells: Cells<Self>) -> Column;
 
     /// The number as an index.
     #[inline]
@@ -35,11 +39,11 @@ impl Narrow for u16 {}
 #[derive(Clone, Debug)]
 pub(crate) enum Column {
     /// Up to 255,
-    Byte(Vec<u8>),
+    Byte(Cells<u8>),
     /// to 65,535,
-    Half(Vec<u16>),
+    Half(Cells<u16>),
     /// and to 2^32 − 1.
-    Word(Vec<u32>),
+    Word(Cells<u32>),
 }
 
 macro_rules! cell {
@@ -52,14 +56,14 @@ macro_rules! cell {
                 Self::try_from(number).unwrap_or(Self::MAX)
             }
 
-            fn into_cells(column: Column) -> Vec<Self> {
+            fn into_cells(column: Column) -> Cells<Self> {
                 match column {
                     Column::$variant(cells) => cells,
-                    _ => Vec::new(),
+                    _ => Cells::default(),
                 }
             }
 
-            fn column(cells: Vec<Self>) -> Column {
+            fn column(cells: Cells<Self>) -> Column {
                 Column::$variant(cells)
             }
         }
@@ -83,7 +87,7 @@ pub(super) use for_width;
 
 impl Default for Column {
     fn default() -> Self {
-        Self::Byte(Vec::new())
+        Self::Byte(Cells::default())
     }
 }
 
@@ -102,16 +106,16 @@ impl Column {
     /// An empty column for numbers up to this.
     pub(super) fn up_to(most: u32) -> Self {
         match bytes_up_to(most) {
-            1 => Self::Byte(Vec::new()),
-            2 => Self::Half(Vec::new()),
-            _ => Self::Word(Vec::new()),
+            1 => Self::Byte(Cells::default()),
+            2 => Self::Half(Cells::default()),
+            _ => Self::Word(Cells::default()),
         }
     }
 
     /// These numbers, as narrow as they can be where none is larger than `most`.
     pub(crate) fn from_numbers(most: u32, numbers: impl Iterator<Item = u32>) -> Self {
         let mut column = Self::up_to(most);
-        fn fill<T: Cell>(cells: &mut Vec<T>, numbers: impl Iterator<Item = u32>) {
+        fn fill<T: Cell>(cells: &mut Cells<T>, numbers: impl Iterator<Item = u32>) {
             cells.extend(numbers.map(T::of));
         }
         for_width!(&mut column, cells => fill(cells, numbers));
@@ -156,7 +160,7 @@ impl Column {
 
     /// Adds a number, which the column's width must hold.
     pub(super) fn push(&mut self, number: u32) {
-        for_width!(self, cells => cells.push(Cell::of(number)));
+        for_width!(self, cells => cells.extend([Cell::of(number)]));
     }
 
     /// Whether it holds numbers up to this.

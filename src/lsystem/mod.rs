@@ -19,6 +19,7 @@
 mod active;
 mod batch;
 mod blocks;
+mod cells;
 mod choice;
 mod choices;
 mod code;

@@ -80,17 +80,6 @@ pub(super) struct Spare {
     pub(super) rewritten: usize,
 }
 
-/// A vector of this length whose values will all be written; `None` where the memory is not there.
-pub(super) fn reused<T: Clone + Default>(mut old: Vec<T>, length: usize) -> Option<Vec<T>> {
-    // Never much more than is needed: a string may shrink.
-    if old.capacity() < length || old.capacity() / 2 > length {
-        drop(old);
-        return zeroed(length);
-    }
-    old.resize(length, T::default());
-    Some(old)
-}
-
 /// A vector of zeros, or nothing where the memory is not there.
 pub(super) fn zeroed<T: Clone + Default>(length: usize) -> Option<Vec<T>> {
     // Asked for first, since `vec!` would end the program; its zeros are the system's, not written once more.

@@ -20,7 +20,7 @@ use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, Limit, ValueProblem};
 use super::grammar::{Grammar, NearTable, Plan, Rule, RuleSet};
 use super::names::Symbol;
-use super::output::{Output, Spare, reused};
+use super::output::{Output, Spare};
 use super::string::{ModuleString, parameters_of, string_bytes};
 
 /// Modules of a chunk.
@@ -223,9 +223,11 @@ impl<'a> Round<'a> {
             return Err(memory());
         };
         let old = std::mem::take(&mut spare.string);
-        let mut next_symbols = reused(S::into_cells(old.symbols), modules).ok_or_else(memory)?;
-        let mut next_births = reused(B::into_cells(old.births), modules).ok_or_else(memory)?;
-        let mut next_parameters = reused(old.parameters, parameters).ok_or_else(memory)?;
+        let next_symbols = S::into_cells(old.symbols).renewed(modules);
+        let mut next_symbols = next_symbols.ok_or_else(memory)?;
+        let next_births = B::into_cells(old.births).renewed(modules);
+        let mut next_births = next_births.ok_or_else(memory)?;
+        let mut next_parameters = old.parameters.renewed(parameters).ok_or_else(memory)?;
         let mut tasks = Vec::with_capacity(sizes.len());
         {
             let mut out = Output {

@@ -7,6 +7,7 @@
 use std::io;
 use std::sync::Arc;
 
+use super::cells::Cells;
 use super::column::{Cell, Column, Narrow};
 use super::grammar::Grammar;
 use super::names::Symbol;
@@ -17,7 +18,7 @@ use super::number::write_general;
 pub struct ModuleString {
     pub(crate) symbols: Column,
     pub(crate) births: Column,
-    pub(crate) parameters: Vec<f64>,
+    pub(crate) parameters: Cells<f64>,
     /// Number of parameters of each symbol.
     pub(crate) arity: Arc<[u8]>,
 }
@@ -71,7 +72,7 @@ impl ModuleString {
 
     /// The modules in order.
     pub fn iter(&self) -> impl Iterator<Item = Module<'_>> {
-        let mut rest = self.parameters.as_slice();
+        let mut rest = &self.parameters[..];
         self.symbols()
             .zip(self.births())
             .map(move |(symbol, birth)| {
@@ -117,7 +118,7 @@ impl ModuleString {
         Self {
             symbols: Column::up_to(symbol),
             births: Column::up_to(birth),
-            parameters: Vec::new(),
+            parameters: Cells::default(),
             arity: Arc::clone(arity),
         }
     }
@@ -131,7 +132,7 @@ impl ModuleString {
     pub(super) fn push(&mut self, module: &Module<'_>) {
         self.symbols.push(u32::from(module.symbol));
         self.births.push(module.birth);
-        self.parameters.extend_from_slice(module.parameters);
+        self.parameters.extend(module.parameters.iter().copied());
     }
 
     /// The text, as `ramus derive --print string` prints it: no blanks, parameters as `%.10g`.

@@ -11,8 +11,9 @@ use rayon::prelude::*;
 
 use super::walk::{Met, Walk};
 use super::{BETWEEN_CHECKS, Blocks};
+use crate::lsystem::cells::Cells;
 use crate::lsystem::column::{Cell, Narrow, bytes_up_to};
-use crate::lsystem::output::{Output, zeroed};
+use crate::lsystem::output::Output;
 use crate::lsystem::rewrite::pays_in_parallel;
 use crate::lsystem::string::ModuleString;
 
@@ -50,9 +51,9 @@ impl Blocks {
         let root = self.blocks.first()?;
         let modules = usize::try_from(root.size.modules).ok()?;
         let parameters = usize::try_from(root.size.parameters).ok()?;
-        let mut symbols = zeroed::<S>(modules)?;
-        let mut births = zeroed::<B>(modules)?;
-        let mut values = zeroed::<f64>(parameters)?;
+        let mut symbols = Cells::<S>::zeroed(modules)?;
+        let mut births = Cells::<B>::zeroed(modules)?;
+        let mut values = Cells::<f64>::zeroed(parameters)?;
         let out = Output {
             symbols: &mut symbols,
             births: &mut births,

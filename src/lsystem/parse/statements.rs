@@ -378,9 +378,8 @@ impl Parser {
             let name = self.read_name(cursor)?;
             let (constants, errors) = (&self.constants, &mut self.errors);
             let arity = parameters(cursor, |c| {
-                axiom
-                    .parameters
-                    .push(expression::parse_constant(c, constants, errors)?);
+                let value = expression::parse_constant(c, constants, errors)?;
+                axiom.parameters.extend([value]);
                 Ok(())
             })?;
             brackets.module(cursor, name, at, arity)?;

@@ -1,0 +1,184 @@
+//! Flat arrays of numbers, large ones in pages of their own that are as large as the system has them.
+//!
+//! To touch memory for the first time costs a fault for each page: with pages of 4 KiB that is most of the time that a string of
+//! a billion modules takes, and the faults of two threads wait for each other. So large arrays are mapped, and the system is asked
+//! for huge pages (2 MiB), where it has them to give.
+
+use std::fmt::{Debug, Formatter};
+use std::ops::{Deref, DerefMut};
+
+use bytemuck::Pod;
+use memmap2::MmapMut;
+
+/// Arrays of so many bytes are mapped: a huge page.
+const MAPPED_FROM: usize = 2 << 20;
+
+/// An array of numbers.
+pub(crate) enum Cells<T> {
+    Heap(Vec<T>),
+    /// Numbers in pages of their own, of which so many count.
+    Mapped(MmapMut, usize),
+}
+
+impl<T: Pod> Cells<T> {
+    /// So many zeros; `None` where the memory is not there.
+    pub(super) fn zeroed(length: usize) -> Option<Self> {
+        let bytes = length.checked_mul(size_of::<T>())?;
+        if bytes >= MAPPED_FROM {
+            return Self::mapped(length, bytes);
+        }
+        // Asked for first, since `vec!` would end the program; its zeros are the system's, not written once more.
+        Vec::<T>::new().try_reserve_exact(length).ok()?;
+        Some(Self::Heap(vec![T::zeroed(); length]))
+    }
+
+    fn mapped(length: usize, bytes: usize) -> Option<Self> {
+        let pages = MmapMut::map_anon(bytes).ok()?;
+        // Where there are no huge pages, small ones serve.
+        #[cfg(target_os = "linux")]
+        let _ = pages.advise(memmap2::Advice::HugePage);
+        Some(Self::Mapped(pages, length))
+    }
+
+    /// So many numbers, which will all be written, in the memory of these where it has the right size; `None` where there is not
+    /// enough.
+    pub(super) fn renewed(self, length: usize) -> Option<Self> {
+        // Never much more than is needed: a string may shrink.
+        if self.capacity() < length || self.capacity() / 2 > length {
+            drop(self);
+            return Self::zeroed(length);
+        }
+        Some(match self {
+            Self::Heap(mut own) => {
+                own.resize(length, T::zeroed());
+                Self::Heap(own)
+            }
+            Self::Mapped(pages, _) => Self::Mapped(pages, length),
+        })
+    }
+
+    fn capacity(&self) -> usize {
+        match self {
+            Self::Heap(own) => own.capacity(),
+            Self::Mapped(pages, _) => pages.len() / size_of::<T>().max(1),
+        }
+    }
+
+    /// Adds numbers at the end.
+    pub(super) fn extend(&mut self, more: impl IntoIterator<Item = T>) {
+        match self {
+            Self::Heap(own) => own.extend(more),
+            Self::Mapped(..) => {
+                let mut own = self.to_vec();
+                own.extend(more);
+                *self = Self::Heap(own);
+            }
+        }
+    }
+}
+
+impl<T> Default for Cells<T> {
+    fn default() -> Self {
+        Self::Heap(Vec::new())
+    }
+}
+
+impl<T> From<Vec<T>> for Cells<T> {
+    fn from(own: Vec<T>) -> Self {
+        Self::Heap(own)
+    }
+}
+
+impl<T: Pod> Deref for Cells<T> {
+    type Target = [T];
+
+    #[inline]
+    fn deref(&self) -> &[T] {
+        match self {
+            Self::Heap(own) => own,
+            // Pages begin at multiples of more than any number needs.
+            Self::Mapped(pages, length) => {
+                let all = bytemuck::cast_slice(&pages[..length * size_of::<T>()]);
+                all
+            }
+        }
+    }
+}
+
+impl<T: Pod> DerefMut for Cells<T> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut [T] {
+        match self {
+            Self::Heap(own) => own,
+            Self::Mapped(pages, length) => {
+                bytemuck::cast_slice_mut(&mut pages[..*length * size_of::<T>()])
+            }
+        }
+    }
+}
+
+impl<T: Pod> Clone for Cells<T> {
+    fn clone(&self) -> Self {
+        let copied = Self::zeroed(self.len()).map(|mut copy| {
+            copy.copy_from_slice(self);
+            copy
+        });
+        // Memory that is not there ends the program, as with every other clone.
+        copied.unwrap_or_else(|| Self::Heap(self.to_vec()))
+    }
+}
+
+impl<T: Pod + PartialEq> PartialEq for Cells<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self[..] == other[..]
+    }
+}
+
+impl<T: Pod + Debug> Debug for Cells<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        self[..].fmt(f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+
+    #[test]
+    fn small_and_large_arrays_are_alike() {
+        for length in [
+            0,
+            1,
+            1000,
+            MAPPED_FROM / 8 - 1,
+            MAPPED_FROM / 8,
+            MAPPED_FROM / 8 + 1,
+        ] {
+            let mut cells = Cells::<f64>::zeroed(length).unwrap();
+            assert_eq!(
+                matches!(cells, Cells::Mapped(..)),
+                length * 8 >= MAPPED_FROM
+            );
+            assert!(cells.len() == length && cells.iter().all(|v| *v == 0.0));
+            if let Some(last) = cells.last_mut() {
+                *last = 7.0;
+            }
+            assert_eq!(cells.clone(), cells);
+            let shorter = length - length / 3;
+            let renewed = cells.clone().renewed(shorter).unwrap();
+            assert_eq!(renewed.len(), shorter);
+            assert_eq!(cells.clone().renewed(length * 3).unwrap().len(), length * 3);
+            cells.extend([1.0, 2.0]);
+            assert_eq!(cells.len(), length + 2);
+            assert_eq!(cells[length..], [1.0, 2.0]);
+            assert!(length == 0 || cells[length - 1] == 7.0);
+        }
+        assert!(Cells::<f64>::zeroed(usize::MAX / 8).is_none());
+        assert!(Cells::<f64>::zeroed(usize::MAX).is_none());
+    }
+}
