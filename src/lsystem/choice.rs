@@ -1,5 +1,6 @@
 //! What becomes of one module: which production applies, and the parameters of its successor.
 
+use super::chances::{BITS, Bound};
 use super::context::{Base, Matcher, Modules, bind};
 use super::error::{DeriveError, ValueProblem};
 use super::grammar::{Near, Order, Rule};
@@ -15,7 +16,7 @@ pub(super) struct Worker<'r, 'a, M> {
     round: &'r Round<'a>,
     pub(super) matcher: Matcher<'r, M>,
     pub(super) key: PassKey,
-    choice_key: PassKey,
+    pub(super) choice_key: PassKey,
     /// Parameters bound by the production that is tried.
     pub(super) bound: Vec<f64>,
     /// Productions that matched, with their weights.
@@ -124,7 +125,8 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
                 Err(round.failed(rule, at, ValueProblem::BadWeight))
             });
         }
-        let mut left = self.choice_key.at(at).unit() * total;
+        let drawn = self.choice_key.choice(at) as f64 / (1_u64 << BITS) as f64;
+        let mut left = drawn * total;
         let mut chosen = STAYS;
         for (choice, weight) in &self.drawn {
             if *weight > 0.0 {
@@ -140,9 +142,9 @@ impl<'r, 'a, M: Modules> Worker<'r, 'a, M> {
 
     /// The choice that a draw means, of those that are known beforehand: without a branch, which would be guessed wrong.
     #[inline]
-    pub(super) fn pick(&self, weighted: &[(u16, f64)], at: usize) -> u16 {
-        let drawn = self.choice_key.at(at).unit();
-        let passed = |one: &(u16, f64)| usize::from(drawn >= one.1);
+    pub(super) fn pick(&self, weighted: &[Bound], at: usize) -> u16 {
+        let drawn = self.choice_key.choice(at);
+        let passed = |one: &Bound| usize::from(drawn >= one.1);
         let index: usize = weighted.iter().map(passed).sum();
         weighted.get(index).map_or(STAYS, |one| one.0)
     }

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
+use super::chances::{Bound, Chances, bounds};
 use super::code::Expression;
 use super::derive::{self, Limits};
 use super::dialect::Remark;
@@ -231,13 +232,12 @@ pub(crate) struct RuleSet {
     /// For each symbol its productions, best first.
     pub(crate) by_symbol: Vec<Vec<u16>>,
     plans: Vec<Plan>,
-    /// Whether no more than a draw is needed to choose any module's production.
-    pub(crate) is_drawn: bool,
+    /// Where no more than a draw is needed to choose any module's production, and a table says which.
+    pub(crate) chances: Option<Chances>,
     /// For each symbol whose plan is [`Plan::Near`] its productions, best first.
     near: Vec<Vec<Near>>,
-    /// For each symbol whose plan is [`Plan::Draw`] its choices, each with the number up to which a draw from 0 to 1
-    /// means it.
-    weighted: Vec<Vec<(u16, f64)>>,
+    /// For each symbol whose plan is [`Plan::Draw`] its choices, each with the draw up to which it is meant.
+    weighted: Vec<Vec<Bound>>,
     pub(crate) order: Order,
     pub(crate) has_context: bool,
     /// What any of them looks for.
@@ -275,6 +275,24 @@ fn table(plans: &[Plan], near: &[Vec<Near>]) -> Option<NearTable> {
         }
     }
     Some(table)
+}
+
+/// The table of what chance alone decides; none where anything else decides a module's production, or nothing is drawn.
+fn chances(plans: &[Plan], weighted: &[Vec<Bound>]) -> Option<Chances> {
+    let drawn = |plan: &Plan| matches!(plan, Plan::Stay | Plan::Always(_) | Plan::Draw);
+    if !plans.iter().all(drawn) || !plans.contains(&Plan::Draw) {
+        return None;
+    }
+    let always = |plan: &Plan| match plan {
+        Plan::Always(number) => [(number + 1, 0)],
+        _ => [(0, 0)],
+    };
+    let always: Vec<[Bound; 1]> = plans.iter().map(always).collect();
+    let rows = plans.iter().zip(&always).zip(weighted);
+    Chances::new(rows.map(|((plan, always), weighted)| match plan {
+        Plan::Draw => weighted.as_slice(),
+        _ => always,
+    }))
 }
 
 /// Sets of more productions are not worked on in columns.
@@ -325,23 +343,6 @@ fn columns(rules: &[Rule]) -> Option<(usize, usize)> {
     Values::fits(slots, depth).then_some((slots, depth))
 }
 
-/// Weights as parts of 1, added up; the last takes what rounding leaves. Empty where their sum is no number.
-fn up_to(mut weighted: Vec<(u16, f64)>) -> Vec<(u16, f64)> {
-    let total: f64 = weighted.iter().map(|one| one.1).sum();
-    if !total.is_finite() {
-        return Vec::new();
-    }
-    let mut sum = 0.0;
-    for (_, weight) in &mut weighted {
-        sum += *weight;
-        *weight = sum / total;
-    }
-    if let Some((_, last)) = weighted.last_mut() {
-        *last = f64::INFINITY;
-    }
-    weighted
-}
-
 impl RuleSet {
     pub(crate) fn new(rules: Vec<Rule>, symbols: usize, order: Order) -> Self {
         let mut by_symbol: Vec<Vec<u16>> = vec![Vec::new(); symbols];
@@ -380,12 +381,12 @@ impl RuleSet {
                 all.unwrap_or_default()
             })
             .collect();
-        let weighted: Vec<Vec<(u16, f64)>> = by_symbol
+        let weighted: Vec<Vec<Bound>> = by_symbol
             .iter()
             .map(|list| {
                 let weighted = |number: &u16| Some((number + 1, rule(number)?.constant_weight()?));
                 let all: Option<Vec<(u16, f64)>> = list.iter().map(weighted).collect();
-                up_to(all.unwrap_or_default())
+                bounds(&all.unwrap_or_default())
             })
             .collect();
         let plan = |(index, list): (usize, &Vec<u16>)| match list.first() {
@@ -397,8 +398,7 @@ impl RuleSet {
         };
         let plans: Vec<Plan> = by_symbol.iter().enumerate().map(plan).collect();
         let table = table(&plans, &near);
-        let drawn = |plan: &Plan| matches!(plan, Plan::Stay | Plan::Always(_) | Plan::Draw);
-        let is_drawn = plans.iter().all(drawn);
+        let chances = chances(&plans, &weighted);
         let columns = columns(&rules);
         let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let size = |rule: &Rule| (number(rule.successor.len()), number(rule.arguments.len()));
@@ -410,7 +410,7 @@ impl RuleSet {
             rules,
             by_symbol,
             plans,
-            is_drawn,
+            chances,
             near,
             weighted,
             order,
@@ -432,9 +432,9 @@ impl RuleSet {
         made.copied().unwrap_or_default()
     }
 
-    /// Choices and weights of a symbol whose plan is [`Plan::Draw`].
+    /// The choices of a symbol whose plan is [`Plan::Draw`].
     #[inline]
-    pub(crate) fn weighted(&self, symbol: Symbol) -> &[(u16, f64)] {
+    pub(crate) fn weighted(&self, symbol: Symbol) -> &[Bound] {
         self.weighted
             .get(usize::from(symbol))
             .map_or(&[], Vec::as_slice)

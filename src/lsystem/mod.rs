@@ -20,6 +20,7 @@ mod active;
 mod batch;
 mod blocks;
 mod cells;
+mod chances;
 mod choice;
 mod choices;
 mod code;

@@ -3,6 +3,8 @@
 //!
 //! The mixing is the finaliser of SplitMix64 (Steele, Lea, Flood 2014), once for each part of the key.
 
+use super::chances::BITS;
+
 /// Key of one rewriting pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassKey(u64);
@@ -31,6 +33,15 @@ impl PassKey {
             step_key(mix(seed), u64::from(step)),
             u64::from(round),
         ))
+    }
+
+    /// The draw that chooses among productions of the module at `position`: uniform in 0…2^53 − 1. It is a SplitMix64 of its own,
+    /// one number for each position.
+    #[inline]
+    pub(crate) fn choice(self, position: usize) -> u64 {
+        let gamma = 0x9e37_79b9_7f4a_7c15_u64;
+        let position = (position as u64).wrapping_add(1);
+        mix(self.0.wrapping_add(position.wrapping_mul(gamma))) >> (64 - BITS)
     }
 
     /// Draws of the module at `position`.
@@ -116,6 +127,35 @@ mod tests {
             draw(1, 1, 1, 2),
         ] {
             assert_ne!(base, other, "another key");
+        }
+    }
+
+    #[test]
+    fn moments_of_choices() {
+        let n = 200_000;
+        let unit = |key: PassKey, position| {
+            let draw = key.choice(position);
+            assert!(draw < 1 << BITS, "no more bits than asked for");
+            draw as f64 / (1_u64 << BITS) as f64
+        };
+        // Of one pass, next to each other, and of two passes of one place.
+        let (key, other) = (PassKey::new(1, 2, 1 << 31), PassKey::new(1, 3, 1 << 31));
+        let (mut sum, mut squares, mut beside, mut after) = (0.0, 0.0, 0.0, 0.0);
+        for position in 0..n {
+            let draw = unit(key, position);
+            sum += draw;
+            squares += draw * draw;
+            beside += (draw - 0.5) * (unit(key, position + 1) - 0.5);
+            after += (draw - 0.5) * (unit(other, position) - 0.5);
+        }
+        let n = n as f64;
+        for (name, found, expected, most) in [
+            ("mean", sum / n, 0.5, 0.003),
+            ("second moment", squares / n, 1.0 / 3.0, 0.003),
+            ("covariance of neighbours", beside / n, 0.0, 0.001),
+            ("covariance of passes", after / n, 0.0, 0.001),
+        ] {
+            assert!((found - expected).abs() < most, "{name} {found}");
         }
     }
 }

@@ -6,12 +6,14 @@
 //! size, so the result is the same on any number of threads, and so is the error: the first in the string.
 
 use std::borrow::Cow;
+use std::slice::from_mut;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
 use super::batch::Choosing;
+use super::chances::Chances;
 use super::choice::{Worker, near};
 use super::choices::{Choices, pack, unpack};
 use super::column::{Cell, Column, Narrow, bytes_up_to};
@@ -20,6 +22,7 @@ use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, Limit, ValueProblem};
 use super::grammar::{Grammar, NearTable, Plan, Rule, RuleSet};
 use super::names::Symbol;
+use super::random::PassKey;
 use super::output::{Output, Spare};
 use super::string::{ModuleString, parameters_of, string_bytes};
 
@@ -27,6 +30,8 @@ use super::string::{ModuleString, parameters_of, string_bytes};
 const CHUNK: usize = 8192;
 /// Strings shorter than this are rewritten on the calling thread.
 const PARALLEL_FROM: usize = 4 * CHUNK;
+/// Modules that are looked at together, to see whether they are all alike.
+const RUN: usize = 16;
 /// Choice of a module that stays as it is; productions are numbered from 1.
 pub(super) const STAYS: u16 = 0;
 /// Whether work on so many modules is worth handing to other threads: waking them takes as long as thousands of modules.
@@ -356,8 +361,8 @@ impl<'a> Round<'a> {
         choices: &mut [S],
     ) -> Result<Size, DeriveError> {
         let mut work = Worker::new(self, indexed);
-        if self.rules.is_drawn {
-            return Ok(self.count_drawn(&work, indexed, from, choices));
+        if let Some(chances) = &self.rules.chances {
+            return Ok(self.count_drawn(chances, work.choice_key, indexed, from, choices));
         }
         let mut choosing = Choosing::new(self, indexed);
         let mut offset = parameters_from;
@@ -402,31 +407,28 @@ impl<'a> Round<'a> {
         Ok(size)
     }
 
-    /// [`Self::count`] where each module's symbol and a draw decide: a short loop, which the processor's registers hold.
+    /// [`Self::count`] where each module's symbol and a draw decide.
     fn count_drawn<S: Narrow>(
         &self,
-        work: &Worker<'_, '_, Indexed<'_, S>>,
+        chances: &Chances,
+        key: PassKey,
         indexed: &Indexed<'_, S>,
         from: usize,
         choices: &mut [S],
     ) -> Size {
         let mut size = Size::default();
+        let has_parameters = !indexed.parameters.is_empty();
         let symbols = indexed.symbols.get(from..).unwrap_or(&[]);
         for (at, (cell, choice)) in (from..).zip(symbols.iter().zip(choices)) {
-            let symbol: Symbol = (*cell).into();
-            let chosen = match self.rules.plan(symbol) {
-                Plan::Always(number) => number + 1,
-                Plan::Draw => work.pick(self.rules.weighted(symbol), at),
-                _ => STAYS,
-            };
+            let chosen = chances.choice((*cell).into(), key.choice(at));
             *choice = S::of(u32::from(chosen));
             let (modules, parameters) = self.rules.made(chosen);
+            let stays = chosen == STAYS;
             size.modules += u64::from(modules);
             size.parameters += u64::from(parameters);
-            if chosen == STAYS {
+            size.rewritten += usize::from(!stays);
+            if has_parameters && stays {
                 size.parameters += indexed.arity(*cell) as u64;
-            } else {
-                size.rewritten += 1;
             }
         }
         size
@@ -446,28 +448,38 @@ impl<'a> Round<'a> {
         let nothing = S::of(u32::try_from(table.neighbour(None)).unwrap_or(u32::MAX));
         let own = all.get(from..from + choices.len()).unwrap_or(&[]);
         let mut size = Size::default();
-        let mut note = |left: S, own: S, right: S, place: &mut S| {
+        let mut note = |left: S, own: S, right: S, places: &mut [S]| {
             let choice = table.choice(left.into(), own.into(), right.into());
-            *place = S::of(u32::from(choice));
+            places.fill(S::of(u32::from(choice)));
             let (modules, parameters) = self.rules.made(choice);
-            size.rewritten += usize::from(choice != STAYS);
-            size.modules += u64::from(modules);
-            size.parameters += u64::from(parameters);
+            size.rewritten += places.len() * usize::from(choice != STAYS);
+            size.modules += places.len() as u64 * u64::from(modules);
+            size.parameters += places.len() as u64 * u64::from(parameters);
         };
         if let Some(seams) = &index.seams {
             let beside = seams.beside(self.grammar, all, number, |_, symbol| symbol, nothing);
             let beside = beside.left.iter().zip(&beside.right);
             for ((own, (left, right)), place) in own.iter().zip(beside).zip(choices) {
-                note(*left, *own, *right, place);
+                note(*left, *own, *right, from_mut(place));
             }
             return size;
         }
         let before = from.checked_sub(1).and_then(|at| all.get(at));
         let mut left = before.copied().unwrap_or(nothing);
-        let following = all.get(from + 1..).unwrap_or(&[]).iter().chain([&nothing]);
-        for ((own, right), place) in own.iter().zip(following).zip(choices) {
-            note(left, *own, *right, place);
-            left = *own;
+        let behind = all.get(from + own.len()).copied().unwrap_or(nothing);
+        let firsts = own.iter().step_by(RUN).skip(1).copied().chain([behind]);
+        let groups = own.chunks(RUN).zip(choices.chunks_mut(RUN));
+        for ((group, places), right) in groups.zip(firsts) {
+            // What stands among its like becomes the same all along.
+            if left == right && group.iter().fold(true, |all, s| all & (*s == left)) {
+                note(left, left, left, places);
+                continue;
+            }
+            let following = group.iter().skip(1).chain([&right]);
+            for ((own, right), place) in group.iter().zip(following).zip(places) {
+                note(left, *own, *right, from_mut(place));
+                left = *own;
+            }
         }
         size
     }
