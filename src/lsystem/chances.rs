@@ -122,11 +122,17 @@ mod tests {
                     sum += one.1;
                     part < sum / total
                 };
-                let expected = weighted.iter().find(up_to).unwrap_or(weighted.last().unwrap());
+                let expected = weighted
+                    .iter()
+                    .find(up_to)
+                    .unwrap_or(weighted.last().unwrap());
                 assert_eq!(table.choice(0, draw), expected.0, "{weights:?} {part}");
                 assert_eq!(table.choice(1, draw), 9);
             }
-            assert_eq!(table.choice(0, (1 << BITS) - 1), u16::try_from(weights.len()).unwrap());
+            assert_eq!(
+                table.choice(0, (1 << BITS) - 1),
+                u16::try_from(weights.len()).unwrap()
+            );
         }
         let many = bounds(&[(1, 1.0), (2, 1.0), (3, 1.0), (4, 1.0), (5, 1.0)]);
         assert!(Chances::new([many.as_slice()].into_iter()).is_none());

@@ -1,6 +1,5 @@
 //! The fill pass of a round: writes what the chosen productions make of a chunk of the string.
 
-use std::hint::select_unpredictable;
 use std::sync::atomic::Ordering;
 
 use super::batch::{Filling, Source};
@@ -108,22 +107,18 @@ impl Round<'_> {
 }
 
 impl Round<'_> {
-    /// The productions' successors, and behind them each symbol as what stays, for [`Self::fill_plain`]; none where modules have
-    /// parameters.
+    /// The productions' successors for [`Self::fill_plain`]; none where modules have parameters.
     pub(super) fn templates<S: Cell>(&self, string: &ModuleString) -> Option<Vec<Template<S>>> {
         let rules = &self.rules.rules;
-        let symbols = string.arity.len();
-        let plain = rules.len() + symbols <= MOST_TEMPLATES
+        let plain = rules.len() <= MOST_TEMPLATES
             && self.births == Births::Step
             && string.parameters.is_empty()
             && rules.iter().all(|rule| rule.arguments.is_empty());
-        let staying = (0..).take(symbols).map(Template::staying);
-        plain.then(|| rules.iter().map(Template::of).chain(staying).collect())
+        plain.then(|| rules.iter().map(Template::of).collect())
     }
 
     /// [`Self::fill`] where no module has parameters. A short successor is written as a whole template, whose excess
-    /// the next module overwrites: a copy of fixed length costs next to nothing. A module that stays is its own successor, so that
-    /// there is no branch of the program's to be guessed wrong.
+    /// the next module overwrites: a copy of fixed length costs next to nothing.
     fn fill_plain<S: Narrow, B: Cell>(
         &self,
         old_symbols: &[S],
@@ -131,84 +126,79 @@ impl Round<'_> {
         templates: &[Template<S>],
         task: Task<'_, S, B>,
     ) -> Result<(), DeriveError> {
-        let mut out = task.out;
-        let mut written = 0;
-        let old = |from: usize| {
-            let symbols = old_symbols.get(from..).unwrap_or(&[]);
-            symbols.iter().zip(old_births.get(from..).unwrap_or(&[]))
-        };
-        for (number, choices) in task.choices.chunks(TEMPLATE).enumerate() {
-            let from = task.from + number * TEMPLATE;
-            let stay = choices.iter().fold(true, |all, c| all & (*c == S::default()));
-            let end = from + choices.len();
+        let Output {
+            symbols, births, ..
+        } = task.out;
+        let (mut out, mut checked) = (0, 0);
+        let step = B::of(self.step);
+        let end = task.from + task.choices.len();
+        let old_symbols = old_symbols.get(task.from..end).unwrap_or(&[]);
+        let old_births = old_births.get(task.from..end).unwrap_or(&[]);
+        let groups = old_symbols
+            .chunks(TEMPLATE)
+            .zip(old_births.chunks(TEMPLATE));
+        for ((own, own_births), choices) in groups.zip(task.choices.chunks(TEMPLATE)) {
+            let stay = choices
+                .iter()
+                .fold(true, |all, c| all & (*c == S::default()));
             if stay
-                && let (Some(symbols), Some(births)) =
-                    (old_symbols.get(from..end), old_births.get(from..end))
+                && let (Some(s), Some(b)) = (
+                    symbols.get_mut(out..out + own.len()),
+                    births.get_mut(out..out + own.len()),
+                )
             {
-                let target = out.take(choices.len(), 0);
-                target.symbols.copy_from_slice(symbols);
-                target.births.copy_from_slice(births);
+                s.copy_from_slice(own);
+                b.copy_from_slice(own_births);
+                out += own.len();
                 continue;
             }
-            for ((symbol, birth), choice) in old(from).zip(choices) {
-                let (symbol, choice): (usize, usize) = ((*symbol).into(), (*choice).into());
-                let rules = self.rules.rules.len();
-                let template = select_unpredictable(choice == 0, rules + symbol, choice.wrapping_sub(1));
-                let Some(template) = templates.get(template) else {
-                    continue;
+            for ((symbol, birth), choice) in own.iter().zip(own_births).zip(choices) {
+                let choice: u16 = (*choice).into();
+                let template = match choice.checked_sub(1) {
+                    None => {
+                        if let (Some(s), Some(b)) = (symbols.get_mut(out), births.get_mut(out)) {
+                            (*s, *b) = (*symbol, *birth);
+                        }
+                        out += 1;
+                        continue;
+                    }
+                    Some(rule) => templates.get(usize::from(rule)),
                 };
+                let Some(template) = template else { continue };
                 let length = template.length;
-                if length < TEMPLATE
-                    && let (Some(s), Some(b)) =
-                        (out.symbols.get_mut(..TEMPLATE), out.births.get_mut(..TEMPLATE))
+                if length == 1
+                    && let (Some(s), Some(b)) = (symbols.get_mut(out), births.get_mut(out))
+                {
+                    (*s, *b) = (template.symbols[0], step);
+                } else if let (Some(s), Some(b)) = (
+                    symbols.get_mut(out..out + TEMPLATE),
+                    births.get_mut(out..out + TEMPLATE),
+                ) && length <= TEMPLATE
                 {
                     s.copy_from_slice(&template.symbols);
-                    b.fill(B::of(self.step));
-                    // Where no module is the same, the birth is written behind the successor, where it counts for nothing.
-                    if let Some(same) = b.get_mut(template.heir.min(length)) {
-                        *same = *birth;
+                    b.fill(step);
+                } else if let (Some(s), Some(b), Some(rule)) = (
+                    symbols.get_mut(out..out + length),
+                    births.get_mut(out..out + length),
+                    self.rule(choice),
+                ) {
+                    for (cell, symbol) in s.iter_mut().zip(&rule.successor) {
+                        *cell = S::of(u32::from(*symbol));
                     }
-                } else {
-                    written += length;
-                    self.fill_long(template, choice, *birth, &mut out);
+                    b.fill(step);
+                    if out - checked > WRITTEN_AT_ONCE {
+                        checked = out;
+                        if self.cancel.load(Ordering::Relaxed) {
+                            return Err(self.cancelled());
+                        }
+                    }
                 }
-                out.skip(length);
-            }
-            if written > WRITTEN_AT_ONCE {
-                written = 0;
-                if self.cancel.load(Ordering::Relaxed) {
-                    return Err(self.cancelled());
+                if let Some(same) = template.heir.and_then(|heir| births.get_mut(out + heir)) {
+                    *same = *birth;
                 }
+                out += length;
             }
         }
         Ok(())
-    }
-
-    /// Writes a successor that is longer than a template, or the places that are left.
-    #[cold]
-    fn fill_long<S: Narrow, B: Cell>(
-        &self,
-        template: &Template<S>,
-        choice: usize,
-        birth: B,
-        out: &mut Output<'_, S, B>,
-    ) {
-        let length = template.length;
-        let (Some(symbols), Some(births)) =
-            (out.symbols.get_mut(..length), out.births.get_mut(..length))
-        else {
-            return;
-        };
-        let rule = choice.checked_sub(1).and_then(|at| self.rules.rules.get(at));
-        match rule {
-            Some(rule) => symbols.iter_mut().zip(&rule.successor).for_each(|(cell, symbol)| {
-                *cell = S::of(u32::from(*symbol));
-            }),
-            None => symbols.iter_mut().zip(&template.symbols).for_each(|(cell, s)| *cell = *s),
-        }
-        births.fill(B::of(self.step));
-        if let Some(same) = births.get_mut(template.heir) {
-            *same = birth;
-        }
     }
 }

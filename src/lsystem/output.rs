@@ -30,17 +30,6 @@ impl<'s, S, B> Output<'s, S, B> {
             parameters: front(&mut self.parameters, parameters),
         }
     }
-
-    /// Passes over places for modules that are written.
-    #[inline]
-    pub(super) fn skip(&mut self, modules: usize) {
-        fn behind<'s, T>(rest: &mut &'s mut [T], length: usize) {
-            let all = std::mem::take(rest);
-            *rest = all.get_mut(length..).unwrap_or(&mut []);
-        }
-        behind(&mut self.symbols, modules);
-        behind(&mut self.births, modules);
-    }
 }
 
 impl<S: Cell, B> Output<'_, S, B> {
@@ -56,7 +45,7 @@ impl<S: Cell, B> Output<'_, S, B> {
 
 /// Modules of a template.
 pub(super) const TEMPLATE: usize = 16;
-/// Grammars with more productions and symbols do without templates.
+/// Grammars with more productions do without templates.
 pub(super) const MOST_TEMPLATES: usize = 256;
 
 /// A successor without parameters, to be written at once.
@@ -64,8 +53,7 @@ pub(super) struct Template<S> {
     /// Its first modules, then zeros.
     pub(super) symbols: [S; TEMPLATE],
     pub(super) length: usize,
-    /// The module that is the same as the one it replaces; beyond all where there is none.
-    pub(super) heir: usize,
+    pub(super) heir: Option<usize>,
 }
 
 impl<S: Cell> Template<S> {
@@ -77,18 +65,7 @@ impl<S: Cell> Template<S> {
         Self {
             symbols,
             length: rule.successor.len(),
-            heir: Round::heir(rule, &[], &[]).unwrap_or(usize::MAX),
-        }
-    }
-
-    /// What stays as it is.
-    pub(super) fn staying(symbol: u32) -> Self {
-        let mut symbols = [S::default(); TEMPLATE];
-        symbols[0] = S::of(symbol);
-        Self {
-            symbols,
-            length: 1,
-            heir: 0,
+            heir: Round::heir(rule, &[], &[]),
         }
     }
 }

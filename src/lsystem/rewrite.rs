@@ -22,8 +22,8 @@ use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, Limit, ValueProblem};
 use super::grammar::{Grammar, NearTable, Plan, Rule, RuleSet};
 use super::names::Symbol;
-use super::random::PassKey;
 use super::output::{Output, Spare};
+use super::random::PassKey;
 use super::string::{ModuleString, parameters_of, string_bytes};
 
 /// Modules of a chunk.
