@@ -115,8 +115,8 @@ mod tests {
             let total: f64 = weights.iter().sum();
             let steps = 1000;
             for step in 0..steps {
-                let part = f64::from(step) / f64::from(steps);
-                let draw = (part * (1_u64 << BITS) as f64) as u64;
+                let draw = (f64::from(step) / f64::from(steps) * (1_u64 << BITS) as f64) as u64;
+                let part = draw as f64 / (1_u64 << BITS) as f64;
                 let mut sum = 0.0;
                 let up_to = |one: &&(u16, f64)| {
                     sum += one.1;

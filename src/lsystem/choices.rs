@@ -3,8 +3,8 @@
 //!
 //! Eight choices are eight bytes in a word, and three shifts push them together or draw them apart.
 
-use super::cells::Cells;
 use super::column::Narrow;
+use crate::tree::Cells;
 
 /// Choices that are packed together; chunks begin at multiples of it.
 const GROUP: usize = 8;

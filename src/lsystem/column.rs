@@ -7,7 +7,7 @@ use std::fmt::Debug;
 
 use bytemuck::Pod;
 
-use super::cells::Cells;
+use crate::tree::Cells;
 
 /// A number of a column.
 pub(super) trait Cell:
@@ -151,6 +151,20 @@ impl Column {
             Self::Half(cells) => cells.get(at).copied().map(u32::from),
             Self::Word(cells) => cells.get(at).copied(),
         }
+    }
+
+    /// Copies numbers from a place on, as wide as the reader wants them; zeros where there are none.
+    pub(super) fn read<T: Cell>(&self, from: usize, into: &mut [T]) {
+        fn copy<C: Cell, T: Cell>(cells: &[C], from: usize, into: &mut [T]) {
+            let cells = cells.get(from..).unwrap_or(&[]);
+            let given = into.len().min(cells.len());
+            let (full, empty) = into.split_at_mut(given);
+            empty.fill(T::default());
+            for (place, cell) in full.iter_mut().zip(cells) {
+                *place = T::of((*cell).into());
+            }
+        }
+        for_width!(self, cells => copy(cells, from, into));
     }
 
     /// The numbers in order.

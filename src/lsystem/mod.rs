@@ -19,7 +19,6 @@
 mod active;
 mod batch;
 mod blocks;
-mod cells;
 mod chances;
 mod choice;
 mod choices;

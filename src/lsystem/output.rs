@@ -79,10 +79,3 @@ pub(super) struct Spare {
     /// Modules that the last round rewrote.
     pub(super) rewritten: usize,
 }
-
-/// A vector of zeros, or nothing where the memory is not there.
-pub(super) fn zeroed<T: Clone + Default>(length: usize) -> Option<Vec<T>> {
-    // Asked for first, since `vec!` would end the program; its zeros are the system's, not written once more.
-    Vec::<T>::new().try_reserve_exact(length).ok()?;
-    Some(vec![T::default(); length])
-}

@@ -7,11 +7,11 @@
 use std::io;
 use std::sync::Arc;
 
-use super::cells::Cells;
 use super::column::{Cell, Column, Narrow};
 use super::grammar::Grammar;
 use super::names::Symbol;
 use super::number::write_general;
+use crate::tree::Cells;
 
 /// A derived string.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -13,6 +13,7 @@ use glam::Vec3;
 
 pub mod axes;
 pub mod bark;
+mod cells;
 pub(crate) mod error;
 pub mod export;
 pub mod file;
@@ -23,6 +24,7 @@ pub mod organs;
 pub mod radii;
 pub mod tubes;
 
+pub use cells::Cells;
 pub use error::TreeError;
 pub use organs::{Drawing, Organs};
 
@@ -38,17 +40,17 @@ pub const NO_PARENT: u32 = u32::MAX;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tree {
     /// Index of the parent node, smaller than the node's own, or [`NO_PARENT`].
-    pub parent: Vec<u32>,
+    pub parent: Cells<u32>,
     /// Position in metres, Y up.
-    pub position: Vec<Vec3>,
+    pub position: Cells<Vec3>,
     /// Radius in metres at the node.
-    pub radius: Vec<f32>,
+    pub radius: Cells<f32>,
     /// Index into `letters`: the module that drew the segment.
-    pub letter: Vec<u16>,
+    pub letter: Cells<u16>,
     /// Branching order: 0 on the trunk, one more in each bracket.
-    pub order: Vec<u16>,
+    pub order: Cells<u16>,
     /// The derivation step in which the segment appeared (0: in the axiom).
-    pub birth: Vec<u32>,
+    pub birth: Cells<u32>,
     /// Names of the letters.
     pub letters: Vec<String>,
 }
@@ -74,12 +76,12 @@ impl Tree {
     /// An empty tree with room for `nodes` nodes.
     pub fn with_capacity(nodes: usize) -> Self {
         Self {
-            parent: Vec::with_capacity(nodes),
-            position: Vec::with_capacity(nodes),
-            radius: Vec::with_capacity(nodes),
-            letter: Vec::with_capacity(nodes),
-            order: Vec::with_capacity(nodes),
-            birth: Vec::with_capacity(nodes),
+            parent: Cells::with_capacity(nodes),
+            position: Cells::with_capacity(nodes),
+            radius: Cells::with_capacity(nodes),
+            letter: Cells::with_capacity(nodes),
+            order: Cells::with_capacity(nodes),
+            birth: Cells::with_capacity(nodes),
             letters: Vec::new(),
         }
     }

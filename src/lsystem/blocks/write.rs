@@ -11,11 +11,11 @@ use rayon::prelude::*;
 
 use super::walk::{Met, Walk};
 use super::{BETWEEN_CHECKS, Blocks};
-use crate::lsystem::cells::Cells;
 use crate::lsystem::column::{Cell, Narrow, bytes_up_to};
 use crate::lsystem::output::Output;
 use crate::lsystem::rewrite::pays_in_parallel;
 use crate::lsystem::string::ModuleString;
+use crate::tree::Cells;
 
 /// Modules of a slice at most,
 const LONGEST: usize = 1 << 20;

@@ -118,6 +118,6 @@ pub fn draw_on<C: Canvas>(
     let (shown, params) = shown(grammar, string, params, cancel)?;
     let canvas = make(&params);
     let mut turtle = Turtle::new(grammar, &params, canvas);
-    turtle.read(shown.as_ref().unwrap_or(string).iter(), cancel)?;
+    turtle.read(shown.as_ref().unwrap_or(string), cancel)?;
     turtle.finish()
 }

@@ -10,13 +10,10 @@ use std::sync::{Mutex, PoisonError};
 use glam::{DVec3, Vec3};
 use rayon::Scope;
 
-use super::super::column::{Cell, for_width};
 use super::super::error::{DeriveError, DeriveProblem};
 use super::super::grammar::Grammar;
-use super::super::names::Symbol;
-use super::super::output::zeroed;
 use super::super::rewrite::pays_in_parallel;
-use super::super::string::{Module, ModuleString, arity_of};
+use super::super::string::ModuleString;
 use super::action::{Action, actions};
 use super::canvas::{Canvas, Drawn, narrow, narrowed};
 use super::pen::Pen;
@@ -24,7 +21,7 @@ use super::plan::{Branch, Plan};
 use super::tree::{letter_name, most_nodes};
 use super::walk::Turtle;
 use super::{TreeCanvas, TurtleParams};
-use crate::tree::{NO_PARENT, Tree};
+use crate::tree::{Cells, NO_PARENT, Tree};
 
 /// The tree of a string.
 pub(super) fn tree(
@@ -39,7 +36,7 @@ pub(super) fn tree(
     let Some(mut plan) = plan.filter(within) else {
         // There is a fault in it, and reading it in one go finds the first.
         let mut turtle = Turtle::new(grammar, params, TreeCanvas::new(grammar, params));
-        turtle.read(string.iter(), cancel)?;
+        turtle.read(string, cancel)?;
         return Ok(turtle.finish()?.finish());
     };
     if !pays_in_parallel(string.len()) {
@@ -105,13 +102,12 @@ fn begin(tree: &mut Tree, params: &TurtleParams) {
 /// A tree of so many nodes that are yet to be written; none where the memory is not there.
 fn empty(nodes: usize) -> Option<Tree> {
     Some(Tree {
-        parent: zeroed(nodes)?,
-        // Zeros of arrays of numbers are the system's, those of vectors would be written.
-        position: bytemuck::allocation::cast_vec::<[f32; 3], Vec3>(zeroed(nodes)?),
-        radius: zeroed(nodes)?,
-        letter: zeroed(nodes)?,
-        order: zeroed(nodes)?,
-        birth: zeroed(nodes)?,
+        parent: Cells::zeroed(nodes)?,
+        position: Cells::zeroed(nodes)?,
+        radius: Cells::zeroed(nodes)?,
+        letter: Cells::zeroed(nodes)?,
+        order: Cells::zeroed(nodes)?,
+        birth: Cells::zeroed(nodes)?,
         letters: Vec::new(),
     })
 }
@@ -168,18 +164,9 @@ impl Work<'_> {
             letter_of: self.letter_of,
             places: part.places,
         };
-        let [from, end] = part.modules;
         let mut turtle = Turtle::within(self.grammar, self.params, self.actions.to_vec(), canvas);
         turtle.go_to(part.pen, part.depth);
-        turtle.set_position(from as u64);
-        let mut reader = Reader {
-            string: self.string,
-            module: from,
-            parameters: part.parameters,
-        };
-        let read = for_width!(&self.string.symbols, symbols => {
-            self.read(scope, &mut turtle, symbols, &mut reader, end)
-        });
+        let read = self.read(scope, &mut turtle, part.modules, part.parameters);
         if let Err(error) = read {
             let at = turtle.position();
             let mut failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -189,22 +176,21 @@ impl Work<'_> {
         }
     }
 
-    fn read<'s, S: Cell>(
+    fn read<'s>(
         &'s self,
         scope: Option<&Scope<'s>>,
         turtle: &mut Turtle<'_, Placed<'s>>,
-        symbols: &[S],
-        reader: &mut Reader<'_>,
-        end: usize,
+        [mut from, end]: [usize; 2],
+        mut parameters: usize,
     ) -> Result<(), DeriveError> {
         let mut branches = self.branches;
         loop {
-            let passed = branches.partition_point(|branch| branch.open < reader.module);
+            let passed = branches.partition_point(|branch| branch.open < from);
             branches = branches.get(passed..).unwrap_or(&[]);
             let next = branches.first().filter(|branch| branch.open < end);
-            turtle.set_position(reader.module as u64);
+            turtle.set_position(from as u64);
             let until = next.map_or(end, |branch| branch.open);
-            turtle.read(reader.until(symbols, until), self.cancel)?;
+            turtle.read_part(self.string, from..until, parameters, self.cancel)?;
             let (Some(branch), Some(scope)) = (next, scope) else {
                 return Ok(());
             };
@@ -217,45 +203,9 @@ impl Work<'_> {
                 places: turtle.canvas_mut().places.take(branch.nodes),
             };
             scope.spawn(move |scope| self.draw(Some(scope), part));
-            reader.module = branch.close + 1;
-            reader.parameters = branch.parameters[1];
+            from = branch.close + 1;
+            parameters = branch.parameters[1];
         }
-    }
-}
-
-/// Reads a string from a place on.
-struct Reader<'s> {
-    string: &'s ModuleString,
-    module: usize,
-    parameters: usize,
-}
-
-impl<'s> Reader<'s> {
-    /// The modules up to `end`, of which the reader stands behind each that was read.
-    fn until<'r, S: Cell>(
-        &'r mut self,
-        symbols: &'r [S],
-        end: usize,
-    ) -> impl Iterator<Item = Module<'s>> + use<'r, 's, S> {
-        let string = self.string;
-        let symbols = symbols.get(..end).unwrap_or(symbols);
-        std::iter::from_fn(move || {
-            let symbol = Symbol::of((*symbols.get(self.module)?).into());
-            let arity = arity_of(&string.arity, symbol);
-            let module = Module {
-                symbol,
-                birth: string.births.get(self.module)?,
-                parameters: match arity {
-                    0 => &[],
-                    _ => string
-                        .parameters
-                        .get(self.parameters..self.parameters + arity)?,
-                },
-            };
-            self.module += 1;
-            self.parameters += arity;
-            Some(module)
-        })
     }
 }
 

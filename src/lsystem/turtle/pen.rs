@@ -13,6 +13,12 @@ use crate::tree::NO_PARENT;
 /// A heading whose horizontal part is shorter than this is vertical.
 const VERTICAL: f64 = 1e-12;
 
+/// No dictionary letter: there are fewer.
+pub(super) const NO_SHAPE: u16 = u16::MAX;
+
+// Up to here a pen is copied without a call.
+const _: () = assert!(size_of::<Pen>() <= 120, "brackets save many pens");
+
 /// Turns after which the frame is brought back to length 1: each rounds it by some 1e-16.
 const TURNS: u8 = 16;
 
@@ -55,8 +61,10 @@ pub struct Pen {
     pub cylinder: Cylinder,
     /// Turns since the frame was of length 1 to the last bit.
     turns: u8,
-    /// The dictionary letter drawn last and its parameter, if nothing else was drawn since.
-    pub(super) shape: Option<(u16, f64)>,
+    /// The dictionary letter drawn last, if nothing else was drawn since; else [`NO_SHAPE`].
+    pub(super) shape: u16,
+    /// Its parameter.
+    pub(super) segment: f64,
 }
 
 impl Pen {
@@ -76,7 +84,8 @@ impl Pen {
             material: 0,
             cylinder: Cylinder::None,
             turns: 0,
-            shape: None,
+            shape: NO_SHAPE,
+            segment: 0.0,
         }
     }
 

@@ -32,7 +32,7 @@ pub fn stream_on<'m, C: Canvas>(
 ) -> Result<C, DeriveError> {
     let mut turtle = Turtle::new(grammar, params, canvas);
     if grammar.interpret.is_none() {
-        turtle.read(modules, cancel)?;
+        turtle.read_modules(modules, cancel)?;
         return turtle.finish();
     }
     loop {
@@ -44,6 +44,6 @@ pub fn stream_on<'m, C: Canvas>(
             return turtle.finish();
         }
         let shown = interpreted(grammar, &piece, &params.limits, cancel)?;
-        turtle.read(shown.as_ref().unwrap_or(&piece).iter(), cancel)?;
+        turtle.read(shown.as_ref().unwrap_or(&piece), cancel)?;
     }
 }

@@ -1,5 +1,6 @@
 //! Reading: module after module moves the pen and draws.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
@@ -8,16 +9,18 @@ use super::super::error::{DeriveError, DeriveProblem};
 use super::super::grammar::Grammar;
 use super::super::names::Symbol;
 use super::super::shape::Shape;
-use super::super::string::Module;
+use super::super::string::{Module, ModuleString, arity_of};
 use super::TurtleParams;
 use super::action::{Action, actions};
 use super::canvas::{Canvas, Drawn, Outline, narrow, narrowed};
 use super::grown::Grown;
-use super::pen::{Cylinder, Pen};
+use super::pen::{Cylinder, NO_SHAPE, Pen};
 use crate::tree::NO_PARENT;
 
-/// Modules read between two looks at the cancel flag.
+/// Modules read between two looks at the cancel flag,
 const CHECK_EVERY: u64 = 1 << 14;
+/// of a string's.
+const BLOCK: usize = 1 << 10;
 
 /// Ends of an outline nearer than this part of its size are one vertex.
 const CLOSED: f64 = 1e-9;
@@ -117,23 +120,60 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         &mut self.canvas
     }
 
-    /// Reads modules, which may be a part of a string whose parts before it are read.
+    /// Reads a string, which may be a part of one whose parts before it are read.
     ///
     /// # Errors
     /// The turtle's limits, positions beyond f32, what the canvas cannot hold, or `cancel` being set.
-    pub fn read<'m>(
+    pub fn read(&mut self, string: &ModuleString, cancel: &AtomicBool) -> Result<(), DeriveError> {
+        self.read_part(string, 0..string.len(), 0, cancel)
+    }
+
+    /// Reads modules that come one after the other.
+    pub(super) fn read_modules<'m>(
         &mut self,
         modules: impl Iterator<Item = Module<'m>>,
         cancel: &AtomicBool,
     ) -> Result<(), DeriveError> {
-        let mut step = 0;
-        for module in modules {
-            step = step.max(module.birth);
-            if self.position.is_multiple_of(CHECK_EVERY) && cancel.load(Ordering::Relaxed) {
+        self.read_grown(modules.map(|module| (module, Grown::WHOLE)), cancel)
+    }
+
+    /// Reads modules of a string, before which so many parameters stand. They are widened a block at a time, so that one loop
+    /// does for strings of all widths.
+    pub(super) fn read_part(
+        &mut self,
+        string: &ModuleString,
+        modules: Range<usize>,
+        parameters: usize,
+        cancel: &AtomicBool,
+    ) -> Result<(), DeriveError> {
+        let (mut symbols, mut births) = ([0_u16; BLOCK], [0_u32; BLOCK]);
+        let mut rest = string.parameters.get(parameters..).unwrap_or(&[]);
+        let mut from = modules.start;
+        while from < modules.end {
+            let length = BLOCK.min(modules.end - from);
+            let (Some(symbols), Some(births)) =
+                (symbols.get_mut(..length), births.get_mut(..length))
+            else {
+                break;
+            };
+            string.symbols.read(from, symbols);
+            string.births.read(from, births);
+            if cancel.load(Ordering::Relaxed) {
+                let step = births.iter().copied().max().unwrap_or(0);
                 return Err(DeriveProblem::Cancelled { step }.into());
             }
-            self.step(module)?;
-            self.position += 1;
+            for (symbol, birth) in symbols.iter().zip(births) {
+                let arity = arity_of(&string.arity, *symbol);
+                let (parameters, after) = rest.split_at(arity.min(rest.len()));
+                rest = after;
+                self.step(Module {
+                    symbol: *symbol,
+                    birth: *birth,
+                    parameters,
+                })?;
+                self.position += 1;
+            }
+            from += length;
         }
         Ok(())
     }
@@ -281,7 +321,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         is_vertex: bool,
     ) -> Result<(), DeriveError> {
         let length = length.unwrap_or(self.params.length * self.pen.length_scale);
-        self.pen.shape = None;
+        self.pen.shape = NO_SHAPE;
         if self.outlines.is_empty() {
             self.draw(by, length, None)?;
         } else {
@@ -296,7 +336,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
 
     /// `f` and `g`.
     fn skip(&mut self, length: Option<f64>, is_vertex: bool) -> Result<(), DeriveError> {
-        self.pen.shape = None;
+        self.pen.shape = NO_SHAPE;
         let length = length.unwrap_or(self.params.length * self.pen.length_scale);
         self.pen.jump(self.pen.ahead(length));
         if is_vertex { self.vertex() } else { Ok(()) }
@@ -345,7 +385,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         shape: &Shape,
         scale: f64,
     ) -> Result<(), DeriveError> {
-        self.pen.shape = None;
+        self.pen.shape = NO_SHAPE;
         let mut index = 0.0;
         for _ in &shape.segments {
             self.follow_segment(by, letter, shape, index, scale)?;
@@ -366,10 +406,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         let Some(segment) = shape.segments.get(remainder(index, shape.segments.len())) else {
             return Ok(());
         };
-        let goes_on = match self.pen.shape {
-            Some((last, before)) => last == letter && index == before + 1.0,
-            None => false,
-        };
+        let goes_on = self.pen.shape == letter && index == self.pen.segment + 1.0;
         self.pen
             .turn(if goes_on { segment.turn } else { segment.frame });
         let length = segment.length * scale;
@@ -380,7 +417,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             self.pen.jump(self.pen.ahead(length));
             self.vertex()?;
         }
-        self.pen.shape = Some((letter, index));
+        (self.pen.shape, self.pen.segment) = (letter, index);
         self.bend();
         Ok(())
     }

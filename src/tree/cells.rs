@@ -4,6 +4,7 @@
 //! a billion modules takes, and the faults of two threads wait for each other. So large arrays are mapped, and the system is asked
 //! for huge pages (2 MiB), where it has them to give.
 
+use std::collections::TryReserveError;
 use std::fmt::{Debug, Formatter};
 use std::ops::{Deref, DerefMut};
 
@@ -13,23 +14,29 @@ use memmap2::MmapMut;
 /// Arrays of so many bytes are mapped: a huge page.
 const MAPPED_FROM: usize = 2 << 20;
 
-/// An array of numbers.
-pub(crate) enum Cells<T> {
+/// An array of numbers, used as a slice is. One that is large from the start lies in huge pages; one that grows by what is added to
+/// it is a vector.
+pub struct Cells<T>(Memory<T>);
+
+enum Memory<T> {
     Heap(Vec<T>),
     /// Numbers in pages of their own, of which so many count.
     Mapped(MmapMut, usize),
 }
 
+use Memory::{Heap, Mapped};
+
 impl<T: Pod> Cells<T> {
     /// So many zeros; `None` where the memory is not there.
-    pub(super) fn zeroed(length: usize) -> Option<Self> {
+    #[must_use]
+    pub fn zeroed(length: usize) -> Option<Self> {
         let bytes = length.checked_mul(size_of::<T>())?;
         if bytes >= MAPPED_FROM {
             return Self::mapped(length, bytes);
         }
         // Asked for first, since `vec!` would end the program; its zeros are the system's, not written once more.
         Vec::<T>::new().try_reserve_exact(length).ok()?;
-        Some(Self::Heap(vec![T::zeroed(); length]))
+        Some(vec![T::zeroed(); length].into())
     }
 
     fn mapped(length: usize, bytes: usize) -> Option<Self> {
@@ -37,55 +44,114 @@ impl<T: Pod> Cells<T> {
         // Where there are no huge pages, small ones serve.
         #[cfg(target_os = "linux")]
         let _ = pages.advise(memmap2::Advice::HugePage);
-        Some(Self::Mapped(pages, length))
+        Some(Self(Mapped(pages, length)))
     }
 
     /// So many numbers, which will all be written, in the memory of these where it has the right size; `None` where there is not
     /// enough.
-    pub(super) fn renewed(self, length: usize) -> Option<Self> {
+    #[must_use]
+    pub fn renewed(self, length: usize) -> Option<Self> {
         // Never much more than is needed: a string may shrink.
         if self.capacity() < length || self.capacity() / 2 > length {
             drop(self);
             return Self::zeroed(length);
         }
-        Some(match self {
-            Self::Heap(mut own) => {
+        Some(Self(match self.0 {
+            Heap(mut own) => {
                 own.resize(length, T::zeroed());
-                Self::Heap(own)
+                Heap(own)
             }
-            Self::Mapped(pages, _) => Self::Mapped(pages, length),
-        })
+            Mapped(pages, _) => Mapped(pages, length),
+        }))
     }
 
-    fn capacity(&self) -> usize {
-        match self {
-            Self::Heap(own) => own.capacity(),
-            Self::Mapped(pages, _) => pages.len() / size_of::<T>().max(1),
+    /// Numbers for which there is room.
+    #[must_use]
+    pub fn capacity(&self) -> usize {
+        match &self.0 {
+            Heap(own) => own.capacity(),
+            Mapped(pages, _) => pages.len() / size_of::<T>().max(1),
         }
     }
 
+    /// An empty array with room for so many.
+    #[must_use]
+    pub fn with_capacity(room: usize) -> Self {
+        Vec::with_capacity(room).into()
+    }
+
+    /// Makes room for so many more.
+    ///
+    /// # Errors
+    /// Where the machine does not give the memory; the array is as it was.
+    pub fn try_reserve_exact(&mut self, more: usize) -> Result<(), TryReserveError> {
+        self.vector().try_reserve_exact(more)
+    }
+
+    /// Adds a number at the end.
+    #[inline]
+    pub fn push(&mut self, one: T) {
+        self.vector().push(one);
+    }
+
     /// Adds numbers at the end.
-    pub(super) fn extend(&mut self, more: impl IntoIterator<Item = T>) {
-        match self {
-            Self::Heap(own) => own.extend(more),
-            Self::Mapped(..) => {
-                let mut own = self.to_vec();
-                own.extend(more);
-                *self = Self::Heap(own);
-            }
+    pub fn extend(&mut self, more: impl IntoIterator<Item = T>) {
+        self.vector().extend(more);
+    }
+
+    /// Makes it so long, with this value where it is longer than before.
+    pub fn resize(&mut self, length: usize, value: T) {
+        if self.len() != length {
+            self.vector().resize(length, value);
+        }
+    }
+
+    /// The numbers as a vector, which can grow.
+    #[inline]
+    fn vector(&mut self) -> &mut Vec<T> {
+        if let Mapped(..) = self.0 {
+            *self = self.to_vec().into();
+        }
+        match &mut self.0 {
+            Heap(own) => own,
+            Mapped(..) => unreachable!("it was just replaced"),
         }
     }
 }
 
 impl<T> Default for Cells<T> {
     fn default() -> Self {
-        Self::Heap(Vec::new())
+        Vec::new().into()
     }
 }
 
 impl<T> From<Vec<T>> for Cells<T> {
     fn from(own: Vec<T>) -> Self {
-        Self::Heap(own)
+        Self(Heap(own))
+    }
+}
+
+impl<T> FromIterator<T> for Cells<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(numbers: I) -> Self {
+        numbers.into_iter().collect::<Vec<T>>().into()
+    }
+}
+
+impl<'c, T: Pod> IntoIterator for &'c Cells<T> {
+    type Item = &'c T;
+    type IntoIter = std::slice::Iter<'c, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl<'c, T: Pod> IntoIterator for &'c mut Cells<T> {
+    type Item = &'c mut T;
+    type IntoIter = std::slice::IterMut<'c, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter_mut()
     }
 }
 
@@ -94,13 +160,10 @@ impl<T: Pod> Deref for Cells<T> {
 
     #[inline]
     fn deref(&self) -> &[T] {
-        match self {
-            Self::Heap(own) => own,
+        match &self.0 {
+            Heap(own) => own,
             // Pages begin at multiples of more than any number needs.
-            Self::Mapped(pages, length) => {
-                let all = bytemuck::cast_slice(&pages[..length * size_of::<T>()]);
-                all
-            }
+            Mapped(pages, length) => bytemuck::cast_slice(&pages[..length * size_of::<T>()]),
         }
     }
 }
@@ -108,9 +171,9 @@ impl<T: Pod> Deref for Cells<T> {
 impl<T: Pod> DerefMut for Cells<T> {
     #[inline]
     fn deref_mut(&mut self) -> &mut [T] {
-        match self {
-            Self::Heap(own) => own,
-            Self::Mapped(pages, length) => {
+        match &mut self.0 {
+            Heap(own) => own,
+            Mapped(pages, length) => {
                 bytemuck::cast_slice_mut(&mut pages[..*length * size_of::<T>()])
             }
         }
@@ -124,12 +187,24 @@ impl<T: Pod> Clone for Cells<T> {
             copy
         });
         // Memory that is not there ends the program, as with every other clone.
-        copied.unwrap_or_else(|| Self::Heap(self.to_vec()))
+        copied.unwrap_or_else(|| self.to_vec().into())
     }
 }
 
 impl<T: Pod + PartialEq> PartialEq for Cells<T> {
     fn eq(&self, other: &Self) -> bool {
+        self[..] == other[..]
+    }
+}
+
+impl<T: Pod + PartialEq> PartialEq<Vec<T>> for Cells<T> {
+    fn eq(&self, other: &Vec<T>) -> bool {
+        self[..] == other[..]
+    }
+}
+
+impl<T: Pod + PartialEq, const N: usize> PartialEq<[T; N]> for Cells<T> {
+    fn eq(&self, other: &[T; N]) -> bool {
         self[..] == other[..]
     }
 }
@@ -160,10 +235,7 @@ mod tests {
             MAPPED_FROM / 8 + 1,
         ] {
             let mut cells = Cells::<f64>::zeroed(length).unwrap();
-            assert_eq!(
-                matches!(cells, Cells::Mapped(..)),
-                length * 8 >= MAPPED_FROM
-            );
+            assert_eq!(matches!(cells.0, Mapped(..)), length * 8 >= MAPPED_FROM);
             assert!(cells.len() == length && cells.iter().all(|v| *v == 0.0));
             if let Some(last) = cells.last_mut() {
                 *last = 7.0;
