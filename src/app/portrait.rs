@@ -276,10 +276,10 @@ mod tests {
             position: (0..nodes)
                 .map(|node| Vec3::new(10.0, apart * f32::from(node), 0.0))
                 .collect(),
-            radius: vec![0.01; count],
-            letter: vec![0; count],
-            order: vec![0; count],
-            birth: vec![0; count],
+            radius: vec![0.01; count].into(),
+            letter: vec![0; count].into(),
+            order: vec![0; count].into(),
+            birth: vec![0; count].into(),
             letters: vec!["F".to_owned()],
         }
     }

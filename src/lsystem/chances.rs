@@ -113,9 +113,8 @@ mod tests {
             let bounds = bounds(&weighted);
             let table = Chances::new([bounds.as_slice(), &[(9, NEVER)]].into_iter()).unwrap();
             let total: f64 = weights.iter().sum();
-            let steps = 1000;
-            for step in 0..steps {
-                let draw = (f64::from(step) / f64::from(steps) * (1_u64 << BITS) as f64) as u64;
+            for step in 0..1000 {
+                let draw = step * ((1 << BITS) / 1000);
                 let part = draw as f64 / (1_u64 << BITS) as f64;
                 let mut sum = 0.0;
                 let up_to = |one: &&(u16, f64)| {

@@ -431,3 +431,98 @@ fn beside<S: Narrow, T: Copy>(
         right: waits_at.iter().map(came).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use proptest::prelude::*;
+
+    use super::super::column::Column;
+    use super::*;
+
+    /// The place that is seen beside another, by the words of the specification.
+    fn sought(grammar: &Grammar, symbols: &[u8], side: Side, from: usize) -> Option<usize> {
+        let role = |at: usize| grammar.role(symbols[at].into());
+        let mut at = from;
+        let mut depth = 0;
+        loop {
+            at = side.next(at);
+            if at >= symbols.len() {
+                return None;
+            }
+            match (side, role(at)) {
+                (_, Role::Module | Role::Cut) if depth == 0 => return Some(at),
+                (Side::Left, Role::Close) | (Side::Right, Role::Open) => depth += 1,
+                // To the left a branch goes on with its parent; to the right it ends.
+                (Side::Right, Role::Close) if depth == 0 => return None,
+                (Side::Left, Role::Open) | (Side::Right, Role::Close) if depth > 0 => depth -= 1,
+                _ => {}
+            }
+        }
+    }
+
+    /// Balanced strings of `A`, `B`, the ignored `+`, and brackets.
+    fn text() -> impl Strategy<Value = String> {
+        proptest::collection::vec(0..8_u8, 0..60).prop_map(|tokens| {
+            let (mut text, mut depth) = (String::new(), 0);
+            for token in tokens {
+                match token {
+                    0 | 1 => {
+                        depth += 1;
+                        text.push('[');
+                    }
+                    2 | 3 if depth > 0 => {
+                        depth -= 1;
+                        text.push(']');
+                    }
+                    4 | 5 => text.push('+'),
+                    6 => text.push('B'),
+                    _ => text.push('A'),
+                }
+            }
+            text.push_str(&"]".repeat(depth));
+            text
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
+
+        #[test]
+        fn chunks_of_any_length_see_what_is_there(text in text(), chunk in 1..70_usize, parallel in any::<bool>()) {
+            const REACH: usize = 4;
+            let text = format!("ignore +\naxiom A{text}\nA < B > A -> B\n");
+            let grammar = Grammar::parse(&text, "test").unwrap();
+            let Column::Byte(symbols) = &grammar.axiom.symbols else {
+                panic!("few symbols are bytes");
+            };
+            let never = AtomicBool::new(false);
+            let seams = Seams::new(&grammar, symbols, REACH, (chunk, parallel), &never).unwrap();
+            for number in 0..symbols.len().div_ceil(chunk) {
+                let from = number * chunk;
+                let places = seams.places(&grammar, symbols, number);
+                for side in [Side::Left, Side::Right] {
+                    for start in from..(from + chunk).min(symbols.len()) {
+                        // As far as a context goes, through the chunk and beyond.
+                        let (mut at, mut expected) = (start, Some(start));
+                        for _ in 0..REACH {
+                            let near = places.get(side).get(at.wrapping_sub(from)).copied();
+                            let found = near.unwrap_or_else(|| seams.beyond(side, at));
+                            expected = sought(&grammar, symbols, side, expected.unwrap());
+                            let found = (found != NOTHING).then_some(found as usize);
+                            prop_assert_eq!(found, expected, "{} {} {:?} {}", text, chunk, side, start);
+                            match found {
+                                Some(found) => at = found,
+                                None => break,
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -189,12 +189,12 @@ fn radius_params(sketch: &Sketch) -> RadiusParams {
 
 fn root_alone(sketch: &Sketch, step: u32) -> Grown {
     let tree = Tree {
-        parent: vec![NO_PARENT],
-        position: vec![glam::Vec3::ZERO],
-        radius: vec![sketch.tip_radius],
-        letter: vec![0],
-        order: vec![0],
-        birth: vec![0],
+        parent: vec![NO_PARENT].into(),
+        position: vec![glam::Vec3::ZERO].into(),
+        radius: vec![sketch.tip_radius].into(),
+        letter: vec![0].into(),
+        order: vec![0].into(),
+        birth: vec![0].into(),
         letters: vec![Letter::TRUNK.to_string()],
     };
     Grown {

@@ -65,6 +65,12 @@ impl<T: Pod> Cells<T> {
         }))
     }
 
+    /// The numbers.
+    #[must_use]
+    pub fn as_slice(&self) -> &[T] {
+        self
+    }
+
     /// Numbers for which there is room.
     #[must_use]
     pub fn capacity(&self) -> usize {
@@ -137,6 +143,15 @@ impl<T> FromIterator<T> for Cells<T> {
     }
 }
 
+impl<T: Pod> IntoIterator for Cells<T> {
+    type Item = T;
+    type IntoIter = std::vec::IntoIter<T>;
+
+    fn into_iter(mut self) -> Self::IntoIter {
+        std::mem::take(self.vector()).into_iter()
+    }
+}
+
 impl<'c, T: Pod> IntoIterator for &'c Cells<T> {
     type Item = &'c T;
     type IntoIter = std::slice::Iter<'c, T>;
@@ -199,6 +214,12 @@ impl<T: Pod + PartialEq> PartialEq for Cells<T> {
 
 impl<T: Pod + PartialEq> PartialEq<Vec<T>> for Cells<T> {
     fn eq(&self, other: &Vec<T>) -> bool {
+        self[..] == other[..]
+    }
+}
+
+impl<T: Pod + PartialEq> PartialEq<Cells<T>> for Vec<T> {
+    fn eq(&self, other: &Cells<T>) -> bool {
         self[..] == other[..]
     }
 }

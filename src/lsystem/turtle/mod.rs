@@ -5,7 +5,7 @@
 //!                                                                                                   Extent ─▶ counts and bounds
 //! ```
 //!
-//! What a symbol does is in `action`, where the turtle stands and how it turns in `pen`, the reading in `walk`. A tree is counted first (`plan`) and drawn in parts beside each other (`parts`). What is nowhere written down is drawn as it comes (`stream`). The turtle
+//! What a symbol does is in `action`, where the turtle stands and how it turns in `pen`, the reading in `walk`. A tree is counted first (`plan`, simpler `spans`) and drawn in parts beside each other (`parts`). What is nowhere written down is drawn as it comes (`stream`). The turtle
 //! itself holds a pen for each open bracket and the vertices of open outlines, whatever the length of the string; the stack is on the heap.
 //! `docs/src/language.md` lists each symbol.
 
@@ -25,6 +25,7 @@ mod grown;
 mod parts;
 mod pen;
 mod plan;
+mod spans;
 mod stream;
 mod tree;
 mod walk;

@@ -16,15 +16,16 @@ use super::super::rewrite::pays_in_parallel;
 use super::super::string::ModuleString;
 use super::TurtleParams;
 use super::action::{Action, actions};
+use super::spans;
 
 /// Modules counted by themselves.
 const CHUNK: usize = 1 << 14;
 /// Branches of so many modules are drawn beside others.
-const LARGE: usize = 1 << 12;
+pub(super) const LARGE: usize = 1 << 12;
 
 /// What a symbol counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
     Nothing,
     /// Draws from where the turtle is, and goes on from there.
     Draws,
@@ -40,10 +41,10 @@ enum Kind {
 
 /// The same with its number of nodes and of parameters.
 #[derive(Clone, Copy, Debug)]
-struct Counted {
-    kind: Kind,
-    arity: u8,
-    nodes: u16,
+pub(super) struct Counted {
+    pub(super) kind: Kind,
+    pub(super) arity: u8,
+    pub(super) nodes: u16,
 }
 
 fn counted(grammar: &Grammar, actions: &[Action]) -> Vec<Counted> {
@@ -175,6 +176,9 @@ impl Plan {
         cancel: &AtomicBool,
     ) -> Option<Self> {
         let counted = counted(grammar, actions);
+        if spans::serves(&counted) {
+            return spans::plan(&counted, string, cancel);
+        }
         let outlines = outlines_before(&counted, string)?;
         let chunks = for_width!(&string.symbols, symbols => each_chunk(symbols, |number, symbols| {
             if cancel.load(Ordering::Relaxed) {
@@ -307,7 +311,7 @@ fn change<S: Cell>(counted: &[Counted], symbols: &[S]) -> (isize, isize) {
 }
 
 /// Does a work for each chunk, in parallel where it pays.
-fn each_chunk<S: Cell, R: Send>(
+pub(super) fn each_chunk<S: Cell, R: Send>(
     symbols: &[S],
     work: impl Fn(usize, &[S]) -> R + Sync + Send,
 ) -> Vec<R> {

@@ -335,7 +335,7 @@ fn a_cylinder_is_one_smooth_curve_through_its_nodes() {
         vec3(1.8, 1.6, 1.5),
     ];
     let mut tree = chain(&points);
-    tree.radius = vec![0.1, 0.08, 0.06, 0.04, 0.02];
+    tree.radius = vec![0.1, 0.08, 0.06, 0.04, 0.02].into();
     let mut organs = Organs {
         smooth: (1..5).map(|node| Smooth { node, cylinder: 1 }).collect(),
         ..Organs::default()

@@ -42,7 +42,7 @@ fn each_broken_invariant_is_named() {
         (|t| t.radius[2] = -0.1, "node 2 has the radius -0.1"),
         (|t| t.radius[2] = f32::NAN, "node 2 has the radius NaN"),
         (
-            |t| t.order.truncate(3),
+            |t| t.order = t.order[..3].to_vec().into(),
             "`order` has 3 entries, `parent` has 6",
         ),
     ];
@@ -55,7 +55,7 @@ fn each_broken_invariant_is_named() {
     }
     assert!(matches!(
         Tree {
-            parent: vec![NO_PARENT],
+            parent: vec![NO_PARENT].into(),
             ..Tree::default()
         }
         .validate(),

@@ -86,7 +86,7 @@ fn a_branch_never_begins_thicker_than_its_trunk() {
 fn letters_stand_in_the_upper_bits() {
     let mut tree = fork();
     tree.letters = (0..70).map(|i| i.to_string()).collect();
-    tree.letter = vec![0, 0, 1, 2, 3, 69];
+    tree.letter = vec![0, 0, 1, 2, 3, 69].into();
     let letters: Vec<u32> = segments_of(&tree, &[], 9)
         .iter()
         .map(|s| s.flags >> LETTER_SHIFT)
