@@ -9,7 +9,7 @@ use std::fs;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 
-use ramus::lsystem::{Grammar, Limits};
+use ramus::lsystem::{Grammar, Growing, Limits};
 
 /// Where tests share a process they take turns.
 static TURN: Mutex<()> = Mutex::new(());
@@ -22,18 +22,23 @@ fn memory(name: &str) -> u64 {
     kib.parse::<u64>().unwrap() * 1024
 }
 
-/// Derives a system and holds its peak to so many times its last string.
-fn takes_at_most(times: f64, text: &str, steps: u32) {
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let grammar = Grammar::parse(text, "system").unwrap();
+/// What a work makes, and the most memory that it took meanwhile, in bytes.
+fn measured<T>(work: impl FnOnce() -> T) -> (T, u64) {
     // The pool's threads are there before it is measured.
     rayon::join(|| (), || ());
     let before = memory("VmRSS");
     // Forgets the highest mark so far.
     fs::write("/proc/self/clear_refs", "5").unwrap();
+    let made = work();
+    (made, memory("VmHWM").saturating_sub(before))
+}
+
+/// Derives a system and holds its peak to so many times its last string.
+fn takes_at_most(times: f64, text: &str, steps: u32) {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let grammar = Grammar::parse(text, "system").unwrap();
     let never = AtomicBool::new(false);
-    let string = grammar.derive(steps, &Limits::default(), &never).unwrap();
-    let taken = memory("VmHWM").saturating_sub(before);
+    let (string, taken) = measured(|| grammar.derive(steps, &Limits::default(), &never).unwrap());
     let bytes = string.bytes();
     assert!(bytes > 8 << 20, "{bytes} bytes are too few to measure");
     assert!(taken >= bytes, "what is there was taken: {taken}");
@@ -100,4 +105,36 @@ fn a_diffusion_takes_two_strings() {
         .collect();
     let diffuse = format!("axiom {cells}\nC(l) < C(x) > C(r) : x>=0 -> C(x+0.25*(l+r-2*x))\n");
     takes_at_most(2.2, &diffuse, 3);
+}
+
+/// What is drawn between two steps needs both strings and what changes between them.
+#[test]
+fn growing_keeps_to_its_limit() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let grammar = Grammar::parse("axiom F(1)\nF(x) -> F(x) F(x*1.1)\n", "doubling").unwrap();
+    let never = AtomicBool::new(false);
+    let mut made = 0;
+    for mebibytes in [15, 25, 35, 45, 55, 90] {
+        let limits = Limits {
+            bytes: mebibytes << 20,
+            ..Limits::default()
+        };
+        let (growing, taken) = measured(|| Growing::new(&grammar, 20, &limits, &never));
+        match growing {
+            Ok(growing) => {
+                made += 1;
+                assert!(growing.bytes() <= limits.bytes, "{mebibytes} MiB");
+            }
+            Err(error) => {
+                let last = error.last_whole_step();
+                assert_eq!(last, Some(19), "{mebibytes} MiB: {error}");
+            }
+        }
+        // A few pages are more than the strings' own.
+        assert!(
+            taken <= limits.bytes + (1 << 20),
+            "{mebibytes} MiB: {taken} bytes"
+        );
+    }
+    assert!((1..6).contains(&made), "some have room: {made}");
 }

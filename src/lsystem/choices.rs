@@ -43,6 +43,11 @@ impl Choices {
         self.length
     }
 
+    /// Bytes that they take.
+    pub(super) fn bytes(&self) -> u64 {
+        self.packed.len() as u64
+    }
+
     /// One after the other.
     pub(super) fn iter(&self) -> impl Iterator<Item = u16> + '_ {
         (0..self.length).map(|at| self.get(at).unwrap_or(0))

@@ -18,7 +18,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::column::Column;
 use super::derive::{Limits, interpreted};
-use super::error::{DeriveError, DeriveProblem};
+use super::error::{DeriveError, DeriveProblem, Limit};
 use super::grammar::{Grammar, Role};
 use super::names::Symbol;
 use super::record::Recorded;
@@ -64,7 +64,7 @@ impl Growing {
     ) -> Result<Self, DeriveError> {
         let before = grammar.derive(step.saturating_sub(1), limits, cancel)?;
         if step == 0 {
-            return Self::of(grammar, 0, before.clone(), before, None);
+            return Self::of(grammar, 0, before, None);
         }
         Self::after(grammar, before, step, limits, cancel)
     }
@@ -80,18 +80,53 @@ impl Growing {
         limits: &Limits,
         cancel: &AtomicBool,
     ) -> Result<Self, DeriveError> {
-        let recorded = grammar.derive_recorded(&before, step, limits, cancel)?;
-        let after = recorded.string.clone();
-        Self::of(grammar, step, before, after, Some(&recorded))
+        match Self::recorded(grammar, &before, step, limits, cancel) {
+            Ok(recorded) => Self::of(grammar, step, before, Some(recorded)),
+            Err(mut error) => {
+                error.last = Some(Box::new((step.saturating_sub(1), before)));
+                Err(error)
+            }
+        }
+    }
+
+    /// The step's record, where the limits also hold what is made from it.
+    fn recorded(
+        grammar: &Grammar,
+        before: &ModuleString,
+        step: u32,
+        limits: &Limits,
+        cancel: &AtomicBool,
+    ) -> Result<Recorded, DeriveError> {
+        let room = Limits {
+            bytes: limits.bytes.saturating_sub(Recorded::starts_bytes(before)),
+            ..*limits
+        };
+        let recorded = grammar.derive_recorded(before, step, &room, cancel)?;
+        let after = &recorded.string;
+        let bytes = (recorded.bytes() + bytes_between(before, after)).saturating_add(after.bytes());
+        if bytes > limits.bytes {
+            let (modules, limit) = (after.len() as u64, Limit::Bytes(limits.bytes));
+            return Err(DeriveProblem::Limit {
+                step,
+                modules,
+                bytes,
+                limit,
+            }
+            .into());
+        }
+        Ok(recorded)
     }
 
     fn of(
         grammar: &Grammar,
         step: u32,
         before: ModuleString,
-        after: ModuleString,
-        recorded: Option<&Recorded>,
+        mut recorded: Option<Recorded>,
     ) -> Result<Self, DeriveError> {
+        let after = match &mut recorded {
+            Some(recorded) => std::mem::take(&mut recorded.string),
+            None => before.clone(),
+        };
         let mut changes = Vec::new();
         let bytes = (size_of::<Change>() * after.len()) as u64;
         changes
@@ -105,7 +140,7 @@ impl Growing {
             changes,
         };
         if let Some(recorded) = recorded {
-            growing.find_changes(grammar, recorded);
+            growing.find_changes(grammar, &recorded);
         }
         Ok(growing)
     }
@@ -125,8 +160,7 @@ impl Growing {
     /// Bytes that both strings and the changes between them take, and a picture's own parameters.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        let changes = (size_of::<Change>() as u64).saturating_mul(self.changes.len() as u64);
-        self.before.bytes() + 2 * self.after.bytes() + changes
+        bytes_between(&self.before, &self.after) + self.after.bytes()
     }
 
     /// The string of the step before.
@@ -136,17 +170,17 @@ impl Growing {
     }
 
     fn find_changes(&mut self, grammar: &Grammar, recorded: &Recorded) {
-        let symbols: Vec<Symbol> = self.after.symbols().collect();
+        let mut symbols: Vec<Symbol> = Vec::new();
         let mut offset = 0_u32;
         for (position, module) in self.before.iter().enumerate() {
             let range = recorded.successor(position);
-            let (Some(symbols), Some(changes)) =
-                (symbols.get(range.clone()), self.changes.get_mut(range))
-            else {
+            let (start, Some(changes)) = (range.start, self.changes.get_mut(range)) else {
                 continue;
             };
+            symbols.resize(changes.len(), 0);
+            self.after.symbols.read(start, &mut symbols);
             if recorded.production(position).is_some() || symbols != [module.symbol] {
-                change(grammar, module, offset, symbols, changes);
+                change(grammar, module, offset, &symbols, changes);
             }
             offset += u32::try_from(module.parameters.len()).unwrap_or(0);
         }
@@ -264,6 +298,12 @@ impl Growing {
             offset = end;
         }
     }
+}
+
+/// Bytes of two strings and of the changes between them.
+fn bytes_between(before: &ModuleString, after: &ModuleString) -> u64 {
+    let changes = (size_of::<Change>() as u64).saturating_mul(after.len() as u64);
+    before.bytes() + after.bytes() + changes
 }
 
 /// What becomes of a module's successor.

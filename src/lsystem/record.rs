@@ -29,6 +29,16 @@ pub struct Recorded {
 }
 
 impl Recorded {
+    /// Bytes of the places where successors begin in the record of a string's next step.
+    pub(super) fn starts_bytes(before: &ModuleString) -> u64 {
+        (before.len() as u64 + 1).saturating_mul(size_of::<u32>() as u64)
+    }
+
+    /// Bytes that it takes besides its string.
+    pub(super) fn bytes(&self) -> u64 {
+        self.choices.bytes() + (self.starts.len() * size_of::<u32>()) as u64
+    }
+
     /// Modules of the string before the step.
     #[must_use]
     pub fn len(&self) -> usize {
