@@ -5,9 +5,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 
+use std::cell::Cell;
 use std::hint::black_box;
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -141,5 +142,76 @@ fn history(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, derivation, sketch_sized, history);
+/// How long work goes on after it was cancelled, at any moment of it: strings of gigabytes, contexts, chance, drawing. The most of all
+/// moments is printed beside the figures, which are of all moments together.
+fn cancelling(criterion: &mut Criterion) {
+    const MOMENTS: u32 = 20;
+    let text = |name: &str| {
+        let found = systems().into_iter().find(|system| system.name == name);
+        Grammar::parse(&found.unwrap().grammar, name).unwrap()
+    };
+    let limits = Limits {
+        bytes: 8 << 30,
+        ..Limits::default()
+    };
+    let never = AtomicBool::new(false);
+    let derived = |name: &str, steps: u32| {
+        let (grammar, limits) = (text(name), &limits);
+        Box::new(move |cancel: &AtomicBool| drop(grammar.derive(steps, limits, cancel)))
+    };
+    let tree = Grammar::parse(HONDA, "honda.lsys").unwrap();
+    let string = tree.derive(20, &limits, &never).unwrap();
+    let params = TurtleParams::default();
+    let drawn = |cancel: &AtomicBool| drop(interpret(&tree, &string, &params, cancel));
+    type Work<'w> = Box<dyn Fn(&AtomicBool) + 'w>;
+    let works: Vec<(&str, Work<'_>)> = vec![
+        ("algae, 1.1 billion modules", derived("algae", 44)),
+        ("stoch, 49 million", derived("stoch", 13)),
+        ("hh, 17 million", derived("hh", 50)),
+        ("diffuse, 200 steps", derived("diffuse", 200)),
+        ("honda drawn, 1 million segments", Box::new(drawn)),
+    ];
+    let mut group = criterion.benchmark_group("cancelled");
+    group
+        .sample_size(10)
+        .measurement_time(Duration::from_secs(3));
+    for (name, work) in works {
+        let began = Instant::now();
+        work(&never);
+        let whole = began.elapsed();
+        let most = Cell::new(Duration::ZERO);
+        let moment = Cell::new(0);
+        group.bench_function(name, |bencher| {
+            bencher.iter_custom(|rounds| {
+                let mut spent = Duration::ZERO;
+                for _ in 0..rounds {
+                    moment.set(moment.get() % MOMENTS + 1);
+                    let cancel = AtomicBool::new(false);
+                    let delay = whole * moment.get() / (MOMENTS + 2);
+                    let cancelled = std::thread::scope(|scope| {
+                        let timer = scope.spawn(|| {
+                            std::thread::sleep(delay);
+                            cancel.store(true, Ordering::Relaxed);
+                            Instant::now()
+                        });
+                        work(&cancel);
+                        let ended = Instant::now();
+                        // Work that was done before is none to be cancelled.
+                        ended.saturating_duration_since(timer.join().unwrap())
+                    });
+                    most.set(most.get().max(cancelled));
+                    spent += cancelled.max(Duration::from_nanos(1));
+                }
+                spent
+            });
+        });
+        eprintln!(
+            "{name}: of {whole:.2?} at most {:.2?} after it was cancelled",
+            most.get()
+        );
+    }
+    group.finish();
+}
+
+criterion_group!(benches, derivation, sketch_sized, history, cancelling);
 criterion_main!(benches);
