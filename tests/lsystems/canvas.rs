@@ -1,11 +1,11 @@
 //! What the turtle draws besides the skeleton, as its canvas is told: outlines, spheres, placed shapes, colours, materials, cylinders.
 
 use std::fmt::Write as _;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use glam::{DQuat, DVec3};
 use ramus::lsystem::turtle::{Canvas, Cylinder, Drawn, Extent, Outline, Pen};
-use ramus::lsystem::{DeriveError, DeriveProblem, TurtleParams, draw_on};
+use ramus::lsystem::{DeriveError, DeriveProblem, TurtleParams, draw_on, interpret};
 use ramus::tree::NO_PARENT;
 
 use super::{derive, draw, parse};
@@ -279,4 +279,53 @@ fn frames_stay_rotations() {
     let grammar = parse(&format!("tropism 1 2 3\naxiom T(0.1){turns}\n"));
     let (params, cancel) = (TurtleParams::default(), AtomicBool::new(false));
     assert!(draw_on(&grammar, &derive(&grammar, 0), &params, &cancel, |_| Frames).is_ok());
+}
+
+/// Cancels the drawing at a segment, and counts on.
+struct Cancels<'c> {
+    cancel: &'c AtomicBool,
+    drawn: &'c AtomicU64,
+}
+
+impl Canvas for Cancels<'_> {
+    fn root(&mut self, _: &Pen, _: Drawn, _: f32) -> Result<u32, DeriveError> {
+        Ok(0)
+    }
+
+    fn segment(&mut self, _: &Pen, _: Drawn, _: DVec3, _: f32) -> Result<u32, DeriveError> {
+        let before = self.drawn.fetch_add(1, Ordering::Relaxed);
+        self.cancel
+            .fetch_or(before == CANCELLED_AT, Ordering::Relaxed);
+        Ok(0)
+    }
+}
+
+const CANCELLED_AT: u64 = 5_000;
+
+#[test]
+fn a_drawing_that_is_cancelled_soon_ends() {
+    let grammar = parse("axiom F\nF -> F[+F]F\n");
+    let string = derive(&grammar, 11);
+    let (params, cancel, drawn) = (
+        TurtleParams::default(),
+        AtomicBool::new(false),
+        AtomicU64::new(0),
+    );
+    let canvas = |_: &TurtleParams| Cancels {
+        cancel: &cancel,
+        drawn: &drawn,
+    };
+    let ended = draw_on(&grammar, &string, &params, &cancel, canvas).err();
+    assert!(ended.is_some_and(|error| error.is_cancelled()));
+    let more = drawn.into_inner() - CANCELLED_AT;
+    // Some tens of microseconds.
+    assert!(more < 1_100, "{more} segments after it was cancelled");
+    // In parts beside each other, and on a canvas that takes everything.
+    let cancelled = |ended: Option<DeriveError>| ended.is_some_and(|error| error.is_cancelled());
+    assert!(cancelled(
+        interpret(&grammar, &string, &params, &cancel).err()
+    ));
+    assert!(cancelled(
+        ramus::lsystem::draw(&grammar, &string, &params, &cancel).err()
+    ));
 }

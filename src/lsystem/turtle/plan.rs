@@ -106,7 +106,7 @@ pub(super) struct Branch {
 }
 
 /// What a string will draw.
-#[derive(Debug)]
+#[derive(Debug, PartialEq, Eq)]
 pub(super) struct Plan {
     /// Nodes beside the start.
     pub(super) nodes: usize,
@@ -179,13 +179,17 @@ impl Plan {
         if spans::serves(&counted) {
             return spans::plan(&counted, string, cancel);
         }
-        let outlines = outlines_before(&counted, string)?;
+        Self::by_chunks(&counted, string, cancel)
+    }
+
+    fn by_chunks(counted: &[Counted], string: &ModuleString, cancel: &AtomicBool) -> Option<Self> {
+        let outlines = outlines_before(counted, string)?;
         let chunks = for_width!(&string.symbols, symbols => each_chunk(symbols, |number, symbols| {
             if cancel.load(Ordering::Relaxed) {
                 return None;
             }
             let outlines = outlines.get(number).copied().unwrap_or(0);
-            Some(count(&counted, symbols, number * CHUNK, outlines))
+            Some(count(counted, symbols, number * CHUNK, outlines))
         }));
         let chunks: Option<Vec<Chunk>> = chunks.into_iter().collect();
         Some(Self::settled(&chunks?, counted.len()))
@@ -385,4 +389,67 @@ fn count<S: Cell>(counted: &[Counted], symbols: &[S], from: usize, outlines: usi
     chunk.cond.push(here.cond);
     (chunk.here, chunk.up) = (here, up);
     chunk
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test that fails shows the line")]
+    use std::fmt::Write as _;
+
+    use super::*;
+
+    /// A string of about so many modules, with branches of all sizes; `seed` says which.
+    fn text(length: usize, seed: u64) -> String {
+        let mut state = seed;
+        let mut random = move |below: u64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 33) % below
+        };
+        let (mut text, mut depth) = (String::from("axiom A"), 0_usize);
+        for at in 0..length {
+            // Now a time of opening, now of closing: branches reach over many blocks.
+            let opens = if at / 3000 % 2 == 0 { 3 } else { 1 };
+            match random(20) {
+                less if less < opens => {
+                    depth += 1;
+                    text.push('[');
+                }
+                less if less < 4 && depth > 0 => {
+                    depth -= 1;
+                    text.push(']');
+                }
+                4..8 => text.push('F'),
+                8 => text.push('G'),
+                9 => text.push('S'),
+                10 => text.push_str("S(1)"),
+                11 => {
+                    let _ = write!(text, "+({at})");
+                }
+                _ => text.push('A'),
+            }
+        }
+        text.push_str(&"]".repeat(depth));
+        text + "\nshape S = [(0 1 0) (0 1 0) (0.1 1 0)]\n"
+    }
+
+    #[test]
+    fn blocks_count_what_chunks_count() {
+        let never = AtomicBool::new(false);
+        let mut large = 0;
+        for (seed, length) in [0, 1, 63, 64, 65, 5_000, 40_000, 100_000, 100_001]
+            .iter()
+            .enumerate()
+        {
+            let grammar = Grammar::parse(&text(*length, seed as u64), "random").unwrap();
+            let counted = counted(&grammar, &actions(&grammar, &TurtleParams::default()));
+            assert!(spans::serves(&counted), "nothing lifts the pen");
+            let blocks = spans::plan(&counted, &grammar.axiom, &never).unwrap();
+            let chunks = Plan::by_chunks(&counted, &grammar.axiom, &never).unwrap();
+            assert_eq!(blocks, chunks, "{length} modules");
+            large += blocks.branches.len();
+        }
+        assert!(large > 20, "there are large branches: {large}");
+    }
 }
