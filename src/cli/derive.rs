@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, anyhow, bail};
-use clap::{Args as ClapArgs, ValueEnum};
+use clap::{ArgGroup, Args as ClapArgs, ValueEnum};
 
 use super::explain;
 use super::inputs::grammar_text;
@@ -27,6 +27,7 @@ use crate::tree::radii::{self, FitParams, RadiusParams};
 use crate::tree::{Drawing, Organs, tubes};
 
 #[derive(Debug, ClapArgs)]
+#[command(group(ArgGroup::new("made").args(["json", "export", "png"]).multiple(true)))]
 pub(super) struct Args {
     /// The grammar file (.lsys)
     file: PathBuf,
@@ -42,8 +43,8 @@ pub(super) struct Args {
     /// Print counts, sums and bounds as one JSON object on one line
     #[arg(long)]
     json: bool,
-    /// Count and measure the string as it comes, holding neither it nor a tree: for strings of any length, in the time that they take
-    #[arg(long, requires = "json", conflicts_with_all = ["print", "export", "png", "time"])]
+    /// Count, measure, draw and export the string as it comes, without holding it: for strings of any length, in the time that they take
+    #[arg(long, requires = "made", conflicts_with_all = ["print", "time"])]
     stream: bool,
     /// Say which production rewrote each module in a step: the last one, or STEP
     #[arg(long, value_name = "STEP", num_args = 0..=1, value_parser = explain::step(),
@@ -268,7 +269,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
         _ => None,
     };
     if args.stream {
-        return unwritten::stream(&grammar, steps, &limits, &named(), explain);
+        let (asked, name) = ((args.json, outputs().next().is_some()), named());
+        let (printed, drawing) =
+            unwritten::stream(&grammar, steps, &limits, asked, &name, explain)?;
+        return printed.and(drawing.map_or(Ok(()), |drawing| write(args, drawing, steps, &radii)));
     }
     if let Some(wanted) = wanted
         && unwritten::print(wanted, &grammar, steps, &limits, explain)?
@@ -335,10 +339,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
             args.time.unwrap_or(f64::from(steps))
         );
     }
+    printed.and(write(args, drawing, steps, &radii))
+}
+
+/// Writes the files that are asked for, if there is anything to write into them.
+fn write(args: &Args, drawing: Drawing, steps: u32, radii: &RadiusParams) -> Result<()> {
+    let outputs = || args.export.iter().chain(&args.png);
     let bare = drawing.tree.segment_count() == 0;
     let skeleton = outputs().find(|path| bare && is_skeleton(path));
     if (drawing.is_empty() && outputs().next().is_some()) || skeleton.is_some() {
-        printed?;
         let why = match skeleton {
             Some(path) if !drawing.is_empty() => {
                 format!(
@@ -355,8 +364,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         );
     }
     // What the tree itself takes is taken.
-    write_files(args, drawing, &radii, Budget::new(args, memory::room()))?;
-    printed
+    write_files(args, drawing, radii, Budget::new(args, memory::room()))
 }
 
 /// What a drawing has besides segments, as a part of a sentence.

@@ -1,4 +1,4 @@
-//! What `ramus derive --print` prints of a string that is not written down: counts, growth, and the text of one that does not fit.
+//! What `ramus derive` makes of a string that is not written down: counts, growth, the text of one that does not fit, a drawing.
 
 use std::io::Write as _;
 use std::sync::atomic::AtomicBool;
@@ -8,8 +8,9 @@ use anyhow::{Context as _, Result, bail};
 use super::print_result;
 use super::progress::Progress;
 use crate::lsystem::report::Report;
-use crate::lsystem::turtle::streams;
-use crate::lsystem::{DeriveError, Grammar, Limits, TurtleParams};
+use crate::lsystem::turtle::{stream_on, streams};
+use crate::lsystem::{DeriveError, DrawingCanvas, Grammar, Limits, TurtleParams};
+use crate::tree::Drawing;
 
 /// What is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,14 +59,16 @@ pub(super) fn print(
     Ok(true)
 }
 
-/// Prints the JSON object of a string that is drawn as it comes.
+/// Draws a string as it comes: prints its JSON object, and gives what is drawn, where each is asked for. Whether the printing failed is
+/// told with the drawing: a full standard output must not cost the files.
 pub(super) fn stream(
     grammar: &Grammar,
     steps: u32,
     limits: &Limits,
+    (json, drawing): (bool, bool),
     name: &str,
     explain: impl Fn(DeriveError) -> anyhow::Error,
-) -> Result<()> {
+) -> Result<(Result<()>, Option<Drawing>)> {
     let never = AtomicBool::new(false);
     let unwritten = grammar.unwritten(steps, limits, &never).map_err(&explain)?;
     let Some(string) = unwritten.filter(|_| streams(grammar)) else {
@@ -77,12 +80,24 @@ pub(super) fn stream(
         limits: *limits,
         ..TurtleParams::default()
     };
-    let report = Progress::during("drawing with the turtle", || {
-        Report::streamed(grammar, string.iter(), steps, &params, &never)
-    })
-    .map_err(&explain)?;
-    let json = report.to_json().with_context(|| name.to_owned())?;
-    print_result("the JSON", |out| writeln!(out, "{json}"))
+    let mut printed = Ok(());
+    if json {
+        let report = Progress::during("measuring with the turtle", || {
+            Report::streamed(grammar, string.iter(), steps, &params, &never)
+        });
+        let json = report.map_err(&explain)?.to_json();
+        let json = json.with_context(|| name.to_owned())?;
+        printed = print_result("the JSON", |out| writeln!(out, "{json}"));
+    }
+    if !drawing {
+        return Ok((printed, None));
+    }
+    let canvas = DrawingCanvas::new(grammar, &params);
+    let drawn = Progress::during("drawing with the turtle", || {
+        stream_on(grammar, string.iter(), &params, &never, canvas)
+    });
+    let drawing = drawn.map_err(&explain)?.finish();
+    Ok((printed, Some(drawing)))
 }
 
 /// Prints the modules of each step as soon as it is derived, for as long as somebody reads them.

@@ -10,9 +10,12 @@ use std::ops::{Deref, DerefMut};
 
 use bytemuck::Pod;
 use memmap2::MmapMut;
+use rayon::prelude::*;
 
-/// Arrays of so many bytes are mapped: a huge page.
-const MAPPED_FROM: usize = 2 << 20;
+/// Bytes of a huge page.
+const HUGE_PAGE: usize = 2 << 20;
+/// Arrays of so many bytes are mapped.
+const MAPPED_FROM: usize = HUGE_PAGE;
 
 /// An array of numbers, used as a slice is. One that is large from the start lies in huge pages; one that grows by what is added to
 /// it is a vector.
@@ -77,6 +80,16 @@ impl<T: Pod> Cells<T> {
         match &self.0 {
             Heap(own) => own.capacity(),
             Mapped(pages, _) => pages.len() / size_of::<T>().max(1),
+        }
+    }
+
+    /// Has all threads touch the pages of an array of zeros, where it is a single thread that will write it: else that one waits for
+    /// the system at each page.
+    pub fn touch(&mut self) {
+        if let Mapped(pages, _) = &mut self.0 {
+            let each = pages.par_chunks_mut(HUGE_PAGE);
+            each.filter_map(|page| page.first_mut())
+                .for_each(|byte| *byte = 0);
         }
     }
 

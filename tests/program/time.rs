@@ -65,4 +65,53 @@ fn a_streamed_string_is_told_as_any_other() {
         .output()
         .unwrap();
     refused(&output, &["--stream", "derived"]);
+    let output = ramus()
+        .args(["derive", HONDA, "--stream"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2), "nothing is asked for");
+}
+
+#[test]
+fn a_streamed_string_is_exported_as_any_other() {
+    let folder = folder();
+    let fern = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/grammars/fern.lsys");
+    for grammar in [HONDA, fern] {
+        let files =
+            |name: &str| ["glb", "obj"].map(|kind| folder.path().join(format!("{name}.{kind}")));
+        let export = |name: &str, more: &[&str]| {
+            let [glb, obj] = files(name);
+            let mut command = ramus();
+            command
+                .args(["derive", grammar, "--export"])
+                .arg(&glb)
+                .arg("--export")
+                .arg(&obj);
+            succeed(command.args(more));
+            // What a file says of itself may be its name.
+            [glb, obj].map(|file| {
+                let bytes = std::fs::read(file).unwrap();
+                String::from_utf8_lossy(&bytes).replace(name, "it")
+            })
+        };
+        assert!(
+            export("whole", &[]) == export("streamed", &["--stream", "--json"]),
+            "{grammar}"
+        );
+    }
+    // A string that does not fit, of which little is drawn.
+    let file = folder.path().join("sparse.lsys");
+    std::fs::write(&file, "steps 25\naxiom A F [+F] F\nA -> A A\n").unwrap();
+    let picture = folder.path().join("sparse.swc");
+    let mut command = ramus();
+    command
+        .arg("derive")
+        .arg(&file)
+        .args(["--memory", "64", "--export"])
+        .arg(&picture);
+    refused(&command.output().unwrap(), &["64 MiB"]);
+    succeed(command.arg("--stream"));
+    let swc = std::fs::read_to_string(&picture).unwrap();
+    let points = swc.lines().filter(|line| !line.starts_with('#')).count();
+    assert_eq!(points, 4, "the root and three segments");
 }

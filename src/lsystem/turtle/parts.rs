@@ -47,6 +47,9 @@ pub(super) fn tree(
         let nodes = nodes as u64;
         DeriveError::from(DeriveProblem::DrawingMemory { nodes })
     })?;
+    if plan.branches.is_empty() && pays_in_parallel(nodes) {
+        touch(&mut tree);
+    }
     let letter_of = letters(grammar, &plan, &mut tree);
     let work = Work {
         grammar,
@@ -110,6 +113,16 @@ fn empty(nodes: usize) -> Option<Tree> {
         birth: Cells::zeroed(nodes)?,
         letters: Vec::new(),
     })
+}
+
+/// Has all threads touch the memory that one will write.
+fn touch(tree: &mut Tree) {
+    tree.parent.touch();
+    tree.position.touch();
+    tree.radius.touch();
+    tree.letter.touch();
+    tree.order.touch();
+    tree.birth.touch();
 }
 
 /// Names the tree's letters, in the order in which they first draw; returns them by symbol.
