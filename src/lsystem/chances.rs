@@ -27,6 +27,8 @@ struct Row {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Chances {
     rows: Vec<Row>,
+    /// Whether any symbol has more than one.
+    pub(crate) draws: bool,
 }
 
 impl Chances {
@@ -51,7 +53,9 @@ impl Chances {
             Some(row)
         };
         let rows: Option<Vec<Row>> = symbols.map(row).collect();
-        Some(Self { rows: rows? })
+        let rows = rows?;
+        let draws = rows.iter().any(|row| row.bounds != [NEVER; MOST - 1]);
+        Some(Self { rows, draws })
     }
 
     /// The choice of a symbol that a draw means.

@@ -232,7 +232,7 @@ pub(crate) struct RuleSet {
     /// For each symbol its productions, best first.
     pub(crate) by_symbol: Vec<Vec<u16>>,
     plans: Vec<Plan>,
-    /// Where no more than a draw is needed to choose any module's production, and a table says which.
+    /// Where no more than a draw is needed to choose any module's production: the table that says which.
     pub(crate) chances: Option<Chances>,
     /// For each symbol whose plan is [`Plan::Near`] its productions, best first.
     near: Vec<Vec<Near>>,
@@ -277,10 +277,10 @@ fn table(plans: &[Plan], near: &[Vec<Near>]) -> Option<NearTable> {
     Some(table)
 }
 
-/// The table of what chance alone decides; none where anything else decides a module's production, or nothing is drawn.
+/// The table of what chance alone decides, or nothing at all; none where anything else decides a module's production.
 fn chances(plans: &[Plan], weighted: &[Vec<Bound>]) -> Option<Chances> {
     let drawn = |plan: &Plan| matches!(plan, Plan::Stay | Plan::Always(_) | Plan::Draw);
-    if !plans.iter().all(drawn) || !plans.contains(&Plan::Draw) {
+    if !plans.iter().all(drawn) {
         return None;
     }
     let always = |plan: &Plan| match plan {

@@ -407,7 +407,7 @@ impl<'a> Round<'a> {
         Ok(size)
     }
 
-    /// [`Self::count`] where each module's symbol and a draw decide.
+    /// [`Self::count`] where each module's symbol and, at most, a draw decide.
     fn count_drawn<S: Narrow>(
         &self,
         chances: &Chances,
@@ -420,7 +420,8 @@ impl<'a> Round<'a> {
         let has_parameters = !indexed.parameters.is_empty();
         let symbols = indexed.symbols.get(from..).unwrap_or(&[]);
         for (at, (cell, choice)) in (from..).zip(symbols.iter().zip(choices)) {
-            let chosen = chances.choice((*cell).into(), key.choice(at));
+            let draw = if chances.draws { key.choice(at) } else { 0 };
+            let chosen = chances.choice((*cell).into(), draw);
             *choice = S::of(u32::from(chosen));
             let (modules, parameters) = self.rules.made(chosen);
             let stays = chosen == STAYS;
