@@ -71,15 +71,17 @@ pictures:
 
 # libFuzzer's instrumentation needs unstable compiler flags: a stable toolchain takes
 # them with RUSTC_BOOTSTRAP. Finds are left in fuzz/artifacts; what the fuzzer
-# learned stays in target/fuzz-corpus, the seeds in fuzz/corpus are ours.
+# learned stays in target/fuzz-corpus, the seeds in fuzz/corpus are ours, and all grammars are seeds for what reads grammars.
 .PHONY: fuzz
 fuzz:
 	@scripts/setup.sh fuzz
 	@for target in $(FUZZ); do \
 		echo "fuzz: $$target, $(FUZZ_SECONDS) s"; \
 		mkdir -p "$(CARGO_TARGET_DIR)/fuzz-corpus/$$target"; \
+		seeds="fuzz/corpus/$$target"; \
+		case $$target in grammar|dialect|format) seeds="$$seeds assets/grammars";; esac; \
 		RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="$(CARGO_TARGET_DIR)/fuzz" $(CARGO) fuzz run $$target \
-			"$(CARGO_TARGET_DIR)/fuzz-corpus/$$target" "fuzz/corpus/$$target" -- \
+			"$(CARGO_TARGET_DIR)/fuzz-corpus/$$target" $$seeds -- \
 			-max_total_time=$(FUZZ_SECONDS) -timeout=10 -rss_limit_mb=2048 -max_len=16384 -print_final_stats=0; \
 	done
 

@@ -250,27 +250,36 @@ impl<'r, 'a, 's, S: Narrow> Choosing<'r, 'a, 's, S> {
         })
     }
 
-    /// Has the production of a module looked for, of which the first candidate is given.
+    /// Has the productions of modules in a row looked for, of which the first candidate is given, and where the parameters of the first
+    /// begin and how many each has.
     #[inline]
     pub(super) fn add(
         &mut self,
         first: u16,
-        at: usize,
-        offset: usize,
-        choice: &'s mut S,
+        mut at: usize,
+        (mut offset, arity): (usize, usize),
+        mut row: &'s mut [S],
     ) -> Result<(), DeriveError> {
-        let Some(waiting) = self.waiting.get_mut(usize::from(first)) else {
-            return Ok(());
-        };
-        waiting.places.push(at, offset);
-        waiting.choices.push(choice);
-        if waiting.choices.len() >= LANES {
-            let mut full = std::mem::take(waiting);
-            self.decide(first, &mut full)?;
-            full.places.clear();
-            full.choices.clear();
-            if let Some(waiting) = self.waiting.get_mut(usize::from(first)) {
-                *waiting = full;
+        while !row.is_empty() {
+            let Some(waiting) = self.waiting.get_mut(usize::from(first)) else {
+                return Ok(());
+            };
+            let count = row.len().min(LANES.saturating_sub(waiting.choices.len()));
+            let own;
+            (own, row) = row.split_at_mut(count);
+            waiting.places.at.extend(at..at + count);
+            let offsets = (0..count).map(|number| offset + number * arity);
+            waiting.places.offset.extend(offsets);
+            waiting.choices.extend(own);
+            (at, offset) = (at + count, offset + count * arity);
+            if waiting.choices.len() >= LANES {
+                let mut full = std::mem::take(waiting);
+                self.decide(first, &mut full)?;
+                full.places.clear();
+                full.choices.clear();
+                if let Some(waiting) = self.waiting.get_mut(usize::from(first)) {
+                    *waiting = full;
+                }
             }
         }
         Ok(())

@@ -220,13 +220,28 @@ impl Function {
                 (low + (draws.unit() * (high - low + 1.0)).floor()).min(high)
             }
             Fun::Chance if (0.0..=1.0).contains(&a) => truth(draws.unit() < a),
-            _ => return Err(ValueProblem::BadDraw),
+            drawn => return Err(drawn.bad_draw()),
         };
         if value.is_nan() {
             Err(ValueProblem::NotANumber)
         } else {
             Ok(value)
         }
+    }
+
+    /// That its arguments describe no distribution.
+    #[cold]
+    fn bad_draw(self) -> ValueProblem {
+        let wants = match self {
+            Fun::Uniform => "its lower bound first",
+            Fun::Normal => "a spread of 0 or more",
+            Fun::Lognormal => "a mean above 0 and a spread of 0 or more",
+            Fun::Integer => {
+                "a whole number between its bounds, the lower one first, both below 9e15"
+            }
+            _ => "a number from 0 to 1",
+        };
+        ValueProblem::BadDraw(FUNCTIONS[self as usize].0, wants)
     }
 
     /// How many arguments it takes.

@@ -357,11 +357,9 @@ pub enum ValueProblem {
     /// Beyond the range of f64, or `log(0)`.
     #[error("a value is larger than a number can be")]
     Overflow,
-    /// A random draw with parameters that describe no distribution.
-    #[error(
-        "a random draw has impossible parameters (a spread below 0, bounds the wrong way round, a mean of lognormal not above 0, a chance outside 0 to 1)"
-    )]
-    BadDraw,
+    /// A random draw with parameters that describe no distribution: the function, and what it wants.
+    #[error("the draw `{0}` has impossible parameters: it wants {1}")]
+    BadDraw(&'static str, &'static str),
     /// A weight below zero, or all of them zero.
     #[error("the weights of the matching productions are negative or all zero")]
     BadWeight,

@@ -323,14 +323,16 @@ impl<'a> Round<'a> {
         let symbol = string.symbols.cell_bytes();
         let choices = self.choices_bytes(string.len() as u64);
         let birth = bytes_up_to(self.step).max(string.births.cell_bytes());
-        let bytes = string_bytes(symbol + birth, modules, parameters)
+        let own = string_bytes(symbol + birth, modules, parameters);
+        let all = own
             .saturating_add(string.bytes())
             .saturating_add(index + choices);
         let most = self.limits.modules.min(u64::from(u32::MAX));
-        let limit = if modules > most {
-            Limit::Modules(most)
-        } else if bytes > self.limits.bytes {
-            Limit::Bytes(self.limits.bytes)
+        let (limit, bytes) = if modules > most {
+            // However the string is derived, this is said in the same words.
+            (Limit::Modules(most), own)
+        } else if all > self.limits.bytes {
+            (Limit::Bytes(self.limits.bytes), all)
         } else {
             return Ok(());
         };
@@ -365,27 +367,39 @@ impl<'a> Round<'a> {
             return Ok(self.count_drawn(chances, work.choice_key, indexed, from, choices));
         }
         let mut choosing = Choosing::new(self, indexed);
-        let mut offset = parameters_from;
-        let symbols = indexed.symbols.get(from..).unwrap_or(&[]);
-        for (at, (cell, choice)) in (from..).zip(symbols.iter().zip(choices.iter_mut())) {
-            let symbol: Symbol = (*cell).into();
-            let (arity, own) = (indexed.arity(*cell), offset);
-            offset += arity;
-            let chosen = match self.rules.plan(symbol) {
-                Plan::Stay => STAYS,
-                Plan::Always(number) => number + 1,
-                Plan::Near => near(indexed, self.rules.near(symbol), at),
-                Plan::Draw => work.pick(self.rules.weighted(symbol), at),
-                Plan::Choose(first) => {
-                    if let Some(choosing) = &mut choosing {
-                        choosing.add(first, at, own, choice)?;
-                        continue;
+        let (mut at, mut offset) = (from, parameters_from);
+        let end = from + choices.len();
+        let symbols = indexed.symbols.get(from..end).unwrap_or(&[]);
+        // Neighbours of one symbol are worked on together.
+        let (mut rest, mut places) = (symbols, &mut *choices);
+        while let Some(&cell) = rest.first() {
+            let alike = rest.iter().take_while(|other| **other == cell).count();
+            let row;
+            (row, places) = places.split_at_mut(alike);
+            rest = rest.get(alike..).unwrap_or(&[]);
+            let (symbol, arity): (Symbol, usize) = (cell.into(), indexed.arity(cell));
+            let numbered = (at..).zip(row.iter_mut());
+            match self.rules.plan(symbol) {
+                Plan::Stay => row.fill(S::of(u32::from(STAYS))),
+                Plan::Always(number) => row.fill(S::of(u32::from(number + 1))),
+                Plan::Near => numbered.for_each(|(at, choice)| {
+                    *choice = S::of(u32::from(near(indexed, self.rules.near(symbol), at)));
+                }),
+                Plan::Draw => numbered.for_each(|(at, choice)| {
+                    *choice = S::of(u32::from(work.pick(self.rules.weighted(symbol), at)));
+                }),
+                Plan::Choose(first) => match &mut choosing {
+                    Some(choosing) => choosing.add(first, at, (offset, arity), row)?,
+                    None => {
+                        for (own, (at, choice)) in (offset..).step_by(arity.max(1)).zip(numbered) {
+                            let values = indexed.parameters.get(own..own + arity);
+                            let chosen = work.choose(symbol, at, own, values.unwrap_or(&[]))?;
+                            *choice = S::of(u32::from(chosen));
+                        }
                     }
-                    let values = indexed.parameters.get(own..own + arity);
-                    work.choose(symbol, at, own, values.unwrap_or(&[]))?
-                }
-            };
-            *choice = S::of(u32::from(chosen));
+                },
+            }
+            (at, offset) = (at + alike, offset + alike * arity);
         }
         if let Some(choosing) = choosing {
             choosing.finish()?;

@@ -545,6 +545,31 @@ fn fails(text: &str, steps: u32, limits: &Limits) -> DeriveError {
         .expect_err(text)
 }
 
+/// A step of too many modules is refused in the same words, whether strings are derived from the axiom or one by one.
+#[test]
+fn too_many_modules_are_too_many_either_way() {
+    let limits = Limits {
+        modules: 5_000,
+        ..Limits::default()
+    };
+    for text in [
+        "axiom B\nB -> BBBB\n",
+        "axiom B(1)A\nB(x) -> B(x)AB(x)B(2)\n",
+    ] {
+        let (grammar, never) = (parse(text), AtomicBool::new(false));
+        let mut string = derive(&grammar, 0);
+        let refused = (1..).find_map(|step| {
+            match grammar.derive_next(&string, step, &limits, &never) {
+                Ok(following) => string = following,
+                Err(error) => return Some(error),
+            }
+            None
+        });
+        let error = fails(text, 9, &limits);
+        assert_eq!(error.to_string(), refused.unwrap().to_string(), "{text}");
+    }
+}
+
 /// Values that cannot be: the production, its place and the step are named, and the last whole step is kept.
 #[test]
 fn values_that_cannot_be() {
@@ -575,7 +600,26 @@ fn values_that_cannot_be() {
         ),
         (
             "axiom A(3)\nB -> C\nA(x) -> A(x-1)B(uniform(1, x-1))\n",
-            ValueProblem::BadDraw,
+            ValueProblem::BadDraw("uniform", "its lower bound first"),
+        ),
+        (
+            "axiom A(3)\nB -> C\nA(x) -> A(x-1)B(normal(1, x-2))\n",
+            ValueProblem::BadDraw("normal", "a spread of 0 or more"),
+        ),
+        (
+            "axiom A(3)\nB -> C\nA(x) -> A(x-1)B(lognormal(x-2, 1))\n",
+            ValueProblem::BadDraw("lognormal", "a mean above 0 and a spread of 0 or more"),
+        ),
+        (
+            "axiom A(3)\nB -> C\nA(x) -> A(x-1)B(integer(1.1, x-1.1))\n",
+            ValueProblem::BadDraw(
+                "integer",
+                "a whole number between its bounds, the lower one first, both below 9e15",
+            ),
+        ),
+        (
+            "axiom A(3)\nB -> C\nA(x) -> A(x-1)B(chance(x-2.5))\n",
+            ValueProblem::BadDraw("chance", "a number from 0 to 1"),
         ),
     ] {
         let error = fails(text, 9, &Limits::default());
