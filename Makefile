@@ -71,13 +71,15 @@ pictures:
 
 # libFuzzer's instrumentation needs unstable compiler flags: a stable toolchain takes
 # them with RUSTC_BOOTSTRAP. Finds are left in fuzz/artifacts; what the fuzzer
-# learned stays in target/fuzz-corpus, the seeds in fuzz/corpus are ours, and all grammars are seeds for what reads grammars.
+# learned stays in target/fuzz-corpus; fuzz/corpus has seeds of ours and, packed, the short inputs of what an hour taught it. All grammars
+# are seeds for what reads grammars.
 .PHONY: fuzz
 fuzz:
 	@scripts/setup.sh fuzz
 	@for target in $(FUZZ); do \
 		echo "fuzz: $$target, $(FUZZ_SECONDS) s"; \
 		mkdir -p "$(CARGO_TARGET_DIR)/fuzz-corpus/$$target"; \
+		[ ! -r "fuzz/corpus/$$target.tar.gz" ] || tar -xzf "fuzz/corpus/$$target.tar.gz" -C "$(CARGO_TARGET_DIR)/fuzz-corpus"; \
 		seeds="fuzz/corpus/$$target"; \
 		case $$target in grammar|dialect|format) seeds="$$seeds assets/grammars";; esac; \
 		RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="$(CARGO_TARGET_DIR)/fuzz" $(CARGO) fuzz run $$target \
