@@ -352,3 +352,28 @@ fn of_many_faults_the_first_is_told() {
         assert!(told, "{productions}: {problem}");
     }
 }
+
+/// A step of too many modules is refused in the same words, whether strings are derived from the axiom or one by one.
+#[test]
+fn too_many_modules_are_too_many_either_way() {
+    let limits = Limits {
+        modules: 5_000,
+        ..Limits::default()
+    };
+    for text in [
+        "axiom B\nB -> BBBB\n",
+        "axiom B(1)A\nB(x) -> B(x)AB(x)B(2)\n",
+    ] {
+        let (grammar, never) = (parse(text), AtomicBool::new(false));
+        let mut string = derive(&grammar, 0);
+        let refused = (1..).find_map(|step| {
+            match grammar.derive_next(&string, step, &limits, &never) {
+                Ok(following) => string = following,
+                Err(error) => return Some(error),
+            }
+            None
+        });
+        let error = grammar.derive(9, &limits, &never).expect_err(text);
+        assert_eq!(error.to_string(), refused.unwrap().to_string(), "{text}");
+    }
+}

@@ -545,31 +545,6 @@ fn fails(text: &str, steps: u32, limits: &Limits) -> DeriveError {
         .expect_err(text)
 }
 
-/// A step of too many modules is refused in the same words, whether strings are derived from the axiom or one by one.
-#[test]
-fn too_many_modules_are_too_many_either_way() {
-    let limits = Limits {
-        modules: 5_000,
-        ..Limits::default()
-    };
-    for text in [
-        "axiom B\nB -> BBBB\n",
-        "axiom B(1)A\nB(x) -> B(x)AB(x)B(2)\n",
-    ] {
-        let (grammar, never) = (parse(text), AtomicBool::new(false));
-        let mut string = derive(&grammar, 0);
-        let refused = (1..).find_map(|step| {
-            match grammar.derive_next(&string, step, &limits, &never) {
-                Ok(following) => string = following,
-                Err(error) => return Some(error),
-            }
-            None
-        });
-        let error = fails(text, 9, &limits);
-        assert_eq!(error.to_string(), refused.unwrap().to_string(), "{text}");
-    }
-}
-
 /// Values that cannot be: the production, its place and the step are named, and the last whole step is kept.
 #[test]
 fn values_that_cannot_be() {
