@@ -49,7 +49,9 @@ impl ContextIndex {
         let mut index = Self::default();
         let looks = rules.looks;
         let skipped = |symbol: &S| grammar.role((*symbol).into()) != Role::Module;
-        if !grammar.literal && symbols.iter().any(skipped) {
+        // The string is not looked through where the grammar has nothing to skip.
+        let skips = !grammar.literal && grammar.roles.iter().any(|role| *role != Role::Module);
+        if skips && symbols.iter().any(skipped) {
             if looks.left || looks.right {
                 let lengths = rules
                     .rules
