@@ -128,6 +128,11 @@ fn growing_keeps_to_its_limit() {
             Err(error) => {
                 let last = error.last_whole_step();
                 assert_eq!(last, Some(19), "{mebibytes} MiB: {error}");
+                let limit = format!("limit of {} bytes", limits.bytes);
+                assert!(
+                    error.to_string().contains(&limit),
+                    "{mebibytes} MiB: {error}"
+                );
             }
         }
         // A few pages are more than the strings' own.

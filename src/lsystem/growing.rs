@@ -97,11 +97,25 @@ impl Growing {
         limits: &Limits,
         cancel: &AtomicBool,
     ) -> Result<Recorded, DeriveError> {
+        let starts = Recorded::starts_bytes(before);
         let room = Limits {
-            bytes: limits.bytes.saturating_sub(Recorded::starts_bytes(before)),
+            bytes: limits.bytes.saturating_sub(starts),
             ..*limits
         };
-        let recorded = grammar.derive_recorded(before, step, &room, cancel)?;
+        let recorded = grammar.derive_recorded(before, step, &room, cancel);
+        let recorded = recorded.map_err(|mut error| {
+            // What the record takes is told with the rest, and the limit as it was given.
+            if let DeriveProblem::Limit {
+                bytes,
+                limit: Limit::Bytes(limit),
+                ..
+            } = error.problem.as_mut()
+            {
+                *bytes = bytes.saturating_add(starts);
+                *limit = limits.bytes;
+            }
+            error
+        })?;
         let after = &recorded.string;
         let bytes = (recorded.bytes() + bytes_between(before, after)).saturating_add(after.bytes());
         if bytes > limits.bytes {
