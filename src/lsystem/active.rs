@@ -13,6 +13,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::choice::Worker;
+use super::column::{Cell, for_width};
 use super::context::{Base, Modules};
 use super::derive::{Limits, decomposed, productions};
 use super::error::DeriveError;
@@ -112,10 +113,18 @@ impl<'g> Chain<'g> {
 
     /// [`Self::new`] for an axiom; `None`, too, where the list would be busy at once.
     pub(crate) fn start(grammar: &'g Grammar, axiom: &ModuleString) -> Option<Self> {
-        let productions = |symbol| grammar.rules.by_symbol.get(usize::from(symbol));
-        let is_active = |symbol| productions(symbol).is_some_and(|rules| !rules.is_empty());
-        let active = axiom.iter().filter(|module| is_active(module.symbol));
-        let is_busy = axiom.len() > SHORT && active.count() > axiom.len() / RESTING;
+        if !Self::fits(grammar) || axiom.len() > LONG {
+            return None;
+        }
+        let is_active: Vec<bool> = grammar
+            .rules
+            .by_symbol
+            .iter()
+            .map(|rules| !rules.is_empty())
+            .collect();
+        let active = |symbol: usize| is_active.get(symbol) == Some(&true);
+        let active = for_width!(&axiom.symbols, symbols => symbols.iter().filter(|s| active(s.index())).count());
+        let is_busy = axiom.len() > SHORT && active > axiom.len() / RESTING;
         if is_busy {
             None
         } else {

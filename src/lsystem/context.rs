@@ -7,14 +7,18 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use rayon::prelude::*;
+
 use super::column::Narrow;
 use super::grammar::{Grammar, Pattern, Role, Rule, RuleSet};
 use super::names::Symbol;
 use super::neighbours::{NOTHING, Seams, Side, Sides};
 use super::string::{arity_of, parameters_of};
 
-/// Modules between two entries of the index of parameters.
+/// Modules between two entries of the index of parameters,
 const BLOCK: usize = 8;
+/// and of a stretch, at whose beginning they count anew.
+const STRETCH: usize = 8192;
 /// Modules that may be visited between two looks at the cancel flag.
 const VISITS_BETWEEN_CHECKS: u32 = 1 << 16;
 /// Modules between two looks at the cancel flag while an index is made.
@@ -27,14 +31,61 @@ pub(crate) struct ContextIndex {
     pub(super) seams: Option<Seams>,
     /// For each bracket the place of its partner.
     partner: Vec<u32>,
-    /// Where the parameters of every `BLOCK`th module begin.
-    blocks: Vec<u64>,
+    /// Where the parameters of any module begin.
+    starts: Starts,
+}
+
+/// Where the parameters of every `BLOCK`th module begin: in its stretch of `STRETCH` modules,
+#[derive(Debug, Default)]
+struct Starts {
+    within: Vec<u32>,
+    /// and where those of each stretch begin.
+    stretches: Vec<usize>,
+}
+
+impl Starts {
+    fn new<S: Narrow>(arity: &[u8], symbols: &[S], parallel: bool) -> Self {
+        let mut within = vec![0; symbols.len().div_ceil(BLOCK)];
+        let fill = |(starts, symbols): (&mut [u32], &[S])| {
+            let mut offset = 0;
+            for (start, block) in starts.iter_mut().zip(symbols.chunks(BLOCK)) {
+                *start = u32::try_from(offset).unwrap_or(u32::MAX);
+                offset += parameters_of(arity, block);
+            }
+            offset
+        };
+        let lengths: Vec<usize> = if parallel {
+            let starts = within.par_chunks_mut(STRETCH / BLOCK);
+            starts.zip(symbols.par_chunks(STRETCH)).map(fill).collect()
+        } else {
+            let starts = within.chunks_mut(STRETCH / BLOCK);
+            starts.zip(symbols.chunks(STRETCH)).map(fill).collect()
+        };
+        let stretches = sums_before(lengths);
+        Self { within, stretches }
+    }
+
+    /// The start of a block.
+    fn of(&self, block: usize) -> usize {
+        let stretch = self.stretches.get(block / (STRETCH / BLOCK));
+        let within = self.within.get(block).map_or(0, |start| *start as usize);
+        stretch.copied().unwrap_or(0) + within
+    }
+}
+
+/// For each length the sum of those before it.
+pub(super) fn sums_before(mut lengths: Vec<usize>) -> Vec<usize> {
+    let mut sum = 0;
+    for length in &mut lengths {
+        sum += std::mem::replace(length, sum);
+    }
+    lengths
 }
 
 impl ContextIndex {
     /// Bytes that it takes.
     pub(crate) fn bytes(&self) -> u64 {
-        let arrays = 4 * self.partner.len() + 8 * self.blocks.len();
+        let arrays = 4 * (self.partner.len() + self.starts.within.len());
         self.seams.as_ref().map_or(0, Seams::bytes) + arrays as u64
     }
 
@@ -65,12 +116,7 @@ impl ContextIndex {
             }
         }
         if looks.binds {
-            let mut offset = 0_u64;
-            index.blocks.reserve_exact(symbols.len() / BLOCK + 1);
-            for block in symbols.chunks(BLOCK) {
-                index.blocks.push(offset);
-                offset += parameters_of(&grammar.arity, block) as u64;
-            }
+            index.starts = Starts::new(&grammar.arity, symbols, chunks.1);
         }
         Some(index)
     }
@@ -206,13 +252,8 @@ impl<S: Narrow> Indexed<'_, S> {
     /// Where the parameters of the module at `at` begin.
     fn offset(&self, at: usize) -> usize {
         let block = at / BLOCK;
-        let start = self
-            .index
-            .blocks
-            .get(block)
-            .map_or(0, |o| usize::try_from(*o).unwrap_or(usize::MAX));
         let before = self.symbols.get(block * BLOCK..at).unwrap_or(&[]);
-        start + parameters_of(self.arity, before)
+        self.index.starts.of(block) + parameters_of(self.arity, before)
     }
 }
 

@@ -17,7 +17,7 @@ use super::chances::Chances;
 use super::choice::{Worker, near};
 use super::choices::{Choices, pack, unpack};
 use super::column::{Cell, Column, Narrow, bytes_up_to};
-use super::context::{ContextIndex, Indexed, Window};
+use super::context::{ContextIndex, Indexed, Window, sums_before};
 use super::derive::Limits;
 use super::error::{DeriveError, DeriveProblem, Limit, ValueProblem};
 use super::grammar::{Grammar, NearTable, Plan, Rule, RuleSet};
@@ -29,7 +29,7 @@ use super::string::{ModuleString, parameters_of, string_bytes};
 /// Modules of a chunk.
 const CHUNK: usize = 8192;
 /// Strings shorter than this are rewritten on the calling thread.
-const PARALLEL_FROM: usize = 4 * CHUNK;
+const PARALLEL_FROM: usize = 2 * CHUNK;
 /// Modules that are looked at together, to see whether they are all alike.
 const RUN: usize = 16;
 /// Choice of a module that stays as it is; productions are numbered from 1.
@@ -169,7 +169,7 @@ impl<'a> Round<'a> {
                 false => Window::default(),
             },
         };
-        let parameter_starts = parameter_starts(string, symbols);
+        let parameter_starts = parameter_starts(string, symbols, parallel);
         let start_of = |chunk: usize| parameter_starts.get(chunk).copied().unwrap_or(0);
 
         let choices = std::mem::take(&mut spare.choices);
@@ -528,15 +528,14 @@ impl<'a> Round<'a> {
 }
 
 /// Where the parameters of each chunk begin; empty where there are none.
-fn parameter_starts<S: Narrow>(string: &ModuleString, symbols: &[S]) -> Vec<usize> {
+fn parameter_starts<S: Narrow>(string: &ModuleString, symbols: &[S], parallel: bool) -> Vec<usize> {
     if string.parameters.is_empty() {
         return Vec::new();
     }
-    let mut offset = 0;
-    let mut starts = Vec::with_capacity(symbols.len() / CHUNK + 1);
-    for chunk in symbols.chunks(CHUNK) {
-        starts.push(offset);
-        offset += parameters_of(&string.arity, chunk);
-    }
-    starts
+    let length = |chunk: &[S]| parameters_of(&string.arity, chunk);
+    sums_before(if parallel {
+        symbols.par_chunks(CHUNK).map(length).collect()
+    } else {
+        symbols.chunks(CHUNK).map(length).collect()
+    })
 }

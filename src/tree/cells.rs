@@ -9,11 +9,10 @@ use std::fmt::{Debug, Formatter};
 use std::ops::{Deref, DerefMut};
 
 use bytemuck::Pod;
-use memmap2::MmapMut;
 use rayon::prelude::*;
 
-/// Bytes of a huge page.
-const HUGE_PAGE: usize = 2 << 20;
+use super::pages::{HUGE_PAGE, Pages};
+
 /// Arrays of so many bytes are mapped.
 const MAPPED_FROM: usize = HUGE_PAGE;
 
@@ -24,30 +23,22 @@ pub struct Cells<T>(Memory<T>);
 enum Memory<T> {
     Heap(Vec<T>),
     /// Numbers in pages of their own, of which so many count.
-    Mapped(MmapMut, usize),
+    Mapped(Pages, usize),
 }
 
 use Memory::{Heap, Mapped};
 
 impl<T: Pod> Cells<T> {
-    /// So many zeros; `None` where the memory is not there.
+    /// So many numbers that will all be written, and are anything before; `None` where the memory is not there.
     #[must_use]
-    pub fn zeroed(length: usize) -> Option<Self> {
+    pub fn unwritten(length: usize) -> Option<Self> {
         let bytes = length.checked_mul(size_of::<T>())?;
         if bytes >= MAPPED_FROM {
-            return Self::mapped(length, bytes);
+            return Some(Self(Mapped(Pages::unwritten(bytes)?, length)));
         }
         // Asked for first, since `vec!` would end the program; its zeros are the system's, not written once more.
         Vec::<T>::new().try_reserve_exact(length).ok()?;
         Some(vec![T::zeroed(); length].into())
-    }
-
-    fn mapped(length: usize, bytes: usize) -> Option<Self> {
-        let pages = MmapMut::map_anon(bytes).ok()?;
-        // Where there are no huge pages, small ones serve.
-        #[cfg(target_os = "linux")]
-        let _ = pages.advise(memmap2::Advice::HugePage);
-        Some(Self(Mapped(pages, length)))
     }
 
     /// So many numbers, which will all be written, in the memory of these where it has the right size; `None` where there is not
@@ -57,7 +48,7 @@ impl<T: Pod> Cells<T> {
         // Never much more than is needed: a string may shrink.
         if self.capacity() < length || self.capacity() / 2 > length {
             drop(self);
-            return Self::zeroed(length);
+            return Self::unwritten(length);
         }
         Some(Self(match self.0 {
             Heap(mut own) => {
@@ -83,7 +74,7 @@ impl<T: Pod> Cells<T> {
         }
     }
 
-    /// Has all threads touch the pages of an array of zeros, where it is a single thread that will write it: else that one waits for
+    /// Has all threads touch the pages of an array that is yet to be written, where it is a single thread that will write it: else that one waits for
     /// the system at each page.
     pub fn touch(&mut self) {
         if let Mapped(pages, _) = &mut self.0 {
@@ -210,7 +201,7 @@ impl<T: Pod> DerefMut for Cells<T> {
 
 impl<T: Pod> Clone for Cells<T> {
     fn clone(&self) -> Self {
-        let copied = Self::zeroed(self.len()).map(|mut copy| {
+        let copied = Self::unwritten(self.len()).map(|mut copy| {
             copy.copy_from_slice(self);
             copy
         });
@@ -268,9 +259,10 @@ mod tests {
             MAPPED_FROM / 8,
             MAPPED_FROM / 8 + 1,
         ] {
-            let mut cells = Cells::<f64>::zeroed(length).unwrap();
+            let mut cells = Cells::<f64>::unwritten(length).unwrap();
             assert_eq!(matches!(cells.0, Mapped(..)), length * 8 >= MAPPED_FROM);
-            assert!(cells.len() == length && cells.iter().all(|v| *v == 0.0));
+            assert_eq!(cells.len(), length);
+            cells.fill(1.0);
             if let Some(last) = cells.last_mut() {
                 *last = 7.0;
             }
@@ -284,7 +276,7 @@ mod tests {
             assert_eq!(cells[length..], [1.0, 2.0]);
             assert!(length == 0 || cells[length - 1] == 7.0);
         }
-        assert!(Cells::<f64>::zeroed(usize::MAX / 8).is_none());
-        assert!(Cells::<f64>::zeroed(usize::MAX).is_none());
+        assert!(Cells::<f64>::unwritten(usize::MAX / 8).is_none());
+        assert!(Cells::<f64>::unwritten(usize::MAX).is_none());
     }
 }

@@ -21,6 +21,7 @@ pub mod growth;
 pub mod import;
 pub mod mesh;
 pub mod organs;
+mod pages;
 pub mod radii;
 pub mod tubes;
 

@@ -51,9 +51,9 @@ impl Blocks {
         let root = self.blocks.first()?;
         let modules = usize::try_from(root.size.modules).ok()?;
         let parameters = usize::try_from(root.size.parameters).ok()?;
-        let mut symbols = Cells::<S>::zeroed(modules)?;
-        let mut births = Cells::<B>::zeroed(modules)?;
-        let mut values = Cells::<f64>::zeroed(parameters)?;
+        let mut symbols = Cells::<S>::unwritten(modules)?;
+        let mut births = Cells::<B>::unwritten(modules)?;
+        let mut values = Cells::<f64>::unwritten(parameters)?;
         let out = Output {
             symbols: &mut symbols,
             births: &mut births,

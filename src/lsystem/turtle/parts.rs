@@ -85,6 +85,11 @@ pub(super) fn tree(
 
 /// The start is as thick as the first segment that leaves it, and has its letter.
 fn begin(tree: &mut Tree, params: &TurtleParams) {
+    fn set<T: Copy>(all: &mut [T], start: T) {
+        if let Some(place) = all.first_mut() {
+            *place = start;
+        }
+    }
     let first = tree.parent.iter().skip(1).position(|parent| *parent == 0);
     let (radius, letter) = match first.map(|at| at + 1) {
         Some(first) => (
@@ -94,23 +99,23 @@ fn begin(tree: &mut Tree, params: &TurtleParams) {
         None if tree.len() == 1 => (Some(narrow(params.width.abs() / 2.0)), None),
         None => (None, None),
     };
-    if let Some(start) = tree.parent.first_mut() {
-        *start = NO_PARENT;
-    }
-    if let (Some(r), Some(l)) = (tree.radius.first_mut(), tree.letter.first_mut()) {
-        (*r, *l) = (radius.unwrap_or(0.0), letter.unwrap_or(0));
-    }
+    set(&mut tree.parent, NO_PARENT);
+    set(&mut tree.position, Vec3::ZERO);
+    set(&mut tree.radius, radius.unwrap_or(0.0));
+    set(&mut tree.letter, letter.unwrap_or(0));
+    set(&mut tree.order, 0);
+    set(&mut tree.birth, 0);
 }
 
 /// A tree of so many nodes that are yet to be written; none where the memory is not there.
 fn empty(nodes: usize) -> Option<Tree> {
     Some(Tree {
-        parent: Cells::zeroed(nodes)?,
-        position: Cells::zeroed(nodes)?,
-        radius: Cells::zeroed(nodes)?,
-        letter: Cells::zeroed(nodes)?,
-        order: Cells::zeroed(nodes)?,
-        birth: Cells::zeroed(nodes)?,
+        parent: Cells::unwritten(nodes)?,
+        position: Cells::unwritten(nodes)?,
+        radius: Cells::unwritten(nodes)?,
+        letter: Cells::unwritten(nodes)?,
+        order: Cells::unwritten(nodes)?,
+        birth: Cells::unwritten(nodes)?,
         letters: Vec::new(),
     })
 }

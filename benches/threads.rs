@@ -1,0 +1,144 @@
+//! What a second thread brings: each work on one thread and on two, in turns, by the clock.
+//!
+//! `cargo bench --bench threads`. The figures are those of two threads; behind each stands how many times as long one took, by the
+//! medians. Two plain works tell what the machine gives: numbers that are computed, and memory that is copied as blocks are. What is
+//! bound by memory cannot gain more than the latter.
+
+#![allow(clippy::unwrap_used, reason = "a benchmark")]
+
+use std::hint::black_box;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use ramus::lsystem::{Grammar, Limits, TurtleParams, interpret};
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+#[path = "peers/src/systems.rs"]
+mod systems;
+
+const HONDA: &str = include_str!("../assets/grammars/honda.lsys");
+
+/// A work with its name.
+type Work<'w> = (String, Box<dyn Fn() + Sync + 'w>);
+
+fn threads(criterion: &mut Criterion) {
+    let pools = [1, 2].map(|threads| {
+        let pool = ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap()
+    });
+    let never = AtomicBool::new(false);
+    let honda = Grammar::parse(HONDA, "honda.lsys").unwrap();
+    let string = honda.derive(18, &Limits::default(), &never).unwrap();
+    let params = TurtleParams::default();
+    let mut works: Vec<Work<'_>> = vec![computed(), copied()];
+    works.extend(derivations(&never));
+    works.push((
+        String::from("honda 18, drawn"),
+        Box::new(|| drop(black_box(interpret(&honda, &string, &params, &never)))),
+    ));
+    let mut group = criterion.benchmark_group("two threads");
+    group
+        .sample_size(20)
+        .measurement_time(Duration::from_secs(4));
+    for (name, work) in works {
+        let mut spent = [Vec::new(), Vec::new()];
+        group.bench_function(&name, |bencher| {
+            bencher.iter_custom(|rounds| in_turns(&pools, &work, rounds, &mut spent));
+        });
+        if spent[0].is_empty() {
+            continue; // another was asked for
+        }
+        let [one, two] = spent.map(median);
+        let times = one.as_secs_f64() / two.as_secs_f64();
+        eprintln!("{name}: {one:.2?} on one thread, {two:.2?} on two: {times:.2} times");
+    }
+    group.finish();
+}
+
+/// Does a work so many times on each pool, notes how long each time took, and returns how long the second pool took in all.
+fn in_turns(
+    pools: &[ThreadPool; 2],
+    work: &(impl Fn() + Sync),
+    rounds: u64,
+    spent: &mut [Vec<Duration>; 2],
+) -> Duration {
+    let mut all = Duration::ZERO;
+    for _ in 0..rounds {
+        for (pool, spent) in pools.iter().zip(spent.iter_mut()) {
+            let began = Instant::now();
+            pool.install(work);
+            let took = began.elapsed();
+            spent.push(took);
+            all = if pool.current_num_threads() == 2 {
+                all + took
+            } else {
+                all
+            };
+        }
+    }
+    all
+}
+
+fn median(mut all: Vec<Duration>) -> Duration {
+    all.sort_unstable();
+    all.get(all.len() / 2).copied().unwrap_or_default()
+}
+
+/// Numbers in registers.
+fn computed<'w>() -> Work<'w> {
+    let chain = |first: u64| {
+        (0..200_000_u64).fold(first, |x, i| {
+            (x ^ i).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(7)
+        })
+    };
+    let work = move || {
+        black_box((0..16_u64).into_par_iter().map(chain).sum::<u64>());
+    };
+    (String::from("plain: computed"), Box::new(work))
+}
+
+/// 32 MiB written over, from a source that stays in the cache: so blocks are copied.
+fn copied<'w>() -> Work<'w> {
+    const PART: usize = 1 << 16;
+    let source = vec![7_u64; PART];
+    let target = Mutex::new(vec![0_u64; 64 * PART]);
+    let work = move || {
+        let mut target = target.lock().unwrap();
+        let parts = target.par_chunks_mut(PART);
+        parts.for_each(|part| part.copy_from_slice(&source));
+    };
+    (String::from("plain: copied"), Box::new(work))
+}
+
+/// The systems as they are timed elsewhere, and where those strings are short, longer ones.
+fn derivations<'w>(never: &'w AtomicBool) -> Vec<Work<'w>> {
+    let longer = |name: &str| match name {
+        "algae" => Some(42),
+        "bush" | "stoch" => Some(13),
+        "honda" | "row" => Some(22),
+        "hh" => Some(46),
+        _ => None,
+    };
+    let mut works: Vec<Work<'w>> = Vec::new();
+    for system in systems::systems() {
+        for steps in [Some(system.steps), longer(system.name)]
+            .into_iter()
+            .flatten()
+        {
+            let grammar = Grammar::parse(&system.grammar, system.name).unwrap();
+            let name = format!("{}, {steps} steps", system.name);
+            let work = move || {
+                let string = grammar.derive(steps, &Limits::default(), never);
+                black_box(string.unwrap().len());
+            };
+            works.push((name, Box::new(work)));
+        }
+    }
+    works
+}
+
+criterion_group!(benches, threads);
+criterion_main!(benches);
