@@ -70,8 +70,9 @@ impl Turn {
     }
 }
 
-/// What a symbol makes the turtle do.
+/// What a symbol makes the turtle do. Its tag is a number of its own, which is read at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(u8)]
 pub(super) enum Action {
     Nothing,
     /// Forward, drawing; an outline gets a vertex.

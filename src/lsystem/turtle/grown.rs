@@ -52,14 +52,14 @@ pub(crate) fn is_index(grammar: &Grammar, symbol: Symbol) -> bool {
 }
 
 impl<C: Canvas> Turtle<'_, C> {
-    /// [`Turtle::step_one`] of a module that is partly grown. What has no size (brackets, colours, `$`) is there at once.
+    /// [`Turtle::step`] of a module that is partly grown. What has no size (brackets, colours, `$`) is there at once.
     pub(super) fn step_grown(
         &mut self,
         module: Module<'_>,
         grown: Grown,
     ) -> Result<(), DeriveError> {
         if grown == Grown::WHOLE {
-            return self.step_one(module);
+            return self.step(module);
         }
         let first = module.parameters.first().copied();
         let measured = match self.action(module.symbol) {
@@ -70,8 +70,8 @@ impl<C: Canvas> Turtle<'_, C> {
                 grown.of(first.unwrap_or(turn.default_degrees * self.pen.angle_scale))
             }
             Action::TurnAround => {
-                self.pen
-                    .turn_about(Axis::Up, Half::of_degrees(grown.of(180.0)));
+                let half = Half::of_degrees(grown.of(180.0));
+                self.pen.change(|stance| stance.turn_about(Axis::Up, half));
                 return Ok(());
             }
             Action::Width => {
@@ -83,13 +83,13 @@ impl<C: Canvas> Turtle<'_, C> {
             Action::Tropism => grown.of(first.unwrap_or(0.0)),
             Action::Follow(_) => {
                 self.shape_scale = grown.part;
-                let drawn = self.step_one(module);
+                let drawn = self.step(module);
                 self.shape_scale = 1.0;
                 return drawn;
             }
-            _ => return self.step_one(module),
+            _ => return self.step(module),
         };
-        self.step_one(Module {
+        self.step(Module {
             parameters: &[measured],
             ..module
         })

@@ -4,6 +4,8 @@
 //! large branch on its way to another thread, together with the nodes' places that the plan counted for it, and goes on
 //! behind it. The tree is that of the string read in one go, bit for bit.
 
+use std::iter::Zip;
+use std::slice::IterMut;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 
@@ -178,10 +180,7 @@ struct Part<'w> {
 
 impl Work<'_> {
     fn draw<'s>(&'s self, scope: Option<&Scope<'s>>, part: Part<'s>) {
-        let canvas = Placed {
-            letter_of: self.letter_of,
-            places: part.places,
-        };
+        let canvas = Placed::new(self.letter_of, part.places);
         let mut turtle = Turtle::within(self.grammar, self.params, self.actions.to_vec(), canvas);
         turtle.go_to(part.pen, part.depth);
         let read = self.read(scope, &mut turtle, part.modules, part.parameters);
@@ -207,6 +206,9 @@ impl Work<'_> {
             branches = branches.get(passed..).unwrap_or(&[]);
             let next = branches.first().filter(|branch| branch.open < end);
             turtle.set_position(from as u64);
+            // The start is a node, too.
+            let stretch = next.map(|branch| branch.before + 1);
+            turtle.canvas_mut().stretch(stretch);
             let until = next.map_or(end, |branch| branch.open);
             turtle.read_part(self.string, from..until, parameters, self.cancel)?;
             let (Some(branch), Some(scope)) = (next, scope) else {
@@ -228,17 +230,16 @@ impl Work<'_> {
 }
 
 /// Places for a tree's nodes one after the other.
+#[derive(Default)]
 struct Places<'w> {
     /// The number of the first.
-    first: u32,
+    first: usize,
     parent: &'w mut [u32],
     position: &'w mut [Vec3],
     radius: &'w mut [f32],
     letter: &'w mut [u16],
     order: &'w mut [u16],
     birth: &'w mut [u32],
-    /// How many of them are written.
-    written: usize,
 }
 
 impl<'w> Places<'w> {
@@ -251,83 +252,93 @@ impl<'w> Places<'w> {
             letter: &mut tree.letter,
             order: &mut tree.order,
             birth: &mut tree.birth,
-            written: 0,
         }
     }
 
-    /// The next places, for somebody else.
+    /// The next places, for so many nodes.
     fn take(&mut self, nodes: usize) -> Self {
-        let written = std::mem::take(&mut self.written);
-        fn next<'w, T>(all: &mut &'w mut [T], written: usize, nodes: usize) -> &'w mut [T] {
+        fn next<'w, T>(all: &mut &'w mut [T], nodes: usize) -> &'w mut [T] {
             let whole = std::mem::take(all);
-            let (_, rest) = whole.split_at_mut(written.min(whole.len()));
-            let (taken, left) = rest.split_at_mut(nodes.min(rest.len()));
+            let (taken, left) = whole.split_at_mut(nodes.min(whole.len()));
             *all = left;
             taken
         }
-        // A tree has fewer than 2^32 nodes.
-        let number = |places: usize| u32::try_from(places).unwrap_or(u32::MAX);
-        let first = self.first.saturating_add(number(written));
-        self.first = first.saturating_add(number(nodes));
+        let first = self.first;
+        self.first += nodes;
         Self {
             first,
-            parent: next(&mut self.parent, written, nodes),
-            position: next(&mut self.position, written, nodes),
-            radius: next(&mut self.radius, written, nodes),
-            letter: next(&mut self.letter, written, nodes),
-            order: next(&mut self.order, written, nodes),
-            birth: next(&mut self.birth, written, nodes),
-            written: 0,
+            parent: next(&mut self.parent, nodes),
+            position: next(&mut self.position, nodes),
+            radius: next(&mut self.radius, nodes),
+            letter: next(&mut self.letter, nodes),
+            order: next(&mut self.order, nodes),
+            birth: next(&mut self.birth, nodes),
         }
     }
 }
 
+/// Iterates over two arrays at once, and so over more: one look at the end does for all.
+type Both<'w, A, T> = Zip<A, IterMut<'w, T>>;
+type Skeleton<'w> = Both<'w, Both<'w, IterMut<'w, u32>, Vec3>, f32>;
+type Nodes<'w> = Both<'w, Both<'w, Both<'w, Skeleton<'w>, u16>, u16>, u32>;
+
 /// The canvas of one part.
 struct Placed<'w> {
+    /// By symbol.
     letter_of: &'w [u16],
+    /// Places of the stretch that is drawn, and the number of the next node.
+    nodes: Nodes<'w>,
+    number: u32,
+    /// Those behind it.
     places: Places<'w>,
 }
 
-impl Placed<'_> {
+impl<'w> Placed<'w> {
+    fn new(letter_of: &'w [u16], mut places: Places<'w>) -> Self {
+        let none = places.take(0);
+        Self {
+            letter_of,
+            nodes: nodes(none),
+            number: 0,
+            places,
+        }
+    }
+
+    /// Goes on with a stretch up to the node of this number, or with all that is left.
+    fn stretch(&mut self, until: Option<usize>) {
+        let left = self.places.parent.len();
+        let length = until.map_or(left, |until| until.saturating_sub(self.places.first));
+        let places = self.places.take(length);
+        // A tree has fewer than 2^32 nodes.
+        self.number = u32::try_from(places.first).unwrap_or(u32::MAX);
+        self.nodes = nodes(places);
+    }
+
     #[inline(always)]
-    fn add(&mut self, parent: u32, position: DVec3, radius: f32, pen: &Pen, by: Drawn) -> u32 {
-        let Places {
-            first,
-            parent: parents,
-            position: positions,
-            radius: radii,
-            letter: letters,
-            order: orders,
-            birth: births,
-            written,
-        } = &mut self.places;
-        let at = *written;
-        if let (Some(p), Some(x), Some(r), Some(l), Some(o), Some(b)) = (
-            parents.get_mut(at),
-            positions.get_mut(at),
-            radii.get_mut(at),
-            letters.get_mut(at),
-            orders.get_mut(at),
-            births.get_mut(at),
-        ) {
+    fn add(&mut self, parent: u32, position: Vec3, radius: f32, pen: &Pen, by: Drawn) -> u32 {
+        if let Some((((((p, x), r), l), o), b)) = self.nodes.next() {
             let letter = self.letter_of.get(usize::from(by.symbol));
-            (*p, *x, *r) = (parent, narrowed(position), radius);
+            (*p, *x, *r) = (parent, position, radius);
             (*l, *o, *b) = (letter.copied().unwrap_or(0), pen.order, by.birth);
         }
-        *written = at + 1;
-        // Fewer than 2^32 in all.
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "a tree has fewer than 2^32 nodes"
-        )]
-        let number = *first + at as u32;
+        let number = self.number;
+        self.number = number.wrapping_add(1);
         number
     }
 }
 
+fn nodes(places: Places<'_>) -> Nodes<'_> {
+    let skeleton = places.parent.iter_mut().zip(places.position);
+    let skeleton = skeleton.zip(places.radius);
+    skeleton
+        .zip(places.letter)
+        .zip(places.order)
+        .zip(places.birth)
+}
+
 impl Canvas for Placed<'_> {
     fn root(&mut self, pen: &Pen, by: Drawn, radius: f32) -> Result<u32, DeriveError> {
-        Ok(self.add(NO_PARENT, pen.position, radius, pen, by))
+        Ok(self.add(NO_PARENT, narrowed(pen.position), radius, pen, by))
     }
 
     #[inline]
@@ -338,6 +349,6 @@ impl Canvas for Placed<'_> {
         end: DVec3,
         radius: f32,
     ) -> Result<u32, DeriveError> {
-        Ok(self.add(pen.node, end, radius, pen, by))
+        Ok(self.add(pen.node, narrowed(end), radius, pen, by))
     }
 }

@@ -89,6 +89,33 @@ impl Pen {
         }
     }
 
+    /// Where it stands and how it is turned.
+    #[inline(always)]
+    pub(super) fn stance(&self) -> Stance {
+        Stance {
+            position: self.position,
+            frame: self.frame,
+            turns: self.turns,
+        }
+    }
+
+    /// Stands there.
+    #[inline(always)]
+    pub(super) fn stand(&mut self, stance: Stance) {
+        self.position = stance.position;
+        self.frame = stance.frame;
+        self.turns = stance.turns;
+    }
+
+    /// Changes where it stands.
+    #[inline(always)]
+    pub(super) fn change<T>(&mut self, by: impl FnOnce(&mut Stance) -> T) -> T {
+        let mut stance = self.stance();
+        let given = by(&mut stance);
+        self.stand(stance);
+        given
+    }
+
     /// The degrees of a turn without a parameter, where they are not the grammar's.
     #[expect(clippy::float_cmp, reason = "1 until something is multiplied")]
     #[inline]
@@ -100,12 +127,7 @@ impl Pen {
     #[must_use]
     #[inline(always)]
     pub fn heading(&self) -> DVec3 {
-        let DQuat { x, y, z, w } = self.frame;
-        DVec3::new(
-            2.0 * (x * y - w * z),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z + w * x),
-        )
+        self.stance().heading()
     }
 
     /// L.
@@ -118,6 +140,37 @@ impl Pen {
     #[must_use]
     pub fn up(&self) -> DVec3 {
         self.frame * DVec3::Z
+    }
+
+    /// Goes somewhere without drawing.
+    #[inline(always)]
+    pub(super) fn jump(&mut self, to: DVec3) {
+        self.position = to;
+        self.node = NO_PARENT;
+        if let Cylinder::Of(_) = self.cylinder {
+            self.cylinder = Cylinder::Begins;
+        }
+    }
+}
+
+/// Where a pen stands and how it is turned: what each module changes and the next one needs. Reading keeps it in registers.
+#[derive(Clone, Copy)]
+pub(super) struct Stance {
+    pub(super) position: DVec3,
+    frame: DQuat,
+    turns: u8,
+}
+
+impl Stance {
+    /// H.
+    #[inline(always)]
+    fn heading(&self) -> DVec3 {
+        let DQuat { x, y, z, w } = self.frame;
+        DVec3::new(
+            2.0 * (x * y - w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z + w * x),
+        )
     }
 
     /// The point so far ahead.
@@ -143,18 +196,20 @@ impl Pen {
     }
 
     /// Turns by a rotation in the turtle's own axes.
-    #[inline]
+    #[inline(always)]
     pub(super) fn turn(&mut self, by: DQuat) {
         self.set_frame(self.frame * by);
     }
 
     /// Half a turn about U.
+    #[inline(always)]
     pub(super) fn turn_around(&mut self) {
         let DQuat { x, y, z, w } = self.frame;
         self.frame = DQuat::from_xyzw(y, -x, w, -z);
     }
 
     /// Rolls so that L is horizontal and U is not below it; a vertical heading stays as it is.
+    #[inline(always)]
     pub(super) fn level(&mut self) {
         let DQuat { x, y, z, w } = self.frame;
         // How high the ends of the own axes X and Z (U) lie; a roll by φ makes them cos φ·right − sin φ·up, which is to be 0, and
@@ -178,10 +233,11 @@ impl Pen {
         );
     }
 
-    /// Turns the heading toward a vector by e·|H × T| radians (ABOP, section 2.1).
-    pub(super) fn bend(&mut self, vector: DVec3) {
+    /// Turns the heading toward a vector T by e·|H × T| radians (ABOP, section 2.1), e being the strength of the tropism.
+    #[inline(always)]
+    pub(super) fn bend(&mut self, vector: DVec3, tropism: f64) {
         let torque = self.heading().cross(vector);
-        let half = self.tropism * 0.5;
+        let half = tropism * 0.5;
         // The square of half the angle.
         let square = half * half * torque.length_squared();
         let by = if square <= SMALL_SQUARE {
@@ -190,19 +246,9 @@ impl Pen {
             DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine)
         } else {
             let strength = torque.length();
-            DQuat::from_axis_angle(torque / strength, self.tropism * strength)
+            DQuat::from_axis_angle(torque / strength, tropism * strength)
         };
         self.set_frame(by * self.frame);
-    }
-
-    /// Goes somewhere without drawing.
-    #[inline(always)]
-    pub(super) fn jump(&mut self, to: DVec3) {
-        self.position = to;
-        self.node = NO_PARENT;
-        if let Cylinder::Of(_) = self.cylinder {
-            self.cylinder = Cylinder::Begins;
-        }
     }
 }
 
@@ -276,12 +322,11 @@ mod tests {
         // On both sides of the bound a bend is that of its axis and angle.
         for strength in [0.0, 1e-9, 0.3, 0.799, 0.801, 2.0, -0.5, -3.0] {
             let mut pen = Pen::new(1.0);
-            pen.turn(DQuat::from_rotation_x(0.7));
-            pen.tropism = strength;
+            pen.change(|stance| stance.turn(DQuat::from_rotation_x(0.7)));
             let torque = pen.heading().cross(DVec3::X);
             let angle = strength * torque.length();
             let expected = DQuat::from_axis_angle(torque.normalize(), angle) * pen.frame;
-            pen.bend(DVec3::X);
+            pen.change(|stance| stance.bend(DVec3::X, strength));
             let off = (pen.frame - expected).length();
             assert!(off < 1e-15, "{strength}: {off}");
         }

@@ -101,7 +101,8 @@ pub(super) struct Branch {
     pub(super) close: usize,
     /// Parameters before its first module, and before its `]`.
     pub(super) parameters: [usize; 2],
-    /// Nodes between its brackets.
+    /// Nodes before its first module, and between its brackets.
+    pub(super) before: usize,
     pub(super) nodes: usize,
 }
 
@@ -276,6 +277,7 @@ fn branch(open: Place, close: Place) -> Option<Branch> {
         open: open.module,
         close: close.module,
         parameters: [open.parameters, close.parameters],
+        before: open.nodes,
         nodes: close.nodes - open.nodes,
     })
 }

@@ -208,6 +208,7 @@ fn branch(open: Option<(usize, [usize; 2])>, close: Option<(usize, [usize; 2])>)
         open,
         close,
         parameters: [before[0], behind[0]],
+        before: before[1],
         nodes: behind[1] - before[1],
     })
 }

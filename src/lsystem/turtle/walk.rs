@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::DVec3;
+use glam::{DVec3, Vec4};
 
 use super::super::error::{DeriveError, DeriveProblem};
 use super::super::grammar::Grammar;
@@ -14,7 +14,7 @@ use super::TurtleParams;
 use super::action::{Action, actions};
 use super::canvas::{Canvas, Drawn, Outline, narrow, narrowed};
 use super::grown::Grown;
-use super::pen::{Cylinder, NO_SHAPE, Pen};
+use super::pen::{Cylinder, NO_SHAPE, Pen, Stance};
 use crate::tree::NO_PARENT;
 
 /// Modules read between two looks at the cancel flag,
@@ -162,20 +162,91 @@ impl<'a, C: Canvas> Turtle<'a, C> {
                 let step = births.iter().copied().max().unwrap_or(0);
                 return Err(DeriveProblem::Cancelled { step }.into());
             }
-            for (symbol, birth) in symbols.iter().zip(births) {
-                let arity = arity_of(&string.arity, *symbol);
-                let (parameters, after) = rest.split_at(arity.min(rest.len()));
-                rest = after;
-                self.step(Module {
-                    symbol: *symbol,
-                    birth: *birth,
-                    parameters,
-                })?;
-                self.position += 1;
-            }
+            // Without parameters no module is asked for its own.
+            rest = match string.parameters.is_empty() {
+                true => self.read_block::<false>(&string.arity, symbols, births, rest)?,
+                false => self.read_block::<true>(&string.arity, symbols, births, rest)?,
+            };
             from += length;
         }
         Ok(())
+    }
+
+    /// Reads modules of which symbols, births and parameters are given; returns the parameters behind theirs. What most strings consist
+    /// of is done here, with the stance in registers, and is what [`Self::step`] does.
+    fn read_block<'p, const HAS_PARAMETERS: bool>(
+        &mut self,
+        arity: &[u8],
+        symbols: &[Symbol],
+        births: &[u32],
+        mut rest: &'p [f64],
+    ) -> Result<&'p [f64], DeriveError> {
+        let start = self.position;
+        let mut stance = self.pen.stance();
+        for (at, (symbol, birth)) in (start..).zip(symbols.iter().zip(births)) {
+            let mut parameters: &[f64] = &[];
+            if HAS_PARAMETERS {
+                let arity = arity_of(arity, *symbol);
+                (parameters, rest) = rest.split_at(arity.min(rest.len()));
+            }
+            let first = parameters.first().copied();
+            match self.actions.get_mut(usize::from(*symbol)) {
+                None | Some(Action::Nothing) => {}
+                Some(Action::Turn(turn)) => {
+                    let degrees = first.or_else(|| self.pen.scaled_turn(turn.default_degrees));
+                    stance.turn_about(turn.axis, turn.half(degrees));
+                }
+                Some(Action::Draw) if self.outlines.is_empty() => {
+                    self.position = at;
+                    let by = self.drawn(*symbol, *birth);
+                    let length = first.unwrap_or(self.params.length * self.pen.length_scale);
+                    self.pen.shape = NO_SHAPE;
+                    self.pen.stand(stance);
+                    stance.position = stance.ahead(length);
+                    self.draw(by, stance.position, None)?;
+                    if let Some(vector) = self.bends() {
+                        stance.bend(vector, self.pen.tropism);
+                    }
+                }
+                Some(Action::Push) => {
+                    self.position = at;
+                    self.pen.stand(stance);
+                    self.push()?;
+                }
+                Some(Action::Pop) => {
+                    if let Some(pen) = self.stack.pop() {
+                        self.pen = pen;
+                        stance = pen.stance();
+                    }
+                }
+                Some(Action::Width) => {
+                    self.pen.width = first.unwrap_or(self.pen.width * self.params.narrow);
+                }
+                Some(Action::Level) => stance.level(),
+                Some(_) => {
+                    self.position = at;
+                    self.pen.stand(stance);
+                    self.step(Module {
+                        symbol: *symbol,
+                        birth: *birth,
+                        parameters,
+                    })?;
+                    stance = self.pen.stance();
+                }
+            }
+        }
+        self.position = start + symbols.len() as u64;
+        self.pen.stand(stance);
+        Ok(rest)
+    }
+
+    /// The module that is read.
+    fn drawn(&self, symbol: Symbol, birth: u32) -> Drawn {
+        Drawn {
+            symbol,
+            birth,
+            position: self.position,
+        }
     }
 
     /// Reads modules that are partly grown.
@@ -218,13 +289,10 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         action.copied().unwrap_or(Action::Nothing)
     }
 
-    #[inline(always)]
+    /// Reads one module.
+    #[inline(never)]
     pub(super) fn step(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
-        let by = Drawn {
-            symbol: module.symbol,
-            birth: module.birth,
-            position: self.position,
-        };
+        let by = self.drawn(module.symbol, module.birth);
         let first = module.parameters.first().copied();
         let Some(action) = self.actions.get_mut(usize::from(module.symbol)) else {
             return Ok(());
@@ -233,8 +301,8 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             Action::Nothing => {}
             Action::Turn(turn) => {
                 let degrees = first.or_else(|| self.pen.scaled_turn(turn.default_degrees));
-                let half = turn.half(degrees);
-                self.pen.turn_about(turn.axis, half);
+                let (axis, half) = (turn.axis, turn.half(degrees));
+                self.pen.change(|stance| stance.turn_about(axis, half));
             }
             Action::Draw => return self.forward(by, first, true),
             Action::DrawWithin => return self.forward(by, first, false),
@@ -252,8 +320,8 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             Action::ScaleWidth => self.pen.width *= first.unwrap_or(1.0),
             Action::ScaleLength => self.pen.length_scale *= first.unwrap_or(1.0),
             Action::ScaleAngle => self.pen.angle_scale *= first.unwrap_or(1.0),
-            Action::Level => self.pen.level(),
-            Action::TurnAround => self.pen.turn_around(),
+            Action::Level => self.pen.change(Stance::level),
+            Action::TurnAround => self.pen.change(Stance::turn_around),
             Action::Tropism => self.pen.tropism = first.unwrap_or(0.0),
             Action::NextColour => self.pen.colour = index(first, self.pen.colour, 1),
             Action::LastColour => self.pen.colour = index(first, self.pen.colour, -1),
@@ -290,12 +358,6 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         Ok(())
     }
 
-    /// [`Self::step`] where its speed is not what counts.
-    #[inline(never)]
-    pub(super) fn step_one(&mut self, module: Module<'_>) -> Result<(), DeriveError> {
-        self.step(module)
-    }
-
     fn push(&mut self) -> Result<(), DeriveError> {
         if self.below + self.stack.len() >= self.deepest {
             let problem = DeriveProblem::TooDeep {
@@ -323,9 +385,9 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         let length = length.unwrap_or(self.params.length * self.pen.length_scale);
         self.pen.shape = NO_SHAPE;
         if self.outlines.is_empty() {
-            self.draw(by, length, None)?;
+            self.draw(by, self.pen.stance().ahead(length), None)?;
         } else {
-            self.pen.jump(self.pen.ahead(length));
+            self.pen.jump(self.pen.stance().ahead(length));
             if is_vertex {
                 self.vertex()?;
             }
@@ -338,17 +400,23 @@ impl<'a, C: Canvas> Turtle<'a, C> {
     fn skip(&mut self, length: Option<f64>, is_vertex: bool) -> Result<(), DeriveError> {
         self.pen.shape = NO_SHAPE;
         let length = length.unwrap_or(self.params.length * self.pen.length_scale);
-        self.pen.jump(self.pen.ahead(length));
+        self.pen.jump(self.pen.stance().ahead(length));
         if is_vertex { self.vertex() } else { Ok(()) }
     }
 
     #[inline]
     fn bend(&mut self) {
-        if self.pen.tropism != 0.0
-            && let Some(vector) = self.grammar.tropism
-        {
-            self.pen.bend(vector);
+        if let Some(vector) = self.bends() {
+            let tropism = self.pen.tropism;
+            self.pen.change(|stance| stance.bend(vector, tropism));
         }
+    }
+
+    /// Where a segment bends to.
+    #[inline]
+    fn bends(&self) -> Option<DVec3> {
+        let vector = self.grammar.tropism;
+        vector.filter(|_| self.pen.tropism != 0.0)
     }
 
     /// Draws the dictionary's segment that the module's parameter names, or the whole shape where it has none.
@@ -407,14 +475,14 @@ impl<'a, C: Canvas> Turtle<'a, C> {
             return Ok(());
         };
         let goes_on = self.pen.shape == letter && index == self.pen.segment + 1.0;
-        self.pen
-            .turn(if goes_on { segment.turn } else { segment.frame });
+        let turn = if goes_on { segment.turn } else { segment.frame };
+        self.pen.change(|stance| stance.turn(turn));
         let length = segment.length * scale;
         if self.outlines.is_empty() {
             let radius = segment.radius.map(|radius| radius * scale.abs());
-            self.draw(by, length, radius)?;
+            self.draw(by, self.pen.stance().ahead(length), radius)?;
         } else {
-            self.pen.jump(self.pen.ahead(length));
+            self.pen.jump(self.pen.stance().ahead(length));
             self.vertex()?;
         }
         (self.pen.shape, self.pen.segment) = (letter, index);
@@ -422,17 +490,19 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         Ok(())
     }
 
-    /// Draws the segment from here to `length` ahead.
-    #[inline]
-    fn draw(&mut self, by: Drawn, length: f64, radius: Option<f64>) -> Result<(), DeriveError> {
+    /// Draws the segment from here to `end`.
+    #[inline(always)]
+    fn draw(&mut self, by: Drawn, end: DVec3, radius: Option<f64>) -> Result<(), DeriveError> {
         let width = radius.map_or(self.pen.width.abs(), |radius| radius * 2.0);
         let radius = narrow(width / 2.0);
-        let end = self.pen.ahead(length);
-        if !narrowed(end).is_finite() {
-            return Err(self.too_far(by));
-        }
-        if !radius.is_finite() {
-            return Err(self.too_wide(by, width));
+        let place = narrowed(end);
+        // All four at once: this is done for each segment.
+        if !place.extend(radius).abs().cmple(Vec4::MAX).all() {
+            return Err(if place.is_finite() {
+                self.too_wide(by, width)
+            } else {
+                self.too_far(by)
+            });
         }
         if self.pen.node == NO_PARENT {
             self.pen.node = self.canvas.root(&self.pen, by, radius)?;
