@@ -1,7 +1,6 @@
 //! Drawing speed: from a derived string to a `Tree`, in segments by second.
 //!
-//! `cargo bench --bench turtle`, with `RAYON_NUM_THREADS=1` or 2. The time is that of the process's CPU divided by the number of
-//! threads, which is the wall clock's where the machine has nothing else to do.
+//! `cargo bench --bench turtle`, with `RAYON_NUM_THREADS=1` or 2; by the clock, so the machine should have nothing else to do.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 
@@ -10,7 +9,6 @@ use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use ramus::lsystem::turtle::Extent;
 use ramus::lsystem::{Grammar, Limits, TurtleParams, draw_on, interpret};
@@ -45,7 +43,6 @@ fn sketch() -> String {
 fn drawing(criterion: &mut Criterion) {
     let cancel = AtomicBool::new(false);
     let params = TurtleParams::default();
-    let threads = u32::try_from(rayon::current_num_threads()).unwrap();
     let mut group = criterion.benchmark_group("turtle");
     group
         .sample_size(10)
@@ -69,23 +66,11 @@ fn drawing(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(tree.segment_count() as u64));
         drop(tree);
         group.bench_function(format!("{name}: tree"), |bencher| {
-            bencher.iter_custom(|rounds| {
-                let start = ProcessTime::now();
-                for _ in 0..rounds {
-                    black_box(interpret(&grammar, &string, &params, &cancel).unwrap());
-                }
-                start.elapsed() / threads
-            });
+            bencher.iter(|| black_box(interpret(&grammar, &string, &params, &cancel).unwrap()));
         });
         group.bench_function(format!("{name}: bounds"), |bencher| {
-            bencher.iter_custom(|rounds| {
-                let start = ProcessTime::now();
-                for _ in 0..rounds {
-                    let canvas = |_: &TurtleParams| Extent::default();
-                    black_box(draw_on(&grammar, &string, &params, &cancel, canvas).unwrap());
-                }
-                start.elapsed()
-            });
+            let canvas = |_: &TurtleParams| Extent::default();
+            bencher.iter(|| black_box(draw_on(&grammar, &string, &params, &cancel, canvas)));
         });
     }
     group.finish();

@@ -8,10 +8,8 @@ use std::collections::TryReserveError;
 use std::fmt::{Debug, Formatter};
 use std::ops::{Deref, DerefMut};
 
-use bytemuck::Pod;
-use rayon::prelude::*;
-
 use super::pages::{HUGE_PAGE, Pages};
+use bytemuck::Pod;
 
 /// Arrays of so many bytes are mapped.
 const MAPPED_FROM: usize = HUGE_PAGE;
@@ -71,16 +69,6 @@ impl<T: Pod> Cells<T> {
         match &self.0 {
             Heap(own) => own.capacity(),
             Mapped(pages, _) => pages.len() / size_of::<T>().max(1),
-        }
-    }
-
-    /// Has all threads touch the pages of an array that is yet to be written, where it is a single thread that will write it: else that one waits for
-    /// the system at each page.
-    pub fn touch(&mut self) {
-        if let Mapped(pages, _) = &mut self.0 {
-            let each = pages.par_chunks_mut(HUGE_PAGE);
-            each.filter_map(|page| page.first_mut())
-                .for_each(|byte| *byte = 0);
         }
     }
 

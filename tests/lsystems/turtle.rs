@@ -426,6 +426,15 @@ fn trees_do_not_depend_on_threads() {
             ),
             5,
         ),
+        // All in one piece, which is cut anywhere: within small branches, outlines, shapes, after moves, with and without parameters.
+        (format!("axiom {}\n", "F+F[-F[f F]&F]/F!F".repeat(6000)), 0),
+        (
+            format!(
+                "shape S = [(0 1 0) (1 0 0) (0 0 2)]\naxiom {}\n",
+                "F(1)+(3)[f F]f S(1)~S{.F[+F.]F.}!(0.2)[[S]$F]f(2)".repeat(3000)
+            ),
+            0,
+        ),
         // One long branch that begins with moves, and another depth of brackets at each border.
         (
             format!("axiom f[[[{long}[A]]]]F\nA -> [f{long}]{long}[A]\n"),
@@ -445,7 +454,7 @@ fn trees_do_not_depend_on_threads() {
         };
         let alone = on(1);
         tree_is_whole(&alone);
-        for threads in [2, 5] {
+        for threads in [2, 3, 5, 16] {
             assert!(
                 on(threads) == alone,
                 "{threads} threads: {}",

@@ -5,6 +5,7 @@
 //! behind it. The tree is that of the string read in one go, bit for bit.
 
 use std::iter::Zip;
+use std::ops::Range;
 use std::slice::IterMut;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
@@ -19,11 +20,14 @@ use super::super::string::ModuleString;
 use super::action::{Action, actions};
 use super::canvas::{Canvas, Drawn, narrow, narrowed};
 use super::pen::Pen;
-use super::plan::{Branch, Plan};
+use super::plan::{Branch, CHUNK, Plan};
 use super::tree::{letter_name, most_nodes};
 use super::walk::Turtle;
 use super::{TreeCanvas, TurtleParams};
 use crate::tree::{Cells, NO_PARENT, Tree};
+
+/// The part of a stretch through which the pen runs ahead, 7 of 10: running takes half as long as drawing or more.
+const RUN_AHEAD: [usize; 2] = [7, 10];
 
 /// The tree of a string.
 pub(super) fn tree(
@@ -43,15 +47,13 @@ pub(super) fn tree(
     };
     if !pays_in_parallel(string.len()) {
         plan.branches.clear();
+        plan.chunks.clear();
     }
     let nodes = plan.nodes + 1;
     let mut tree = empty(nodes).ok_or_else(|| {
         let nodes = nodes as u64;
         DeriveError::from(DeriveProblem::DrawingMemory { nodes })
     })?;
-    if plan.branches.is_empty() && pays_in_parallel(nodes) {
-        touch(&mut tree);
-    }
     let letter_of = letters(grammar, &plan, &mut tree);
     let work = Work {
         grammar,
@@ -60,6 +62,7 @@ pub(super) fn tree(
         letter_of: &letter_of,
         string,
         branches: &plan.branches,
+        chunks: &plan.chunks,
         cancel,
         failed: Mutex::new(None),
     };
@@ -72,7 +75,7 @@ pub(super) fn tree(
         depth: 0,
         places,
     };
-    if plan.branches.is_empty() {
+    if plan.chunks.is_empty() {
         work.draw(None, whole);
     } else {
         rayon::scope(|scope| work.draw(Some(scope), whole));
@@ -122,16 +125,6 @@ fn empty(nodes: usize) -> Option<Tree> {
     })
 }
 
-/// Has all threads touch the memory that one will write.
-fn touch(tree: &mut Tree) {
-    tree.parent.touch();
-    tree.position.touch();
-    tree.radius.touch();
-    tree.letter.touch();
-    tree.order.touch();
-    tree.birth.touch();
-}
-
 /// Names the tree's letters, in the order in which they first draw; returns them by symbol.
 fn letters(grammar: &Grammar, plan: &Plan, tree: &mut Tree) -> Vec<u16> {
     let mut letter_of = vec![0; grammar.names.symbols().len()];
@@ -161,6 +154,8 @@ struct Work<'w> {
     letter_of: &'w [u16],
     string: &'w ModuleString,
     branches: &'w [Branch],
+    /// Parameters and nodes before every `CHUNK`th module.
+    chunks: &'w [[usize; 2]],
     cancel: &'w AtomicBool,
     /// The first fault of the string, and the module that it was found at.
     failed: Mutex<Option<(u64, DeriveError)>>,
@@ -206,10 +201,26 @@ impl Work<'_> {
             branches = branches.get(passed..).unwrap_or(&[]);
             let next = branches.first().filter(|branch| branch.open < end);
             turtle.set_position(from as u64);
-            // The start is a node, too.
-            let stretch = next.map(|branch| branch.before + 1);
-            turtle.canvas_mut().stretch(stretch);
             let until = next.map_or(end, |branch| branch.open);
+            if let Some(scope) = scope
+                && turtle.is_level()
+                && let Some((chunk, before)) = self.split(from..until)
+            {
+                let part = Part {
+                    modules: [from, chunk],
+                    parameters,
+                    pen: *turtle.pen(),
+                    depth: turtle.depth(),
+                    places: turtle.canvas_mut().leave(before[1]),
+                };
+                scope.spawn(move |_| self.draw(None, part));
+                turtle.read_part(self.string, from..chunk, parameters, self.cancel)?;
+                (from, parameters) = (chunk, before[0]);
+                continue;
+            }
+            turtle
+                .canvas_mut()
+                .stretch(next.map(|branch| branch.before));
             turtle.read_part(self.string, from..until, parameters, self.cancel)?;
             let (Some(branch), Some(scope)) = (next, scope) else {
                 return Ok(());
@@ -226,6 +237,18 @@ impl Work<'_> {
             from = branch.close + 1;
             parameters = branch.parameters[1];
         }
+    }
+
+    /// Where a stretch without large branches is to be cut, and the parameters and nodes before that: where most of the string is in one
+    /// piece, whoever comes to it runs ahead with the pen alone and draws the end, while another thread draws the beginning.
+    fn split(&self, stretch: Range<usize>) -> Option<(usize, [usize; 2])> {
+        let length = stretch.len();
+        if length.saturating_mul(rayon::current_num_threads()) <= self.string.len() {
+            return None;
+        }
+        let chunk = (stretch.start + length / RUN_AHEAD[1] * RUN_AHEAD[0]) / CHUNK;
+        let before = self.chunks.get(chunk)?;
+        (chunk * CHUNK > stretch.start).then_some((chunk * CHUNK, *before))
     }
 }
 
@@ -294,24 +317,34 @@ struct Placed<'w> {
 }
 
 impl<'w> Placed<'w> {
-    fn new(letter_of: &'w [u16], mut places: Places<'w>) -> Self {
-        let none = places.take(0);
+    fn new(letter_of: &'w [u16], places: Places<'w>) -> Self {
         Self {
             letter_of,
-            nodes: nodes(none),
+            nodes: nodes(Places::default()),
             number: 0,
             places,
         }
     }
 
-    /// Goes on with a stretch up to the node of this number, or with all that is left.
-    fn stretch(&mut self, until: Option<usize>) {
+    /// The places up to the one with so many nodes before it, or all that are left. The start is a node that is not counted.
+    fn up_to(&mut self, before: Option<usize>) -> Places<'w> {
         let left = self.places.parent.len();
-        let length = until.map_or(left, |until| until.saturating_sub(self.places.first));
-        let places = self.places.take(length);
+        let first = self.places.first;
+        let places = before.map_or(left, |before| (before + 1).saturating_sub(first));
         // A tree has fewer than 2^32 nodes.
-        self.number = u32::try_from(places.first).unwrap_or(u32::MAX);
-        self.nodes = nodes(places);
+        self.number = u32::try_from(first).unwrap_or(u32::MAX);
+        self.places.take(places)
+    }
+
+    /// Goes on with a stretch that another thread draws in the places given: here its nodes are but numbered.
+    fn leave(&mut self, before: usize) -> Places<'w> {
+        self.nodes = nodes(Places::default());
+        self.up_to(Some(before))
+    }
+
+    /// Goes on with a stretch up to the place with so many nodes before it, or with all that is left.
+    fn stretch(&mut self, before: Option<usize>) {
+        self.nodes = nodes(self.up_to(before));
     }
 
     #[inline(always)]

@@ -19,7 +19,7 @@ use super::action::{Action, actions};
 use super::spans;
 
 /// Modules counted by themselves.
-const CHUNK: usize = 1 << 14;
+pub(super) const CHUNK: usize = 1 << 14;
 /// Branches of so many modules are drawn beside others.
 pub(super) const LARGE: usize = 1 << 12;
 
@@ -113,6 +113,8 @@ pub(super) struct Plan {
     pub(super) nodes: usize,
     /// In the order of their openings.
     pub(super) branches: Vec<Branch>,
+    /// Parameters and nodes before every `CHUNK`th module.
+    pub(super) chunks: Vec<[usize; 2]>,
     /// Symbols that draw, in the order in which each draws for the first time.
     pub(super) drawing: Vec<u16>,
 }
@@ -200,11 +202,13 @@ impl Plan {
     fn settled(chunks: &[Chunk], symbols: usize) -> Self {
         let mut first = vec![usize::MAX; symbols];
         let mut branches = Vec::new();
+        let mut starts = Vec::with_capacity(chunks.len());
         // The turtle at a chunk's beginning: whether its pen is up, and for each open branch where it opened and whether the pen
         // was up there.
         let (mut before, mut up) = (Place::default(), false);
         let mut open: Vec<(Place, bool)> = Vec::new();
         for chunk in chunks {
+            starts.push([before.parameters, before.nodes]);
             let came: Vec<bool> = (0..chunk.cond.len())
                 .map(|level| match level {
                     0 => up,
@@ -265,6 +269,7 @@ impl Plan {
         Self {
             nodes: before.nodes,
             branches,
+            chunks: starts,
             drawing,
         }
     }

@@ -81,7 +81,9 @@ fn plan_of<S: Cell>(counted: &[Counted], symbols: &[S], cancel: &AtomicBool) -> 
         branches: Vec::new(),
     };
     let mut number = 0;
+    let mut chunks = Vec::with_capacity(sums.len());
     for chunk in sums {
+        chunks.push(spans.before);
         for block in chunk? {
             spans.add(number, block);
             number += 1;
@@ -92,6 +94,7 @@ fn plan_of<S: Cell>(counted: &[Counted], symbols: &[S], cancel: &AtomicBool) -> 
     Some(Plan {
         nodes: spans.before[1],
         branches,
+        chunks,
         drawing: drawing(counted, symbols),
     })
 }

@@ -98,10 +98,20 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         (self.pen, self.below) = (pen, depth);
     }
 
+    /// Whether no bracket is open that was not where it began.
+    pub(super) fn is_level(&self) -> bool {
+        self.stack.is_empty()
+    }
+
+    /// Brackets round it.
+    pub(super) fn depth(&self) -> usize {
+        self.below + self.stack.len()
+    }
+
     /// The pen in a branch that begins here, and the brackets round it.
     pub(super) fn inside(&mut self) -> Result<(Pen, usize), DeriveError> {
         self.push()?;
-        let depth = self.below + self.stack.len();
+        let depth = self.depth();
         let before = self.stack.pop().unwrap_or(self.pen);
         Ok((std::mem::replace(&mut self.pen, before), depth))
     }
