@@ -1,8 +1,9 @@
 //! What a second thread brings: each work on one thread and on two, in turns, by the clock.
 //!
 //! `cargo bench --bench threads`. The figures are those of two threads; behind each stands how many times as long one took, by the
-//! medians. Two plain works tell what the machine gives: numbers that are computed, and memory that is copied as blocks are. What is
-//! bound by memory cannot gain more than the latter.
+//! medians. What the machine gives stands beside it: the same work done twice at once, by one thread each, that know nothing of each
+//! other. Where they wait for the same memory, cache or core, two threads that share one work cannot do better. Two plain works come
+//! first: numbers that are computed, and memory that is copied as blocks are.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 
@@ -25,10 +26,12 @@ const HONDA: &str = include_str!("../assets/grammars/honda.lsys");
 type Work<'w> = (String, Box<dyn Fn() + Sync + 'w>);
 
 fn threads(criterion: &mut Criterion) {
-    let pools = [1, 2].map(|threads| {
-        let pool = ThreadPoolBuilder::new().num_threads(threads);
-        pool.build().unwrap()
-    });
+    let pool = |threads| ThreadPoolBuilder::new().num_threads(threads).build();
+    let pools = Pools {
+        one: pool(1).unwrap(),
+        two: pool(2).unwrap(),
+        other: pool(1).unwrap(),
+    };
     let never = AtomicBool::new(false);
     let honda = Grammar::parse(HONDA, "honda.lsys").unwrap();
     let string = honda.derive(18, &Limits::default(), &never).unwrap();
@@ -42,44 +45,60 @@ fn threads(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("two threads");
     group
         .sample_size(20)
-        .measurement_time(Duration::from_secs(4));
+        .measurement_time(Duration::from_secs(5));
     for (name, work) in works {
-        let mut spent = [Vec::new(), Vec::new()];
+        let mut spent = [Vec::new(), Vec::new(), Vec::new()];
         group.bench_function(&name, |bencher| {
-            bencher.iter_custom(|rounds| in_turns(&pools, &work, rounds, &mut spent));
+            bencher.iter_custom(|rounds| pools.in_turns(&work, rounds, &mut spent));
         });
         if spent[0].is_empty() {
             continue; // another was asked for
         }
-        let [one, two] = spent.map(median);
+        let [one, two, both] = spent.map(median);
         let times = one.as_secs_f64() / two.as_secs_f64();
-        eprintln!("{name}: {one:.2?} on one thread, {two:.2?} on two: {times:.2} times");
+        let most = 2.0 * one.as_secs_f64() / both.as_secs_f64();
+        eprintln!(
+            "{name}: {one:.2?} on one thread, {two:.2?} on two: {times:.2} times; two at once {most:.2} times"
+        );
     }
     group.finish();
 }
 
-/// Does a work so many times on each pool, notes how long each time took, and returns how long the second pool took in all.
-fn in_turns(
-    pools: &[ThreadPool; 2],
-    work: &(impl Fn() + Sync),
-    rounds: u64,
-    spent: &mut [Vec<Duration>; 2],
-) -> Duration {
-    let mut all = Duration::ZERO;
-    for _ in 0..rounds {
-        for (pool, spent) in pools.iter().zip(spent.iter_mut()) {
+/// One thread, two that share a work, and one more that has a work of its own.
+struct Pools {
+    one: ThreadPool,
+    two: ThreadPool,
+    other: ThreadPool,
+}
+
+impl Pools {
+    /// Does a work so many times on one thread, on two, and twice at once, and notes how long each took. Returns how long two threads
+    /// took in all.
+    fn in_turns(
+        &self,
+        work: &(impl Fn() + Sync),
+        rounds: u64,
+        [one, two, both]: &mut [Vec<Duration>; 3],
+    ) -> Duration {
+        let timed = |spent: &mut Vec<Duration>, work: &dyn Fn()| {
             let began = Instant::now();
-            pool.install(work);
-            let took = began.elapsed();
-            spent.push(took);
-            all = if pool.current_num_threads() == 2 {
-                all + took
-            } else {
-                all
-            };
+            work();
+            spent.push(began.elapsed());
+            began.elapsed()
+        };
+        let mut shared = Duration::ZERO;
+        for _ in 0..rounds {
+            timed(one, &|| self.one.install(work));
+            shared += timed(two, &|| self.two.install(work));
+            timed(both, &|| {
+                std::thread::scope(|scope| {
+                    scope.spawn(|| self.other.install(work));
+                    self.one.install(work);
+                });
+            });
         }
+        shared
     }
-    all
 }
 
 fn median(mut all: Vec<Duration>) -> Duration {
@@ -104,9 +123,10 @@ fn computed<'w>() -> Work<'w> {
 fn copied<'w>() -> Work<'w> {
     const PART: usize = 1 << 16;
     let source = vec![7_u64; PART];
-    let target = Mutex::new(vec![0_u64; 64 * PART]);
+    let targets = [(); 2].map(|()| Mutex::new(vec![0_u64; 64 * PART]));
     let work = move || {
-        let mut target = target.lock().unwrap();
+        let free = targets.iter().find_map(|target| target.try_lock().ok());
+        let mut target = free.unwrap();
         let parts = target.par_chunks_mut(PART);
         parts.for_each(|part| part.copy_from_slice(&source));
     };

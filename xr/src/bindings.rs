@@ -1,11 +1,7 @@
-//! Which button of which controller does what: one table for all interaction profiles.
+//! What a person can do with a controller, and how its buttons say so. Which controllers there are is in [`crate::profiles`].
 //!
-//! A runtime takes all suggestions for a profile or, if one path is wrong, none, so each path here is
-//! checked by a test against the OpenXR registry. A new controller is a new [`Profile`]; nothing else changes.
-//! Runtimes map the profiles they know onto controllers they do not find here.
-//!
-//! Every profile reaches what it can. The simple controller has two buttons: select draws and menu grows, so a
-//! person can make a tree with it, but not move or step back.
+//! Every profile reaches what it can. Where there are no buttons beside the stick, the stick grows and steps back ([`Action::Step`]); where
+//! there is a touchpad instead, its edges do, when they are pressed ([`Action::Press`]).
 
 /// What a person can do with a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -20,6 +16,10 @@ pub enum Action {
     Lower,
     /// Steps back: `Hand::upper`.
     Upper,
+    /// Grows where it is pushed up, steps back where it is pulled down: for controllers without buttons for these.
+    Step,
+    /// Is pressed, where a touch alone is to do nothing: stick and step count while it is held.
+    Press,
     /// Where the hand points: `Hand::aim`.
     Aim,
     /// Where the hand is: `Hand::grip`.
@@ -31,7 +31,7 @@ pub enum Action {
 /// What kind of value an action takes; a runtime turns a click into 0 or 1 where a number is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// 0 to 1.
+    /// 0 to 1, or −1 to 1.
     Number,
     /// Two numbers, −1 to 1.
     Vector,
@@ -45,12 +45,14 @@ pub enum Kind {
 
 impl Action {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Draw,
         Self::Grab,
         Self::Stick,
         Self::Lower,
         Self::Upper,
+        Self::Step,
+        Self::Press,
         Self::Aim,
         Self::Grip,
         Self::Haptic,
@@ -65,6 +67,8 @@ impl Action {
             Self::Stick => "undo_redo",
             Self::Lower => "grow",
             Self::Upper => "step_back",
+            Self::Step => "grow_or_step_back",
+            Self::Press => "press",
             Self::Aim => "aim",
             Self::Grip => "grip",
             Self::Haptic => "haptic",
@@ -80,6 +84,8 @@ impl Action {
             Self::Stick => "Undo and redo",
             Self::Lower => "Grow a step",
             Self::Upper => "Step back",
+            Self::Step => "Grow a step (up) or step back (down)",
+            Self::Press => "Press the touchpad",
             Self::Aim => "Point",
             Self::Grip => "Hand",
             Self::Haptic => "Vibration",
@@ -90,9 +96,9 @@ impl Action {
     #[must_use]
     pub const fn kind(self) -> Kind {
         match self {
-            Self::Draw | Self::Grab => Kind::Number,
+            Self::Draw | Self::Grab | Self::Step => Kind::Number,
             Self::Stick => Kind::Vector,
-            Self::Lower | Self::Upper => Kind::Button,
+            Self::Lower | Self::Upper | Self::Press => Kind::Button,
             Self::Aim | Self::Grip => Kind::Pose,
             Self::Haptic => Kind::Vibration,
         }
@@ -111,83 +117,6 @@ pub struct Binding {
     pub paths: [Option<&'static str>; 2],
 }
 
-/// One kind of controller.
-#[derive(Clone, Copy, Debug)]
-pub struct Profile {
-    /// The profile's path.
-    pub path: &'static str,
-    /// What people call it.
-    pub title: &'static str,
-    /// Versions and extensions that know the profile; one is enough.
-    pub provided_by: &'static [&'static str],
-    /// What its buttons do.
-    pub bindings: &'static [Binding],
-}
-
-const fn both(action: Action, path: &'static str) -> Binding {
-    Binding {
-        action,
-        paths: [Some(path), Some(path)],
-    }
-}
-
-const fn each(action: Action, left: &'static str, right: &'static str) -> Binding {
-    Binding {
-        action,
-        paths: [Some(left), Some(right)],
-    }
-}
-
-const AIM: Binding = both(Action::Aim, "/input/aim/pose");
-const GRIP: Binding = both(Action::Grip, "/input/grip/pose");
-const HAPTIC: Binding = both(Action::Haptic, "/output/haptic");
-
-/// The profiles that Ramus suggests bindings for.
-pub const PROFILES: &[Profile] = &[
-    Profile {
-        path: "/interaction_profiles/khr/simple_controller",
-        title: "simple controller",
-        provided_by: &["XR_VERSION_1_0"],
-        bindings: &[
-            both(Action::Draw, "/input/select/click"),
-            both(Action::Lower, "/input/menu/click"),
-            AIM,
-            GRIP,
-            HAPTIC,
-        ],
-    },
-    Profile {
-        path: "/interaction_profiles/oculus/touch_controller",
-        title: "Touch controller",
-        provided_by: &["XR_VERSION_1_0"],
-        bindings: &[
-            both(Action::Draw, "/input/trigger/value"),
-            both(Action::Grab, "/input/squeeze/value"),
-            both(Action::Stick, "/input/thumbstick"),
-            each(Action::Lower, "/input/x/click", "/input/a/click"),
-            each(Action::Upper, "/input/y/click", "/input/b/click"),
-            AIM,
-            GRIP,
-            HAPTIC,
-        ],
-    },
-    Profile {
-        path: "/interaction_profiles/valve/index_controller",
-        title: "Index controller",
-        provided_by: &["XR_VERSION_1_0"],
-        bindings: &[
-            both(Action::Draw, "/input/trigger/value"),
-            both(Action::Grab, "/input/squeeze/value"),
-            both(Action::Stick, "/input/thumbstick"),
-            both(Action::Lower, "/input/a/click"),
-            both(Action::Upper, "/input/b/click"),
-            AIM,
-            GRIP,
-            HAPTIC,
-        ],
-    },
-];
-
 #[cfg(test)]
 mod tests {
     #![allow(
@@ -201,6 +130,7 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
+    use crate::profiles::{PROFILES, Profile};
 
     /// Our own extract of the registry: the components of each profile in the table.
     const EXTRACT: &str = include_str!("../tests/data/interaction-profiles.json");
@@ -289,24 +219,51 @@ mod tests {
         assert!(std::panic::catch_unwind(|| check(&swapped)).is_err());
     }
 
+    /// What a profile can do.
+    fn reaches(profile: &Profile, action: Action) -> bool {
+        let has = |wanted| profile.bindings.iter().any(|b| b.action == wanted);
+        has(action) || matches!(action, Action::Lower | Action::Upper) && has(Action::Step)
+    }
+
+    /// What each profile cannot do, which is to be known and told (`docs/src/controls.md`).
     #[test]
-    fn each_profile_says_each_action_once_and_can_draw_grow_and_point() {
+    fn each_profile_reaches_all_but_what_it_has_no_part_for() {
+        use Action::{Grab, Haptic, Lower, Stick, Upper};
         for profile in PROFILES {
+            let missing: &[Action] = match profile.path.rsplit('/').next().unwrap() {
+                "simple_controller" => &[Grab, Stick, Upper],
+                "hand_interaction_ext" => &[Stick, Lower, Upper, Haptic],
+                "mx_ink_stylus_logitech" => &[Stick, Upper],
+                _ => &[],
+            };
             for action in Action::ALL {
-                let count = profile
+                if matches!(action, Action::Step | Action::Press) {
+                    continue; // ways to reach others
+                }
+                let (path, found) = (profile.path, reaches(profile, action));
+                assert_eq!(found, !missing.contains(&action), "{path}: {action:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn each_profile_is_told_once_and_each_path_does_one_thing() {
+        for (at, profile) in PROFILES.iter().enumerate() {
+            assert!(
+                PROFILES[..at]
+                    .iter()
+                    .all(|other| other.path != profile.path)
+            );
+            for hand in 0..HANDS.len() {
+                let mut paths: Vec<_> = profile
                     .bindings
                     .iter()
-                    .filter(|binding| binding.action == action)
-                    .count();
-                let needed = matches!(
-                    action,
-                    Action::Draw | Action::Lower | Action::Aim | Action::Grip
-                );
-                assert!(
-                    count <= 1 && (!needed || count == 1),
-                    "{}: {action:?}",
-                    profile.path
-                );
+                    .filter_map(|b| b.paths[hand])
+                    .collect();
+                let all = paths.len();
+                paths.sort_unstable();
+                paths.dedup();
+                assert_eq!(paths.len(), all, "{}", profile.path);
             }
         }
     }

@@ -5,10 +5,12 @@
 //! recording around either ([`record`]). The application cannot tell them apart.
 
 pub mod bindings;
+mod directions;
 pub mod frame;
 pub mod headset;
 pub mod lifecycle;
 pub mod openxr;
+pub mod profiles;
 pub mod record;
 pub mod session;
 pub mod simulated;

@@ -20,6 +20,7 @@
 
 mod call;
 mod connect;
+mod controllers;
 mod events;
 #[cfg(test)]
 mod fake;

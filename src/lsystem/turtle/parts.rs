@@ -26,7 +26,7 @@ use super::walk::Turtle;
 use super::{TreeCanvas, TurtleParams};
 use crate::tree::{Cells, NO_PARENT, Tree};
 
-/// The part of a stretch through which the pen runs ahead, 7 of 10: running takes half as long as drawing or more.
+/// The part of a stretch through which the pen runs ahead, 7 of 10: the pen alone takes more than half of the time of drawing.
 const RUN_AHEAD: [usize; 2] = [7, 10];
 
 /// The tree of a string.
@@ -222,6 +222,7 @@ impl Work<'_> {
                 .canvas_mut()
                 .stretch(next.map(|branch| branch.before));
             turtle.read_part(self.string, from..until, parameters, self.cancel)?;
+            debug_assert!(turtle.canvas_mut().nodes.len() == 0, "each node is written");
             let (Some(branch), Some(scope)) = (next, scope) else {
                 return Ok(());
             };

@@ -2,7 +2,8 @@
 
 use ::openxr as xr;
 
-use super::system::System;
+use super::controllers;
+use super::system::{Offer, System};
 
 /// Why there is no headset. Each is one sentence with the way out.
 #[derive(Debug, thiserror::Error)]
@@ -94,7 +95,9 @@ pub(super) fn connect_through(entry: &xr::Entry, version: u32) -> Result<System,
     extensions.khr_vulkan_enable2 = offered.khr_vulkan_enable2;
     extensions.khr_composition_layer_depth = offered.khr_composition_layer_depth;
     extensions.ext_local_floor = offered.ext_local_floor;
-    if !offered.khr_vulkan_enable2 {
+    let vulkan = offered.khr_vulkan_enable2;
+    controllers::ask_for(&mut extensions, offered);
+    if !vulkan {
         return Err(ConnectError::NoVulkan(String::from("that is active")));
     }
     let create = |api| {
@@ -137,8 +140,11 @@ pub(super) fn connect_through(entry: &xr::Entry, version: u32) -> Result<System,
         instance,
         system,
         runtime,
-        core_1_1 || extensions.ext_local_floor,
-        extensions.khr_composition_layer_depth,
+        Offer {
+            local_floor: core_1_1 || extensions.ext_local_floor,
+            depth: extensions.khr_composition_layer_depth,
+            profiles: controllers::known(core_1_1, extensions),
+        },
     )
 }
 

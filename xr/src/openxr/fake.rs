@@ -61,7 +61,12 @@ pub(super) struct Fake {
     /// Reference spaces that were made.
     pub(super) made: Vec<(xr::ReferenceSpaceType, f32)>,
     pub(super) api: Option<xr::Version>,
-    pub(super) bound: HashMap<String, Vec<String>>,
+    /// By profile: actions and the paths that they were bound to.
+    pub(super) bound: HashMap<String, Vec<(u64, String)>>,
+    /// The profile of what is held in both hands,
+    pub(super) held: &'static str,
+    /// and what its parts say, by the end of their path, where that is not `number` or `button`.
+    pub(super) parts: HashMap<&'static str, f32>,
     paths: Vec<String>,
     handles: u64,
     time: i64,
@@ -117,6 +122,8 @@ impl Default for Fake {
             made: Vec::new(),
             api: None,
             bound: HashMap::new(),
+            held: "/interaction_profiles/oculus/touch_controller",
+            parts: HashMap::new(),
             paths: Vec::new(),
             handles: 100,
             time: 1_000_000_000,
@@ -139,10 +146,29 @@ impl Fake {
 
     /// Room for the notes of so many more frames, so that taking them allocates nothing.
     pub(super) fn make_room(&mut self, frames: usize) {
-        /// More than a frame's calls: two hands with seven states and two spaces each, and twenty of the frame itself.
+        /// More than a frame's calls: two hands with nine states and two spaces each, and twenty of the frame itself.
         const CALLS: usize = 64;
         self.calls.reserve(frames * CALLS);
         self.ended.reserve(frames);
+    }
+
+    /// What the part of the held controller says that an action is bound to, on one of its axes; none where it is bound to none.
+    fn value(&self, asked: &sys::ActionStateGetInfo, axis: &str, usual: f32) -> Option<f32> {
+        let hand = usize::try_from(asked.subaction_path.into_raw())
+            .ok()?
+            .checked_sub(1)?;
+        let hand = self.paths.get(hand)?;
+        let mut bound = self.bound.get(self.held)?.iter();
+        let is_asked = |action: &u64| *action == asked.action.into_raw();
+        let part = bound.find_map(|(action, path)| {
+            path.strip_prefix(hand.as_str())
+                .filter(|_| is_asked(action))
+        })?;
+        let told = self
+            .parts
+            .iter()
+            .find(|(name, _)| name.strip_suffix(axis) == Some(part));
+        Some(told.map_or(usual, |(_, value)| *value))
     }
 
     fn handle(&mut self) -> u64 {
@@ -373,7 +399,7 @@ functions! {
         let bindings = std::slice::from_raw_parts(info.suggested_bindings, info.count_suggested_bindings as usize);
         let path = |path: sys::Path| fake.paths[usize::try_from(path.into_raw()).unwrap_or_default() - 1].clone();
         let profile = path(info.interaction_profile);
-        let bound = bindings.iter().map(|binding| path(binding.binding)).collect();
+        let bound = bindings.iter().map(|binding| (binding.action.into_raw(), path(binding.binding))).collect();
         fake.bound.insert(profile, bound);
         Code::SUCCESS
     }
@@ -539,30 +565,33 @@ functions! {
         Code::SUCCESS
     }
     "xrGetActionStateFloat" state_float: GetActionStateFloat(
-        _s: sys::Session, _info: *const sys::ActionStateGetInfo, out: *mut sys::ActionStateFloat,
+        _s: sys::Session, info: *const sys::ActionStateGetInfo, out: *mut sys::ActionStateFloat,
     ) |fake| {
-        (*out).current_state = fake.number;
+        let value = fake.value(&*info, "", fake.number);
+        (*out).current_state = value.unwrap_or(0.0);
         (*out).changed_since_last_sync = sys::FALSE;
         (*out).last_change_time = sys::Time::from_nanos(0);
-        (*out).is_active = sys::TRUE;
+        (*out).is_active = value.is_some().into();
         Code::SUCCESS
     }
     "xrGetActionStateVector2f" state_vector: GetActionStateVector2f(
-        _s: sys::Session, _info: *const sys::ActionStateGetInfo, out: *mut sys::ActionStateVector2f,
+        _s: sys::Session, info: *const sys::ActionStateGetInfo, out: *mut sys::ActionStateVector2f,
     ) |fake| {
-        (*out).current_state = xr::Vector2f { x: fake.number, y: -fake.number };
+        let [x, y] = [("/x", fake.number), ("/y", -fake.number)].map(|(axis, usual)| fake.value(&*info, axis, usual));
+        (*out).current_state = xr::Vector2f { x: x.unwrap_or(0.0), y: y.unwrap_or(0.0) };
         (*out).changed_since_last_sync = sys::FALSE;
         (*out).last_change_time = sys::Time::from_nanos(0);
-        (*out).is_active = sys::TRUE;
+        (*out).is_active = x.is_some().into();
         Code::SUCCESS
     }
     "xrGetActionStateBoolean" state_boolean: GetActionStateBoolean(
-        _s: sys::Session, _info: *const sys::ActionStateGetInfo, out: *mut sys::ActionStateBoolean,
+        _s: sys::Session, info: *const sys::ActionStateGetInfo, out: *mut sys::ActionStateBoolean,
     ) |fake| {
-        (*out).current_state = fake.button.into();
+        let value = fake.value(&*info, "", if fake.button { 1.0 } else { 0.0 });
+        (*out).current_state = value.is_some_and(|value| value > 0.5).into();
         (*out).changed_since_last_sync = sys::FALSE;
         (*out).last_change_time = sys::Time::from_nanos(0);
-        (*out).is_active = sys::TRUE;
+        (*out).is_active = value.is_some().into();
         Code::SUCCESS
     }
     "xrApplyHapticFeedback" haptic: ApplyHapticFeedback(

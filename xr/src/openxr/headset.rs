@@ -81,8 +81,7 @@ impl OpenXrHeadset {
             instance,
             id,
             title,
-            local_floor,
-            depth,
+            offer,
             blend,
             extent,
         } = system;
@@ -96,12 +95,12 @@ impl OpenXrHeadset {
         // SAFETY: the caller vouches for the handles. Waiter and stream only hold the session: frames go by raw calls.
         let (session, _, _) = unsafe { instance.create_session::<xr::Vulkan>(id, &handles) }
             .map_err(|code| refused("xrCreateSession", code))?;
-        let stage = Stage::new(&session, local_floor)?;
+        let stage = Stage::new(&session, offer.local_floor)?;
         let head = session
             .create_reference_space(xr::ReferenceSpaceType::VIEW, raw_from_pose(Pose::IDENTITY))
             .called("xrCreateReferenceSpace")?;
-        let input = Input::new(&session)?;
-        let (color_format, depth_format) = choose_formats(&session, depth)?;
+        let input = Input::new(&session, &offer.profiles)?;
+        let (color_format, depth_format) = choose_formats(&session, offer.depth)?;
         let color = Chain::new(
             &session,
             color_format,

@@ -7,9 +7,11 @@ use glam::Vec2;
 
 use super::call::{Called as _, check};
 use super::space::{Stage, locate};
-use crate::bindings::{Action, HANDS, PROFILES, Profile};
+use crate::bindings::{Action, HANDS};
+use crate::directions::{Directions, Said};
 use crate::frame::{Hand, Pulse};
 use crate::headset::HeadsetError;
+use crate::profiles::Profile;
 
 /// Most vibrations that wait for the end of a frame; more in one frame are one too many to feel.
 const MAX_PULSES: usize = 8;
@@ -25,16 +27,22 @@ pub(super) struct Input {
     stick: xr::Action<xr::Vector2f>,
     lower: xr::Action<bool>,
     upper: xr::Action<bool>,
+    step: xr::Action<f32>,
+    press: xr::Action<bool>,
     haptic: xr::Action<xr::Haptic>,
     /// Aim and grip of each hand.
     spaces: [[xr::Space; 2]; 2],
     hands: [xr::Path; 2],
+    directions: [Directions; 2],
     pulses: Vec<Pulse>,
 }
 
 impl Input {
-    /// Makes the actions, suggests the bindings and attaches both to the session.
-    pub(super) fn new(session: &xr::Session<xr::Vulkan>) -> Result<Self, HeadsetError> {
+    /// Makes the actions, suggests the bindings for these profiles and attaches both to the session.
+    pub(super) fn new(
+        session: &xr::Session<xr::Vulkan>,
+        profiles: &[&Profile],
+    ) -> Result<Self, HeadsetError> {
         let instance = session.instance();
         let [left, right] =
             HANDS.map(|hand| instance.string_to_path(hand).called("xrStringToPath"));
@@ -47,6 +55,8 @@ impl Input {
         let stick = create::<xr::Vector2f>(&set, Action::Stick, &hands)?;
         let lower = create::<bool>(&set, Action::Lower, &hands)?;
         let upper = create::<bool>(&set, Action::Upper, &hands)?;
+        let step = create::<f32>(&set, Action::Step, &hands)?;
+        let press = create::<bool>(&set, Action::Press, &hands)?;
         let aim = create::<xr::Posef>(&set, Action::Aim, &hands)?;
         let grip = create::<xr::Posef>(&set, Action::Grip, &hands)?;
         let haptic = create::<xr::Haptic>(&set, Action::Haptic, &hands)?;
@@ -56,12 +66,14 @@ impl Input {
             Action::Stick => xr::Binding::new(&stick, path),
             Action::Lower => xr::Binding::new(&lower, path),
             Action::Upper => xr::Binding::new(&upper, path),
+            Action::Step => xr::Binding::new(&step, path),
+            Action::Press => xr::Binding::new(&press, path),
             Action::Aim => xr::Binding::new(&aim, path),
             Action::Grip => xr::Binding::new(&grip, path),
             Action::Haptic => xr::Binding::new(&haptic, path),
         };
         let mut taken = 0;
-        for profile in PROFILES {
+        for profile in profiles {
             match suggest(instance, profile, bind) {
                 Ok(()) => taken += 1,
                 Err(code) => tracing::warn!(
@@ -94,9 +106,12 @@ impl Input {
             stick,
             lower,
             upper,
+            step,
+            press,
             haptic,
             spaces,
             hands,
+            directions: Default::default(),
             pulses: Vec::with_capacity(MAX_PULSES),
         })
     }
@@ -120,7 +135,7 @@ impl Input {
 
     /// Both hands at `time`. A hand whose pointing pose is not known is absent.
     pub(super) fn hands(
-        &self,
+        &mut self,
         session: &xr::Session<xr::Vulkan>,
         stage: &Stage,
         time: xr::Time,
@@ -132,7 +147,7 @@ impl Input {
     }
 
     fn hand(
-        &self,
+        &mut self,
         session: &xr::Session<xr::Vulkan>,
         stage: &Stage,
         time: xr::Time,
@@ -140,37 +155,51 @@ impl Input {
     ) -> Result<Hand, HeadsetError> {
         let [aim, grip] = &self.spaces[side];
         let Some(aim) = locate(aim, stage, time)? else {
+            self.directions[side] = Directions::default();
             return Ok(Hand::ABSENT);
         };
         let grip = locate(grip, stage, time)?.unwrap_or(aim);
         let path = self.hands[side];
         // An action that no button is bound to is not active; its value is then 0.
-        let number = |action: &xr::Action<f32>| {
+        let number = |action: &xr::Action<f32>, from| {
             let state = action
                 .state(session, path)
                 .called("xrGetActionStateFloat")?;
-            Ok::<f32, HeadsetError>(within(state.current_state, 0.0))
+            let value = within(state.current_state, from);
+            Ok::<_, HeadsetError>(state.is_active.then_some(value))
         };
         let button = |action: &xr::Action<bool>| {
             let state = action
                 .state(session, path)
                 .called("xrGetActionStateBoolean")?;
-            Ok::<bool, HeadsetError>(state.current_state)
+            Ok::<_, HeadsetError>(state.is_active.then_some(state.current_state))
         };
         let stick = self
             .stick
             .state(session, path)
             .called("xrGetActionStateVector2f")?
             .current_state;
-        Ok(Hand {
+        let said = Said {
+            stick: Vec2::new(within(stick.x, -1.0), within(stick.y, -1.0)),
+            step: number(&self.step, -1.0)?,
+            press: button(&self.press)?,
+        };
+        let hand = Hand {
             tracked: true,
             aim,
             grip,
-            trigger: number(&self.draw)?,
-            squeeze: number(&self.grab)?,
-            stick: Vec2::new(within(stick.x, -1.0), within(stick.y, -1.0)),
-            lower: button(&self.lower)?,
-            upper: button(&self.upper)?,
+            trigger: number(&self.draw, 0.0)?.unwrap_or(0.0),
+            squeeze: number(&self.grab, 0.0)?.unwrap_or(0.0),
+            stick: Vec2::ZERO,
+            lower: button(&self.lower)? == Some(true),
+            upper: button(&self.upper)? == Some(true),
+        };
+        let meant = self.directions[side].meant(said);
+        Ok(Hand {
+            stick: meant.stick,
+            lower: hand.lower || meant.lower,
+            upper: hand.upper || meant.upper,
+            ..hand
         })
     }
 

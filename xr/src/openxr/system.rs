@@ -7,6 +7,7 @@ use ash::vk::{self, Handle as _};
 
 use super::connect::{ConnectError, refused};
 use super::headset::OpenXrHeadset;
+use crate::profiles::Profile;
 use crate::vulkan::{VulkanDevice, VulkanHandles};
 
 /// The one view configuration that Ramus draws.
@@ -18,12 +19,19 @@ pub struct System {
     pub(super) id: xr::SystemId,
     /// Runtime and device, for people.
     pub(super) title: String,
+    pub(super) offer: Offer,
+    pub(super) blend: xr::EnvironmentBlendMode,
+    pub(super) extent: vk::Extent2D,
+}
+
+/// What a runtime has that not each one has.
+pub(super) struct Offer {
     /// The LOCAL_FLOOR space exists, in the core or as an extension.
     pub(super) local_floor: bool,
     /// Depth can be submitted beside colour.
     pub(super) depth: bool,
-    pub(super) blend: xr::EnvironmentBlendMode,
-    pub(super) extent: vk::Extent2D,
+    /// The controllers that it knows.
+    pub(super) profiles: Vec<&'static Profile>,
 }
 
 /// What the runtime must know of our pictures.
@@ -38,8 +46,7 @@ impl System {
         instance: xr::Instance,
         id: xr::SystemId,
         runtime: String,
-        local_floor: bool,
-        depth: bool,
+        offer: Offer,
     ) -> Result<Self, ConnectError> {
         let properties = instance
             .system_properties(id)
@@ -85,8 +92,7 @@ impl System {
             instance,
             id,
             title: format!("{name} on {runtime}"),
-            local_floor,
-            depth,
+            offer,
             blend,
             extent,
         })

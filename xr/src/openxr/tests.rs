@@ -116,10 +116,10 @@ fn a_whole_session_breaks_no_rule() {
         };
         assert_eq!(fake.ended, [picture; 2]);
         assert_eq!(fake.haptics, 2);
-        assert_eq!(fake.bound.len(), crate::bindings::PROFILES.len());
         let touch = &fake.bound["/interaction_profiles/oculus/touch_controller"];
-        assert!(touch.contains(&"/user/hand/left/input/x/click".to_owned()));
-        assert!(touch.contains(&"/user/hand/right/input/a/click".to_owned()));
+        let is_bound = |path: &str| touch.iter().any(|(_, bound)| bound == path);
+        assert!(is_bound("/user/hand/left/input/x/click"));
+        assert!(is_bound("/user/hand/right/input/a/click"));
     });
 }
 
@@ -504,4 +504,85 @@ fn leaving_before_the_session_ran_needs_no_consent() {
     headset.request_exit();
     assert_eq!(headset.wait().unwrap(), Tick::Exit);
     no_objections();
+}
+
+/// What the hand of a headset says, whose controllers are of a profile and say this.
+fn held(profile: &'static str, parts: &[(&'static str, f32)]) -> Hand {
+    with(|fake| *fake = fake::Fake::default());
+    let mut headset = focused();
+    with(|fake| {
+        (fake.held, fake.number, fake.button) = (profile, 0.0, false);
+        fake.parts = parts.iter().copied().collect();
+    });
+    let hand = frame(&mut headset).hands[0];
+    no_objections();
+    hand
+}
+
+#[test]
+fn a_touchpad_counts_where_it_is_pressed() {
+    const WAND: &str = "/interaction_profiles/htc/vive_controller";
+    let pad = |x, y, pressed| {
+        held(
+            WAND,
+            &[
+                ("/input/trackpad/x", x),
+                ("/input/trackpad/y", y),
+                ("/input/trackpad/click", pressed),
+            ],
+        )
+    };
+    let touched = pad(0.1, 0.9, 0.0);
+    assert!(!touched.lower && !touched.upper && touched.stick.x == 0.0);
+    assert!(pad(0.1, 0.9, 1.0).lower);
+    assert!(pad(0.1, -0.9, 1.0).upper);
+    let sideways = pad(-0.9, 0.1, 1.0);
+    assert!(sideways.stick.x < -0.8 && !sideways.lower && !sideways.upper);
+    let squeezed = held(
+        WAND,
+        &[("/input/squeeze/click", 1.0), ("/input/trigger/value", 0.7)],
+    );
+    assert!(squeezed.squeeze == 1.0 && squeezed.trigger == 0.7);
+}
+
+#[test]
+fn a_stick_without_buttons_beside_it_grows() {
+    const MOTION: &str = "/interaction_profiles/microsoft/motion_controller";
+    let up = [("/input/thumbstick/x", 0.0), ("/input/thumbstick/y", 0.9)];
+    assert!(held(MOTION, &up).lower);
+    // Beside buttons it does not.
+    let touch = held("/interaction_profiles/oculus/touch_controller", &up);
+    assert!(!touch.lower && touch.stick.y == 0.9);
+}
+
+#[test]
+fn hands_and_pens_draw() {
+    // Neither is known to this runtime of version 1.1 before it offers the extensions.
+    let bare = "/interaction_profiles/ext/hand_interaction_ext";
+    let _ = focused();
+    with(|fake| assert!(!fake.bound.contains_key(bare)));
+    for (extension, profile, part) in [
+        (c"XR_EXT_hand_interaction", bare, "/input/pinch_ext/value"),
+        (
+            c"XR_LOGITECH_mx_ink_stylus_interaction",
+            "/interaction_profiles/logitech/mx_ink_stylus_logitech",
+            "/input/cluster_middle_logitech/force",
+        ),
+    ] {
+        with(|fake| {
+            *fake = fake::Fake::default();
+            fake.extensions.push(extension);
+        });
+        let mut headset = focused();
+        with(|fake| {
+            (fake.held, fake.number, fake.button) = (profile, 0.0, false);
+            fake.parts = [(part, 0.8)].into_iter().collect();
+        });
+        let hand = frame(&mut headset).hands[1];
+        assert!(
+            hand.trigger == 0.8 && hand.squeeze == 0.0 && !hand.lower,
+            "{profile}"
+        );
+        no_objections();
+    }
 }
