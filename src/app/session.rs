@@ -88,6 +88,7 @@ fn one_frame(
     watcher: &mut dyn Watcher,
     frame: &Frame,
 ) -> Result<(), SessionEnd> {
+    workshop.hold(headset.controllers());
     for pulse in workshop.update(frame) {
         headset.vibrate(*pulse);
     }

@@ -8,9 +8,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use ramus_xr::profiles::Profile;
 use ramus_xr::{Frame, Pulse};
 
-use crate::app::convert::input_from_frame;
+use crate::app::convert::{buttons, input_from_frame};
 use crate::app::store::{Opened, Store, StoreError};
 use crate::app::worker::Worker;
 use crate::sketch::{Grower, Grown, Sketch};
@@ -50,6 +51,8 @@ pub struct Workshop {
     edits: u64,
     scene: Scene,
     pulses: Vec<Pulse>,
+    /// Paths of what both hands hold.
+    held: [Option<&'static str>; 2],
 }
 
 fn grow(grower: &mut Grower, (id, sketch, step): &Wanted, cancel: &AtomicBool) -> Ready {
@@ -96,7 +99,17 @@ impl Workshop {
             edits: 0,
             scene: Scene::default(),
             pulses: Vec::new(),
+            held: [None; 2],
         })
+    }
+
+    /// Tells what both hands hold: the board says what its buttons do.
+    pub fn hold(&mut self, controllers: [Option<&'static Profile>; 2]) {
+        let held = controllers.map(|controller| controller.map(|profile| profile.path));
+        if self.held != held {
+            self.held = held;
+            self.world.take_buttons(buttons(controllers));
+        }
     }
 
     /// Takes one frame of input and brings everything up to it; gives the vibrations to send.

@@ -36,15 +36,59 @@ impl Default for BoardParams {
     }
 }
 
-/// What the buttons do, one line each.
-const HINTS: [&str; 6] = [
-    "trigger   draw; on a node: choose it, branch there",
-    "grip      move a node; with the trigger: delete it",
-    "grip rim  move and turn the platform; both: scale",
-    "A or X    grow one step",
-    "B or Y    step back",
-    "stick     left: undo   right: redo",
-];
+/// What people call the parts of the controllers in hand; none where there is no such part.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Buttons {
+    /// Draws.
+    pub draw: Option<String>,
+    /// Grabs.
+    pub grab: Option<String>,
+    /// Grows.
+    pub grow: Option<String>,
+    /// Steps back.
+    pub back: Option<String>,
+    /// Undoes to the left and redoes to the right.
+    pub undo: Option<String>,
+}
+
+impl Default for Buttons {
+    /// Those of the controllers that most people have.
+    fn default() -> Self {
+        let some = |name: &str| Some(name.to_owned());
+        Self {
+            draw: some("trigger"),
+            grab: some("grip"),
+            grow: some("A or X"),
+            back: some("B or Y"),
+            undo: some("stick"),
+        }
+    }
+}
+
+impl Buttons {
+    /// What they do, one line each.
+    fn hints(&self) -> Vec<String> {
+        let delete = match &self.draw {
+            Some(draw) => format!("move a node; with the {draw}: delete it"),
+            None => "move a node".to_owned(),
+        };
+        let rim = self.grab.as_ref().map(|grab| format!("{grab} rim"));
+        let lines = [
+            (&self.draw, "draw; on a node: choose it, branch there"),
+            (&self.grab, &delete),
+            (&rim, "move and turn the platform; both: scale"),
+            (&self.grow, "grow one step"),
+            (&self.back, "step back"),
+            (&self.undo, "left: undo   right: redo"),
+        ];
+        let names = lines.iter().filter_map(|(name, _)| name.as_ref());
+        let longest = names.map(|name| name.chars().count()).max().unwrap_or(0);
+        let line = |(name, does): &(&Option<String>, &str)| {
+            Some(format!("{:longest$}  {does}", name.as_ref()?))
+        };
+        lines.iter().filter_map(line).collect()
+    }
+}
 
 /// What stands for text that was cut off.
 const ELLIPSIS: char = '…';
@@ -84,9 +128,18 @@ pub(super) struct LiveBoard {
     of: Option<Composed>,
     content: Arc<BoardContent>,
     revision: u64,
+    buttons: Buttons,
 }
 
 impl LiveBoard {
+    /// Tells what is in hand; the text says so when it is composed next, which is at once.
+    pub(super) fn take_buttons(&mut self, buttons: Buttons) {
+        if self.buttons != buttons {
+            self.buttons = buttons;
+            self.of = None;
+        }
+    }
+
     /// Makes the text follow; composes it only where something changed.
     pub(super) fn follow(&mut self, document: &Document, facts: &Facts<'_>, params: &BoardParams) {
         let same = self.of.as_ref().is_some_and(|of| {
@@ -107,7 +160,7 @@ impl LiveBoard {
             undo: facts.undo,
             string_revision: facts.string_revision,
         });
-        self.content = Arc::new(compose(document, facts, params));
+        self.content = Arc::new(compose(document, facts, &self.buttons, params));
         self.revision = new_revision();
     }
 
@@ -122,7 +175,12 @@ impl LiveBoard {
     }
 }
 
-fn compose(document: &Document, facts: &Facts<'_>, params: &BoardParams) -> BoardContent {
+fn compose(
+    document: &Document,
+    facts: &Facts<'_>,
+    buttons: &Buttons,
+    params: &BoardParams,
+) -> BoardContent {
     let sketch = &*document.sketch;
     let mut lines = Vec::new();
     let mut line = |text: &str| lines.push(fitted(text, params.columns));
@@ -143,8 +201,8 @@ fn compose(document: &Document, facts: &Facts<'_>, params: &BoardParams) -> Boar
         line(&row);
     }
     line("");
-    for hint in HINTS {
-        line(hint);
+    for hint in buttons.hints() {
+        line(&hint);
     }
     BoardContent {
         title: "Ramus".into(),
@@ -421,27 +479,60 @@ mod tests {
             undo: [123_456, 654_321],
             ..FACTS
         };
-        let content = compose(
-            &Document {
-                step: 9999,
-                ..Document::default()
-            },
-            &facts,
-            &params,
-        );
+        let document = Document {
+            step: 9999,
+            ..Document::default()
+        };
+        let magic_leap = Buttons {
+            grab: Some("shoulder".to_owned()),
+            back: Some("pad bottom".to_owned()),
+            undo: None,
+            ..Buttons::default()
+        };
+        for (buttons, lines) in [(Buttons::default(), 6), (magic_leap, 5)] {
+            let content = compose(&document, &facts, &buttons, &params);
+            let fits = |line: &String| line.chars().count() <= params.columns;
+            assert!(content.lines.iter().all(fits));
+            let hints = buttons.hints();
+            assert_eq!(hints.len(), lines);
+            let most = 2 + 3 + params.string_lines + params.rule_lines + hints.len();
+            assert!(content.lines.len() <= most, "{}", content.lines.len());
+            for hint in hints {
+                assert!(content.lines.contains(&hint), "uncut: {hint}");
+            }
+        }
+    }
+
+    #[test]
+    fn other_controllers_have_other_hints() {
+        let mut board = LiveBoard::default();
+        let (document, params) = (Document::default(), BoardParams::default());
+        board.follow(&document, &FACTS, &params);
         assert!(
-            content
+            board
+                .content
                 .lines
                 .iter()
-                .all(|line| line.chars().count() <= params.columns)
+                .any(|l| l == "trigger   draw; on a node: choose it, branch there")
         );
-        let most = 2 + 3 + params.string_lines + params.rule_lines + HINTS.len();
-        assert!(content.lines.len() <= most, "{}", content.lines.len());
-        for hint in HINTS {
-            assert!(
-                content.lines.iter().any(|line| line == hint),
-                "uncut: {hint}"
-            );
-        }
+        let before = board.revision;
+        board.take_buttons(Buttons {
+            draw: Some("pinch".to_owned()),
+            grab: Some("fist".to_owned()),
+            grow: None,
+            back: None,
+            undo: None,
+        });
+        board.follow(&document, &FACTS, &params);
+        assert!(board.revision > before);
+        let last = &board.content.lines[board.content.lines.len() - 3..];
+        assert_eq!(
+            last,
+            [
+                "pinch     draw; on a node: choose it, branch there",
+                "fist      move a node; with the pinch: delete it",
+                "fist rim  move and turn the platform; both: scale",
+            ]
+        );
     }
 }

@@ -29,7 +29,7 @@ pub mod scene;
 pub mod stage;
 pub mod tools;
 
-use board::{BoardParams, Facts, LiveBoard};
+use board::{BoardParams, Buttons, Facts, LiveBoard};
 use document::{Document, Edit, EditError};
 use growth::Growth;
 use history::{Action, History};
@@ -294,6 +294,12 @@ impl World {
             .hands
             .iter()
             .any(|hand| hand.hold != tools::Hold::Nothing || hand.hover != Hover::Nothing)
+    }
+
+    /// Says on the board what the buttons of these controllers do.
+    pub fn take_buttons(&mut self, buttons: Buttons) {
+        self.board.take_buttons(buttons);
+        self.compose();
     }
 
     /// Shows a sentence on the board for some seconds.

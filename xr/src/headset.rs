@@ -3,6 +3,7 @@
 use ash::vk;
 
 use crate::frame::{Frame, Pulse, View};
+use crate::profiles::Profile;
 use crate::session::SessionError;
 use crate::vulkan::Swapchain;
 
@@ -72,6 +73,10 @@ pub trait Headset {
     fn end(&mut self, rendered: bool) -> Result<(), HeadsetError>;
     /// Vibrates a controller; silent while unfocused.
     fn vibrate(&mut self, pulse: Pulse);
+    /// What the left and the right hand hold, as far as it is known.
+    fn controllers(&self) -> [Option<&'static Profile>; 2] {
+        [None; 2]
+    }
     /// Asks the session to end in good order; [`Tick::Exit`] follows.
     fn request_exit(&mut self);
 }
@@ -88,7 +93,7 @@ pub trait Headset {
 /// }
 ///
 /// impl<H: Headset> Headset for Counted<H> {
-///     ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, request_exit);
+///     ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, controllers, request_exit);
 ///
 ///     fn wait(&mut self) -> Result<Tick, HeadsetError> {
 ///         let tick = self.inner.wait()?;
@@ -139,6 +144,11 @@ macro_rules! forward_headset {
             $crate::Headset::vibrate(&mut self.$inner, pulse);
         }
     };
+    (@ $inner:ident controllers) => {
+        fn controllers(&self) -> [Option<&'static $crate::profiles::Profile>; 2] {
+            $crate::Headset::controllers(&self.$inner)
+        }
+    };
     (@ $inner:ident request_exit) => {
         fn request_exit(&mut self) {
             $crate::Headset::request_exit(&mut self.$inner);
@@ -181,6 +191,10 @@ impl<H: Headset + ?Sized> Headset for Box<H> {
 
     fn vibrate(&mut self, pulse: Pulse) {
         (**self).vibrate(pulse);
+    }
+
+    fn controllers(&self) -> [Option<&'static Profile>; 2] {
+        (**self).controllers()
     }
 
     fn request_exit(&mut self) {

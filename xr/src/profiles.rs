@@ -19,6 +19,65 @@ pub struct Profile {
     pub bindings: &'static [Binding],
 }
 
+impl Profile {
+    /// What people call the parts of the controller that do something, in few words; none where it has no such part.
+    #[must_use]
+    pub fn part(&self, action: Action) -> Option<String> {
+        let bound = |wanted| {
+            self.bindings
+                .iter()
+                .find(|binding| binding.action == wanted)
+        };
+        let named = |binding: &Binding| {
+            let mut names: Vec<&str> = binding
+                .paths
+                .iter()
+                .rev()
+                .flatten()
+                .map(|path| name(path))
+                .collect();
+            names.dedup();
+            names.join(" or ")
+        };
+        if let Some(binding) = bound(action) {
+            return Some(named(binding));
+        }
+        // The stick or the touchpad stands in.
+        let stick = named(bound(Action::Step)?);
+        let ends = if bound(Action::Press).is_some() {
+            ["top", "bottom"]
+        } else {
+            ["up", "down"]
+        };
+        match action {
+            Action::Lower => Some(format!("{stick} {}", ends[0])),
+            Action::Upper => Some(format!("{stick} {}", ends[1])),
+            _ => None,
+        }
+    }
+}
+
+/// What people call a part.
+fn name(path: &str) -> &str {
+    match path.split('/').nth(2).unwrap_or(path) {
+        "squeeze" => "grip",
+        "thumbstick" => "stick",
+        "trackpad" => "pad",
+        "pinch_ext" => "pinch",
+        "grasp_ext" => "fist",
+        "cluster_middle_logitech" => "middle",
+        "cluster_front_logitech" => "front",
+        "cluster_back_logitech" => "back",
+        "primary" => "button 1",
+        "secondary" => "button 2",
+        "x" => "X",
+        "y" => "Y",
+        "a" => "A",
+        "b" => "B",
+        other => other,
+    }
+}
+
 const fn both(action: Action, path: &'static str) -> Binding {
     Binding {
         action,
@@ -189,3 +248,51 @@ pub const PROFILES: &[Profile] = &[
     profile!("ext/hand_interaction_ext", "bare hands", BARE, ["EXT_hand_interaction"]),
     profile!("logitech/mx_ink_stylus_logitech", "MX Ink pen", PEN, ["LOGITECH_mx_ink_stylus_interaction"]),
 ];
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "the profiles are there")]
+    use super::*;
+
+    #[test]
+    fn parts_are_called_as_people_call_them() {
+        let parts = |path: &str| {
+            let profile = PROFILES.iter().find(|p| p.path.ends_with(path)).unwrap();
+            let actions = [
+                Action::Draw,
+                Action::Grab,
+                Action::Lower,
+                Action::Upper,
+                Action::Stick,
+            ];
+            actions
+                .map(|action| profile.part(action).unwrap_or_default())
+                .join(", ")
+        };
+        for (profile, expected) in [
+            (
+                "oculus/touch_controller",
+                "trigger, grip, A or X, B or Y, stick",
+            ),
+            ("index_controller", "trigger, grip, A, B, stick"),
+            ("vive_controller", "trigger, grip, pad top, pad bottom, pad"),
+            (
+                "motion_controller",
+                "trigger, grip, stick up, stick down, stick",
+            ),
+            (
+                "ml2_controller",
+                "trigger, shoulder, pad top, pad bottom, pad",
+            ),
+            (
+                "generic_controller",
+                "trigger, grip, button 1, button 2, stick",
+            ),
+            ("simple_controller", "select, , menu, , "),
+            ("hand_interaction_ext", "pinch, fist, , , "),
+            ("mx_ink_stylus_logitech", "middle, back, front, , "),
+        ] {
+            assert_eq!(parts(profile), expected, "{profile}");
+        }
+    }
+}

@@ -72,7 +72,7 @@ impl<H: Headset, W: Write> Recorder<H, W> {
 }
 
 impl<H: Headset, W: Write> Headset for Recorder<H, W> {
-    crate::forward_headset!(inner: extent, swapchain, begin, vibrate, request_exit);
+    crate::forward_headset!(inner: extent, swapchain, begin, vibrate, controllers, request_exit);
 
     fn describe(&self) -> String {
         format!("{}, recording", self.inner.describe())
@@ -149,7 +149,7 @@ impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Player<H, I> {
 }
 
 impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Headset for Player<H, I> {
-    crate::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, request_exit);
+    crate::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, controllers, request_exit);
 
     fn describe(&self) -> String {
         format!("{}, playing a session", self.inner.describe())

@@ -4,6 +4,7 @@ use ::openxr as xr;
 
 use crate::bindings::HANDS;
 use crate::lifecycle::State;
+use crate::profiles::{PROFILES, Profile};
 
 /// States as the runtime tells them; `None` for ones that a later version may add.
 pub(super) fn state_from_raw(state: xr::SessionState) -> Option<State> {
@@ -29,23 +30,27 @@ pub(super) fn loss(code: xr::sys::Result) -> xr::Result<()> {
     }
 }
 
-/// Says in the log which controllers are used now.
-pub(super) fn report_controllers(session: &xr::Session<xr::Vulkan>) {
+/// The controllers that are used now; the log says what they are.
+pub(super) fn controllers(session: &xr::Session<xr::Vulkan>) -> [Option<&'static Profile>; 2] {
     let instance = session.instance();
-    for hand in HANDS {
-        let profile = instance
+    HANDS.map(|hand| {
+        let current = instance
             .string_to_path(hand)
-            .and_then(|hand| session.current_interaction_profile(hand))
-            .and_then(|path| {
-                if path == xr::Path::NULL {
-                    Ok(String::from("none"))
-                } else {
-                    instance.path_to_string(path)
-                }
-            });
-        match profile {
-            Ok(profile) => tracing::info!("{hand}: {profile}"),
-            Err(code) => tracing::warn!("{hand}: the controller is not known ({code:?})"),
+            .and_then(|hand| session.current_interaction_profile(hand));
+        let path = match current {
+            Ok(xr::Path::NULL) => Ok(String::from("none")),
+            Ok(path) => instance.path_to_string(path),
+            Err(code) => Err(code),
+        };
+        match path {
+            Ok(path) => {
+                tracing::info!("{hand}: {path}");
+                PROFILES.iter().find(|profile| profile.path == path)
+            }
+            Err(code) => {
+                tracing::warn!("{hand}: the controller is not known ({code:?})");
+                None
+            }
         }
-    }
+    })
 }

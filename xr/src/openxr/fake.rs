@@ -377,8 +377,12 @@ functions! {
         Code::SUCCESS
     }
     "xrPathToString" path_to_string: PathToString(
-        _i: sys::Instance, _path: sys::Path, capacity: u32, count: *mut u32, out: *mut c_char,
-    ) |_fake| { fill(&text::<4>(c"/p"), capacity, count, out) }
+        _i: sys::Instance, path: sys::Path, capacity: u32, count: *mut u32, out: *mut c_char,
+    ) |fake| {
+        let path = &fake.paths[usize::try_from(path.into_raw()).unwrap_or_default() - 1];
+        let text: Vec<c_char> = path.bytes().chain([0]).map(|byte| byte as c_char).collect();
+        fill(&text, capacity, count, out)
+    }
     "xrCreateActionSet" action_set: CreateActionSet(
         _i: sys::Instance, _info: *const sys::ActionSetCreateInfo, out: *mut sys::ActionSet,
     ) |fake| {
@@ -408,8 +412,9 @@ functions! {
     ) |_fake| { Code::SUCCESS }
     "xrGetCurrentInteractionProfile" profile: GetCurrentInteractionProfile(
         _s: sys::Session, _hand: sys::Path, out: *mut sys::InteractionProfileState,
-    ) |_fake| {
-        (*out).interaction_profile = sys::Path::from_raw(1);
+    ) |fake| {
+        let held = fake.paths.iter().position(|path| path == fake.held);
+        (*out).interaction_profile = sys::Path::from_raw(held.map_or(0, |at| at as u64 + 1));
         Code::SUCCESS
     }
     "xrEnumerateSwapchainFormats" formats: EnumerateSwapchainFormats(

@@ -17,6 +17,7 @@ use super::{events, frames};
 use crate::frame::{Frame, Hand, Pose, Pulse, View};
 use crate::headset::{Acquired, Headset, HeadsetError, Tick};
 use crate::lifecycle::{Demand, FrameCall, FrameClock, Lifecycle, Stage as FrameStage, State};
+use crate::profiles::Profile;
 use crate::vulkan::{Swapchain, VulkanDevice, VulkanHandles};
 
 /// How long `wait` rests while no session runs, so that a loop around it does not spin.
@@ -49,6 +50,7 @@ pub struct OpenXrHeadset {
     /// Whether `views` are the present frame's.
     located: bool,
     head_pose: Pose,
+    controllers: [Option<&'static Profile>; 2],
     /// When the stage's origin will move.
     recentred_at: Option<xr::Time>,
     exit: bool,
@@ -153,6 +155,7 @@ impl OpenXrHeadset {
             views: start.views,
             located: false,
             head_pose: start.head,
+            controllers: [None; 2],
             recentred_at: None,
             exit: false,
             device: None,
@@ -186,7 +189,7 @@ impl OpenXrHeadset {
                     self.recentred_at = Some(change.change_time());
                 }
                 xr::Event::InteractionProfileChanged(_) => {
-                    events::report_controllers(&self.session)
+                    self.controllers = events::controllers(&self.session);
                 }
                 xr::Event::EventsLost(lost) => {
                     tracing::warn!("the runtime dropped {} events", lost.lost_event_count());
@@ -375,6 +378,10 @@ impl Headset for OpenXrHeadset {
 
     fn vibrate(&mut self, pulse: Pulse) {
         self.input.queue(pulse);
+    }
+
+    fn controllers(&self) -> [Option<&'static Profile>; 2] {
+        self.controllers
     }
 
     fn request_exit(&mut self) {

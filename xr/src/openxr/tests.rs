@@ -586,3 +586,26 @@ fn hands_and_pens_draw() {
         no_objections();
     }
 }
+
+#[test]
+fn a_change_of_controllers_is_told() {
+    with(|fake| *fake = fake::Fake::default());
+    let mut headset = focused();
+    frame(&mut headset);
+    assert!(headset.controllers().iter().all(Option::is_none));
+    for held in [
+        "/interaction_profiles/htc/vive_controller",
+        "/interaction_profiles/nobody/knows_it",
+    ] {
+        with(|fake| {
+            fake.held = held;
+            fake.events.push_back(FakeEvent::Profile);
+        });
+        frame(&mut headset);
+        for controller in headset.controllers() {
+            let known = controller.map(|profile| profile.path);
+            assert_eq!(known, held.contains("vive").then_some(held));
+        }
+    }
+    no_objections();
+}
