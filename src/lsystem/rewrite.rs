@@ -28,6 +28,8 @@ use super::string::{ModuleString, parameters_of, string_bytes};
 
 /// Modules of a chunk.
 const CHUNK: usize = 8192;
+/// Chunks that a thread takes at most at once: with more, one that is slower keeps the others waiting in the end.
+pub(super) const TOGETHER: usize = 2;
 /// Strings shorter than this are rewritten on the calling thread.
 const PARALLEL_FROM: usize = 2 * CHUNK;
 /// Modules that are looked at together, to see whether they are all alike.
@@ -108,7 +110,8 @@ impl<'a> Round<'a> {
         work: impl Fn(T) -> Result<R, DeriveError> + Sync + Send,
     ) -> Result<Vec<R>, DeriveError> {
         if parallel {
-            let results: Vec<Result<R, DeriveError>> = items.into_par_iter().map(work).collect();
+            let items = items.into_par_iter().with_max_len(TOGETHER);
+            let results: Vec<Result<R, DeriveError>> = items.map(work).collect();
             results.into_iter().collect()
         } else {
             items.into_iter().map(work).collect()

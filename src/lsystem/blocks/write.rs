@@ -68,7 +68,7 @@ impl Blocks {
             .write(walk, out)
         };
         let whole = if pays_in_parallel(modules) && slices.len() > 1 {
-            slices.into_par_iter().map(write).collect()
+            slices.into_par_iter().with_max_len(1).map(write).collect()
         } else {
             slices.into_iter().map(write).collect::<Option<()>>()
         };
