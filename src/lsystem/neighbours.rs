@@ -23,7 +23,6 @@ use rayon::prelude::*;
 
 use super::column::Narrow;
 use super::grammar::{Grammar, Pattern, Role, Rule};
-use super::rewrite::TOGETHER;
 
 /// No module on that side.
 pub(super) const NOTHING: u32 = u32::MAX;
@@ -185,8 +184,7 @@ impl Seams {
             goes_on.then(|| shown(grammar, symbols, number * chunk, reach))
         };
         let chunks: Option<Vec<(Chunk, Chunk)>> = if parallel {
-            let chunks = symbols.par_chunks(chunk).with_max_len(TOGETHER);
-            chunks.enumerate().map(shown).collect()
+            symbols.par_chunks(chunk).enumerate().map(shown).collect()
         } else {
             symbols.chunks(chunk).enumerate().map(shown).collect()
         };

@@ -29,7 +29,7 @@ use super::string::{ModuleString, parameters_of, string_bytes};
 /// Modules of a chunk.
 const CHUNK: usize = 8192;
 /// Chunks that a thread takes at most at once: with more, one that is slower keeps the others waiting in the end.
-pub(super) const TOGETHER: usize = 2;
+const TOGETHER: usize = 2;
 /// Strings shorter than this are rewritten on the calling thread.
 const PARALLEL_FROM: usize = 2 * CHUNK;
 /// Modules that are looked at together, to see whether they are all alike.
