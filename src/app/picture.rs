@@ -142,6 +142,7 @@ impl Picture {
             && let Some(mut painted) = self.board.lay_out(board)
         {
             self.renderer.paint_panel(
+                0,
                 &painted.primitives,
                 &mut painted.textures,
                 painted.size_px,

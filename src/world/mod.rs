@@ -17,6 +17,7 @@ pub mod document;
 mod document_tests;
 mod grip;
 mod growth;
+pub mod handles;
 pub mod hands;
 pub mod history;
 mod hold;
@@ -24,16 +25,22 @@ pub mod hover;
 pub mod input;
 pub mod journal;
 mod miniature;
+pub mod panels;
+mod play;
 pub mod project;
 pub mod scene;
 pub mod stage;
 pub mod tools;
+mod tried;
 
 use board::{BoardParams, Buttons, Facts, LiveBoard};
 use document::{Document, Edit, EditError};
 use growth::Growth;
+use handles::{HandleId, Says};
 use history::{Action, History};
 use input::Input;
+use panels::{PanelId, PanelPointer};
+use play::Player;
 use scene::{Ball, Controller, Rod, Scene};
 use stage::{Palette, StageParams};
 use tools::{Hover, Tools};
@@ -41,6 +48,7 @@ use tools::{Hover, Tools};
 pub use grip::GripParams;
 pub use growth::{GrowthParams, TreeRequest};
 pub use hold::HoldParams;
+pub use play::PlayParams;
 pub use tools::{Haptic, ToolParams};
 
 /// Everything about the world that can be set.
@@ -54,6 +62,8 @@ pub struct WorldParams {
     pub tools: ToolParams,
     /// How growth is shown.
     pub growth: GrowthParams,
+    /// How playback runs.
+    pub play: PlayParams,
     /// How much text the board takes.
     pub board: BoardParams,
     /// Seconds for which a message stays.
@@ -69,6 +79,7 @@ impl Default for WorldParams {
             palette: Palette::default(),
             tools: ToolParams::default(),
             growth: GrowthParams::default(),
+            play: PlayParams::default(),
             board: BoardParams::default(),
             message_seconds: 8.0,
             longest_frame: 0.1,
@@ -90,6 +101,7 @@ pub struct World {
     history: History,
     tools: Tools,
     growth: Growth,
+    player: Player,
     board: LiveBoard,
     /// The grown string, perhaps cut.
     string: String,
@@ -120,6 +132,7 @@ impl World {
             history,
             tools,
             growth: Growth::default(),
+            player: Player::new(&params.play),
             board: LiveBoard::default(),
             string: String::new(),
             string_revision: 0,
@@ -143,6 +156,7 @@ impl World {
         if let Some(text) = self.tools.take_message() {
             self.show_message(text);
         }
+        self.follow_moment(f64::from(seconds));
         self.growth.advance(seconds, &self.params.growth);
         if let Some(message) = &mut self.message {
             message.seconds -= seconds;
@@ -226,8 +240,50 @@ impl World {
         Ok(())
     }
 
+    /// Shows the document as it would be after an edit that a panel is making, in place of the last one of its kind;
+    /// [`Self::settle`] makes it an edit.
+    ///
+    /// # Errors
+    /// Where the edit is refused; what was shown stays.
+    pub fn try_out(&mut self, edit: Edit) -> Result<(), EditError> {
+        self.tools.try_out(edit, &self.history)?;
+        self.follow_history();
+        Ok(())
+    }
+
+    /// Where a hand is on a panel.
+    #[must_use]
+    pub fn pointer(&self, id: PanelId) -> Option<PanelPointer> {
+        self.tools.pointer(id)
+    }
+
+    /// Whether a panel is there.
+    #[must_use]
+    pub fn has_panel(&self, id: PanelId) -> bool {
+        self.tools.panels.is_shown(id)
+    }
+
+    /// Shows a panel or hides it.
+    pub fn show_panel(&mut self, id: PanelId, shown: bool) {
+        self.tools.panels.show(id, shown);
+    }
+
+    /// Width and height of a panel, metres.
+    #[must_use]
+    pub fn panel_size(&self, id: PanelId) -> [f32; 2] {
+        self.tools.panels.size(id).to_array()
+    }
+
+    /// What is to be said beside the handle that a hand is at.
+    #[must_use]
+    pub fn says(&self) -> Option<Says> {
+        self.tools.says().map(|(says, _)| says)
+    }
+
     /// Undoes the last edit; hands let go of everything. False: there was none.
     pub fn undo(&mut self) -> bool {
+        self.player.playing = false;
+        self.tools.untry();
         self.tools.let_go();
         let done = self.history.undo();
         self.follow_history();
@@ -236,6 +292,8 @@ impl World {
 
     /// Redoes the last edit undone; hands let go of everything. False: there was none.
     pub fn redo(&mut self) -> bool {
+        self.player.playing = false;
+        self.tools.untry();
         self.tools.let_go();
         let done = self.history.redo();
         self.follow_history();
@@ -318,6 +376,9 @@ impl World {
         scene.balls.clear();
         scene.plates.clear();
         scene.controllers.clear();
+        scene.panels.clear();
+        self.tools.panels.draw(scene);
+        self.tools.draw_handles(scene);
         let hovers = self.tools.hands.map(|hand| hand.hover);
         let rim_held = self
             .tools
@@ -378,11 +439,15 @@ impl World {
                 color: palette.ghost,
             });
         }
-        if state.hold != tools::Hold::Nothing {
+        let on_panel = matches!(state.hold, tools::Hold::Panel { .. });
+        if state.hold != tools::Hold::Nothing && !on_panel {
             return;
         }
         let (length, color) = match state.hover {
-            Hover::Node { along, .. } | Hover::Rim { along } => (along, palette.ray_hit),
+            Hover::Node { along, .. } | Hover::Rim { along } | Hover::Handle { along, .. } => {
+                (along, palette.ray_hit)
+            }
+            Hover::Panel(on) => (on.along, palette.ray_hit),
             Hover::Nothing => (stage.ray_length, palette.ray),
         };
         if length > 0.0 {
