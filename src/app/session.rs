@@ -69,6 +69,9 @@ pub fn run(
     mut picture: Option<&mut Picture>,
     watcher: &mut dyn Watcher,
 ) -> Result<(), SessionEnd> {
+    if picture.is_none() {
+        workshop.unseen();
+    }
     loop {
         match headset.wait()? {
             Tick::Exit => return Ok(()),
@@ -98,6 +101,9 @@ fn one_frame(
     let rendered = match picture {
         Some(picture) if ready && (watcher.wants(workshop, frame) || acquired.is_some()) => {
             let views = headset.views()?;
+            for (slot, painted) in workshop.take_painted() {
+                picture.paint(slot, painted)?;
+            }
             let scene = workshop.scene();
             let report = if acquired.is_none() {
                 // Nobody waits for a picture without a headset: it is drawn when all of it is there.

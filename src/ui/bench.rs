@@ -85,7 +85,6 @@ impl Bench {
 
     fn grow(&mut self, ui: &mut Ui, page: &mut Page<'_>) {
         let (words, view) = (page.words, page.view);
-        page.heading(ui, words.tab_grow);
         page.moment(ui);
         ui.horizontal(|ui| {
             if ui.button(words.back).clicked() {
@@ -184,7 +183,6 @@ impl Page<'_> {
 
     fn shape(&mut self, ui: &mut Ui) {
         let (words, sketch) = (self.words, &self.view.document.sketch);
-        self.heading(ui, words.tab_shape);
         let degrees = std::cell::Cell::new(sketch.divergence_deg);
         let slider = Slider::from_get_set(0.0..=360.0, |new| {
             degrees.set(new.unwrap_or(degrees.get()));
@@ -247,7 +245,6 @@ impl Page<'_> {
 
     fn letters(&mut self, ui: &mut Ui) {
         let (words, sketch) = (self.words, &self.view.document.sketch);
-        self.heading(ui, words.tab_letters);
         let mut on = sketch.self_similar_branches;
         if ui.checkbox(&mut on, words.new_branches).clicked() {
             self.wishes.push(Wish::Edit(Edit::SetSelfSimilarBranches { on }));
@@ -319,7 +316,6 @@ impl Page<'_> {
     }
 
     fn room(&mut self, ui: &mut Ui) {
-        self.heading(ui, self.words.tab_room);
         for language in Language::ALL {
             let chosen = self.view.settings.language == language;
             if ui.radio(chosen, language.words().language).clicked() {

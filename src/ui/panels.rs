@@ -230,6 +230,18 @@ impl Panels {
         self.ticks.extend(looked.tick);
     }
 
+    /// Keeps where texts stand from now on.
+    pub fn keep_texts(&mut self) {
+        self.sheets.iter_mut().for_each(Sheet::keep_texts);
+        self.shown = None;
+    }
+
+    /// Where the n-th text (from 1) that is this one stands on a panel, metres right of and below its upper left corner.
+    #[must_use]
+    pub fn find_text(&self, id: PanelId, text: &str, nth: usize) -> Option<glam::Vec2> {
+        self.sheets[id as usize].find_text(text, nth)
+    }
+
     /// What is to be painted, with its slot, where it changed since it was taken last.
     pub fn take_painted(&mut self) -> impl Iterator<Item = (usize, Painted)> {
         let sheets = PanelId::ALL.into_iter().zip(&mut self.sheets);

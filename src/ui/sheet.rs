@@ -53,6 +53,8 @@ pub struct Sheet {
     painted: Option<Painted>,
     /// Whether a picture will take what is painted.
     seen: bool,
+    /// Texts and the middles of where they stand, points; none: they are not kept.
+    texts: Option<Vec<(String, Pos2)>>,
 }
 
 impl Sheet {
@@ -73,6 +75,7 @@ impl Sheet {
             time: 0.0,
             painted: None,
             seen: true,
+            texts: None,
         }
     }
 
@@ -86,6 +89,24 @@ impl Sheet {
         if let Some(mut painted) = self.painted.take() {
             painted.textures.clear();
         }
+    }
+
+    /// Keeps where texts stand from the next look on.
+    pub fn keep_texts(&mut self) {
+        self.texts = Some(Vec::new());
+        self.again = true;
+    }
+
+    /// The middle of the n-th text (from 1) that is this one, metres right of and below the upper left corner.
+    #[must_use]
+    pub fn find_text(&self, text: &str, nth: usize) -> Option<glam::Vec2> {
+        let mut texts = self.texts.as_ref()?.iter().filter(|(kept, _)| kept == text);
+        let (_, at) = texts.nth(nth.checked_sub(1)?)?;
+        let LayoutParams {
+            pixels_per_metre,
+            pixels_per_point,
+        } = self.params;
+        Some(glam::Vec2::new(at.x, at.y) * (pixels_per_point / pixels_per_metre))
     }
 
     /// Types into what has the focus.
@@ -185,6 +206,12 @@ impl Sheet {
             .get(&ViewportId::ROOT)
             .map(|viewport| viewport.repaint_delay);
         self.again = wait.is_some_and(|wait| wait.is_zero());
+        if let Some(texts) = &mut self.texts {
+            texts.clear();
+            output.shapes.iter().for_each(|clipped| {
+                keep(&clipped.shape, clipped.clip_rect, texts);
+            });
+        }
         if !self.seen {
             output.textures_delta.clear();
             return;
@@ -235,6 +262,20 @@ impl Sheet {
 impl Drop for Sheet {
     fn drop(&mut self) {
         self.drop_painted();
+    }
+}
+
+/// Keeps the texts of a shape that are to be seen.
+fn keep(shape: &egui::Shape, clip: egui::Rect, texts: &mut Vec<(String, Pos2)>) {
+    match shape {
+        egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| keep(shape, clip, texts)),
+        egui::Shape::Text(text) => {
+            let at = text.galley.rect.center() + text.pos.to_vec2();
+            if clip.contains(at) {
+                texts.push((text.galley.text().to_owned(), at));
+            }
+        }
+        _ => {}
     }
 }
 

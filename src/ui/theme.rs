@@ -29,6 +29,7 @@ pub(super) fn apply(context: &egui::Context) {
         style.spacing.icon_width_inner = 13.0;
         style.spacing.scroll.bar_width = 12.0;
         style.spacing.scroll.floating = false;
+        style.spacing.scroll.foreground_color = false;
         // A drag of a panel's text would select it and move nothing.
         style.interaction.selectable_labels = false;
         style.interaction.interact_radius = 6.0;

@@ -43,6 +43,9 @@ impl Player {
     }
 }
 
+/// What is said where there is no sketch.
+const NOTHING: &str = "Nothing to grow yet: pull the trigger to draw the trunk.";
+
 /// The step that a moment lies in: the one that is growing.
 #[expect(
     clippy::cast_possible_truncation,
@@ -85,13 +88,33 @@ impl World {
     /// Starts playback or ends it; ending is one edit.
     pub fn play(&mut self, on: bool) {
         if on && self.document().sketch.is_empty() {
-            self.show_message("Nothing to grow yet: pull the trigger to draw the trunk.".into());
-            return;
+            return self.show_message(NOTHING.into());
         }
         if self.player.playing && !on {
             self.settle();
         }
         self.player.playing = on;
+    }
+
+    /// Grows by so many steps, or back, as far as trees are not too large.
+    pub fn step_by(&mut self, steps: i32) {
+        self.play(false);
+        let from = self.document().step;
+        let step = from.saturating_add_signed(steps);
+        if steps > 0 && self.document().sketch.is_empty() {
+            return self.show_message(NOTHING.into());
+        }
+        let step = if steps > 0 { self.furthest(step) } else { step };
+        if step == from {
+            let told = if steps > 0 {
+                "One more step would be too large to be shown: this tree is full-grown."
+            } else {
+                "This is step 0, the root alone."
+            };
+            return self.show_message(told.into());
+        }
+        // The step was found to fit just now.
+        let _ = self.apply(Edit::SetStep { step });
     }
 
     /// Shows the tree at a moment, steps; [`Self::settle`] makes it an edit. Where the tree would be too large, at the last moment before.
