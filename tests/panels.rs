@@ -22,13 +22,13 @@ fn a_button_is_pressed_by_either_hand() {
     for hand in HANDS {
         let mut visitor = Visitor::with_tree();
         visitor.click(hand, PanelId::Bench, "Grow");
-        // The first text is the tab of the same name, which is there already.
+        // The first such text is the tab, which is there already.
         assert_eq!(visitor.document().step, 0, "a tab grows nothing");
         visitor.click_nth(hand, PanelId::Bench, "Grow", 2);
         assert_eq!(visitor.document().step, 1);
         visitor.click(hand, PanelId::Bench, "Back");
         assert_eq!(visitor.document().step, 0);
-        visitor.click(hand, PanelId::Bench, "Undo (4)");
+        visitor.click(hand, PanelId::Bench, "Undo (6)");
         assert_eq!(visitor.document().step, 1);
     }
 }
@@ -124,7 +124,14 @@ fn an_untracked_hand_points_at_nothing() {
 #[test]
 fn one_hand_at_a_time_has_a_panel() {
     let mut visitor = Visitor::new();
-    let owner = |visitor: &Visitor| visitor.workshop.world().pointer(PanelId::Bench).unwrap().hand;
+    let owner = |visitor: &Visitor| {
+        visitor
+            .workshop
+            .world()
+            .pointer(PanelId::Bench)
+            .unwrap()
+            .hand
+    };
     visitor.point_on(LEFT, PanelId::Bench, Vec2::new(0.1, 0.5));
     visitor.frame();
     assert_eq!(owner(&visitor), LEFT);
@@ -173,7 +180,9 @@ fn a_panel_is_carried_and_faces_the_head() {
     let after = visitor.center(PanelId::Bench);
     assert!((after - before - to).length() < 1e-4, "{before} {after}");
     let head = visitor.frame.head.position;
-    let cosine = visitor.normal(PanelId::Bench).dot((head - after).normalize());
+    let cosine = visitor
+        .normal(PanelId::Bench)
+        .dot((head - after).normalize());
     assert!(cosine > 0.999, "{cosine}");
     assert_eq!(visitor.workshop.edits(), 0, "no edit of the document");
 }
@@ -230,4 +239,128 @@ fn a_session_on_panels_played_again_gives_the_same_document() {
         again.workshop.finish_tree();
     }
     assert_eq!(again.document(), visitor.document());
+}
+
+#[test]
+fn a_rule_is_rewritten_on_the_keyboard_and_its_fault_stands_in_place() {
+    let mut visitor = Visitor::with_tree();
+    visitor.click(RIGHT, PanelId::Bench, "Rules");
+    let first = "A(x) > B -> A(x) A(x+1)";
+    visitor.find(PanelId::Bench, first);
+    visitor.click(RIGHT, PanelId::Bench, "Change");
+    // The box of the rule takes the focus, and the keyboard comes.
+    assert!(!visitor.workshop.world().has_panel(PanelId::Keyboard));
+    visitor.click(RIGHT, PanelId::Bench, first);
+    assert!(visitor.workshop.world().has_panel(PanelId::Keyboard));
+    visitor.frame();
+    visitor.click(LEFT, PanelId::Keyboard, "(");
+    assert!(
+        visitor.says(PanelId::Bench, "the sketch:"),
+        "its fault stands there"
+    );
+    visitor.click(RIGHT, PanelId::Bench, "Apply");
+    assert!(
+        visitor.document().sketch.own_rules.is_empty(),
+        "not while it is wrong"
+    );
+    visitor.click(RIGHT, PanelId::Bench, "A(x) > B ->( A(x) A(x+1)");
+    visitor.click(LEFT, PanelId::Keyboard, "Delete");
+    assert!(!visitor.says(PanelId::Bench, "the sketch:"));
+}
+
+#[test]
+fn the_lever_turns_the_divergence_live_and_snaps() {
+    for hand in HANDS {
+        let mut visitor = Visitor::with_tree();
+        let center = Vec3::new(0.24, 0.84, -0.28);
+        let on_dial = |degrees: f32| {
+            let angle = degrees.to_radians();
+            center + Vec3::new(angle.sin(), 0.25, angle.cos()) * 0.06
+        };
+        visitor.tip_to(hand, on_dial(137.508));
+        assert!(
+            visitor.workshop.world().says().is_some(),
+            "the knob is under the hand"
+        );
+        let before = visitor.workshop.edits();
+        visitor.pull(hand, true);
+        for degrees in [140.0, 150.0, 160.0, 170.0, 178.5] {
+            visitor.tip_to(hand, on_dial(degrees));
+            let shown = visitor.workshop.world().shown().sketch.divergence_deg;
+            let expected = if degrees > 177.0 {
+                180.0
+            } else {
+                f64::from(degrees)
+            };
+            let near = if degrees == 140.0 { 3.1 } else { 0.2 };
+            assert!((shown - expected).abs() < near, "{shown} at {degrees}");
+        }
+        assert_eq!(visitor.workshop.edits(), before);
+        visitor.pull(hand, false);
+        assert_eq!(visitor.document().sketch.divergence_deg, 180.0);
+        assert_eq!(visitor.workshop.edits(), before + 1);
+    }
+}
+
+#[test]
+fn the_wheel_grows_without_jumps() {
+    let mut visitor = Visitor::with_tree();
+    let center = Vec3::new(-0.24, 0.84, -0.28);
+    let on_dial = |turn: f32| center + Vec3::new(turn.sin(), 0.25, turn.cos()) * 0.06;
+    visitor.tip_to(LEFT, on_dial(0.0));
+    visitor.pull(LEFT, true);
+    let mut last = 0.0;
+    for n in 1..=20_u8 {
+        visitor.tip_to(LEFT, on_dial(f32::from(n) * 0.2));
+        let moment = visitor.workshop.world().moment();
+        assert!(moment > last && moment - last < 0.25, "{last} {moment}");
+        last = moment;
+        let growth = visitor.workshop.scene().tree.as_ref().unwrap().growth;
+        let part = moment - (moment.ceil() - 1.0);
+        assert!((f64::from(growth) - part).abs() < 1e-3, "{growth} {part}");
+    }
+    visitor.pull(LEFT, false);
+    assert_eq!(f64::from(visitor.document().step), last.ceil());
+    let moment = visitor.workshop.world().moment();
+    assert!((moment - last).abs() < 1e-9, "it stays where it was let go");
+}
+
+#[test]
+fn the_stump_clears_when_it_is_asked_twice() {
+    let mut visitor = Visitor::with_tree();
+    let stump = Vec3::new(0.0, 0.865, -0.19);
+    let resting = visitor.frame.hands[RIGHT];
+    visitor.tip_to(RIGHT, stump);
+    visitor.pull(RIGHT, true);
+    visitor.pull(RIGHT, false);
+    assert!(!visitor.document().sketch.is_empty(), "once is not enough");
+    // After some seconds it has forgotten.
+    visitor.wait(5.0);
+    visitor.pull(RIGHT, true);
+    visitor.pull(RIGHT, false);
+    assert!(!visitor.document().sketch.is_empty());
+    visitor.pull(RIGHT, true);
+    visitor.pull(RIGHT, false);
+    assert!(visitor.document().sketch.is_empty());
+    visitor.frame.hands[RIGHT] = resting;
+    visitor.frame();
+    visitor.frame.hands[RIGHT].stick = Vec2::new(-1.0, 0.0);
+    visitor.frame();
+    assert!(!visitor.document().sketch.is_empty(), "undo brings it back");
+}
+
+#[test]
+fn playback_is_one_edit() {
+    let mut visitor = Visitor::with_tree();
+    let before = visitor.workshop.edits();
+    visitor.click(RIGHT, PanelId::Bench, "Play");
+    visitor.wait(3.5);
+    assert!(visitor.workshop.world().is_playing());
+    let moment = visitor.workshop.world().moment();
+    assert!((3.3..4.2).contains(&moment), "{moment}");
+    assert_eq!(visitor.workshop.edits(), before);
+    visitor.click(RIGHT, PanelId::Bench, "Pause");
+    assert_eq!(visitor.workshop.edits(), before + 1);
+    assert!((4..=5).contains(&visitor.document().step));
+    assert!(visitor.document().step > 0);
 }

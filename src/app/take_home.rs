@@ -25,6 +25,11 @@ pub fn summary(world: &World) -> String {
     let drawn = document.sketch.segments().count();
     let (step, most) = (document.step, sketch::MAX_SEGMENTS);
     // A sketch of copies in copies may have more than can be counted in a lifetime: the count ends at the bound.
+    if !document.sketch.own_rules.is_empty() {
+        return format!(
+            "{lines} lines of {drawn} segments drawn, grown to step {step} by rules of your own"
+        );
+    }
     let grown = match sketch::predict_segments_within(&document.sketch, step, most) {
         Some(grown) => format!("{grown} segments grown"),
         None => format!("more than {most} segments to grow"),

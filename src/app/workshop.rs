@@ -210,6 +210,11 @@ impl Workshop {
         self.panels.find_text(panel, text, nth)
     }
 
+    /// The texts on a panel, where they are kept.
+    pub fn texts(&self, panel: PanelId) -> impl Iterator<Item = &str> {
+        self.panels.texts(panel)
+    }
+
     /// Keeps where texts stand on panels from now on.
     pub fn keep_texts(&mut self) {
         self.panels.keep_texts();

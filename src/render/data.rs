@@ -387,6 +387,9 @@ mod tests {
         assert_eq!(solids[1].kind.z, 1.0, "the left hand is mirrored");
         assert_eq!(solids[2].kind.y, 1.0, "the trigger is clamped");
         // Too little room is no crash.
-        assert_eq!(fill(&scene, |_| false, &mut rods[..1], &mut []).ghost_balls, 1);
+        assert_eq!(
+            fill(&scene, |_| false, &mut rods[..1], &mut []).ghost_balls,
+            1
+        );
     }
 }

@@ -1,9 +1,10 @@
 //! The bench: a panel with everything that can be set, in tabs.
 
-use egui::{Button, DragValue, RichText, ScrollArea, Slider, Ui};
+use egui::{Button, DragValue, RichText, ScrollArea, Slider, SliderClamping, Ui};
 
 use super::{
     panels::{Settings, View, Wish},
+    rules::Rules,
     theme::{MESSAGE, PAPER, TITLE},
     words::{Language, Words},
 };
@@ -19,16 +20,18 @@ enum Tab {
     Grow,
     Shape,
     Letters,
+    Rules,
     Room,
     File,
 }
 
 /// What the bench remembers between looks.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Bench {
     tab: Tab,
     /// It asks whether the sketch is really to be cleared.
     asks: bool,
+    rules: Rules,
 }
 
 /// The files that a tree can be taken home as, by their endings.
@@ -50,11 +53,12 @@ impl Bench {
         let words = view.settings.language.words();
         let frame = egui::Frame::new().fill(PAPER).inner_margin(12.0);
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 let tabs = [
                     (Tab::Grow, words.tab_grow),
                     (Tab::Shape, words.tab_shape),
                     (Tab::Letters, words.tab_letters),
+                    (Tab::Rules, words.tab_rules),
                     (Tab::Room, words.tab_room),
                     (Tab::File, words.tab_file),
                 ];
@@ -71,15 +75,16 @@ impl Bench {
                 words,
                 wishes,
             };
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                match self.tab {
+            ScrollArea::vertical()
+                .auto_shrink(false)
+                .show(ui, |ui| match self.tab {
                     Tab::Grow => self.grow(ui, &mut page),
                     Tab::Shape => page.shape(ui),
                     Tab::Letters => page.letters(ui),
+                    Tab::Rules => self.rules.show(ui, page.view, page.wishes),
                     Tab::Room => page.room(ui),
                     Tab::File => page.file(ui),
-                }
-            });
+                });
         });
     }
 
@@ -93,7 +98,11 @@ impl Bench {
             if ui.button(words.grow).clicked() {
                 page.wishes.push(Wish::Step(1));
             }
-            let play = if view.playing { words.pause } else { words.play };
+            let play = if view.playing {
+                words.pause
+            } else {
+                words.play
+            };
             if ui.button(play).clicked() {
                 page.wishes.push(Wish::Play(!view.playing));
             }
@@ -101,6 +110,7 @@ impl Bench {
         let mut speed = view.speed;
         ui.label(words.speed);
         let slider = Slider::new(&mut speed, 0.1..=10.0)
+            .clamping(SliderClamping::Edits)
             .logarithmic(true)
             .max_decimals(1)
             .suffix(format!(" {}", words.steps_a_second));
@@ -133,7 +143,10 @@ impl Bench {
             return;
         }
         ui.horizontal(|ui| {
-            if ui.button(RichText::new(words.really_clear).color(MESSAGE)).clicked() {
+            if ui
+                .button(RichText::new(words.really_clear).color(MESSAGE))
+                .clicked()
+            {
                 page.wishes.push(Wish::Edit(Edit::Clear));
                 self.asks = false;
             }
@@ -153,8 +166,11 @@ impl Page<'_> {
     fn moment(&mut self, ui: &mut Ui) {
         const AHEAD: f64 = 10.0;
         let mut moment = self.view.moment;
-        let most = (moment + AHEAD).max(2.0 * AHEAD).min(f64::from(BOUNDS.step));
+        let most = (moment + AHEAD)
+            .max(2.0 * AHEAD)
+            .min(f64::from(BOUNDS.step));
         let slider = Slider::new(&mut moment, 0.0..=most)
+            .clamping(SliderClamping::Edits)
             .max_decimals(2)
             .text(self.words.step);
         let answer = ui.add(slider);
@@ -188,17 +204,24 @@ impl Page<'_> {
             degrees.set(new.unwrap_or(degrees.get()));
             degrees.get()
         });
-        self.number(ui, words.divergence, slider.suffix("°").max_decimals(3), || {
-            Edit::SetDivergence {
+        self.number(
+            ui,
+            words.divergence,
+            slider
+                .clamping(SliderClamping::Edits)
+                .suffix("°")
+                .max_decimals(3),
+            || Edit::SetDivergence {
                 degrees: degrees.get(),
-            }
-        });
+            },
+        );
         ui.horizontal_wrapped(|ui| {
             let names = [words.golden, words.alternate, words.thirds, words.opposite];
             for (degrees, name) in ANGLES.into_iter().zip(names) {
                 let chosen = sketch.divergence_deg == degrees;
                 if ui.selectable_label(chosen, name).clicked() && !chosen {
-                    self.wishes.push(Wish::Edit(Edit::SetDivergence { degrees }));
+                    self.wishes
+                        .push(Wish::Edit(Edit::SetDivergence { degrees }));
                 }
             }
         });
@@ -219,7 +242,12 @@ impl Page<'_> {
     fn sizes(&mut self, ui: &mut Ui) {
         use std::cell::Cell;
         let (words, sketch) = (self.words, &self.view.document.sketch);
-        let sizes = [sketch.scale, sketch.tip_radius * 1000.0, sketch.radius_exponent].map(Cell::new);
+        let sizes = [
+            sketch.scale,
+            sketch.tip_radius * 1000.0,
+            sketch.radius_exponent,
+        ]
+        .map(Cell::new);
         let edit = || Edit::SetSizes {
             scale: sizes[0].get(),
             tip_radius: sizes[1].get() / 1000.0,
@@ -238,7 +266,11 @@ impl Page<'_> {
                 }
                 f64::from(size.get())
             });
-            let slider = slider.logarithmic(at < 2).suffix(units[at]).max_decimals(2);
+            let slider = slider
+                .clamping(SliderClamping::Edits)
+                .logarithmic(at < 2)
+                .suffix(units[at])
+                .max_decimals(2);
             self.number(ui, names[at], slider, edit);
         }
     }
@@ -247,7 +279,8 @@ impl Page<'_> {
         let (words, sketch) = (self.words, &self.view.document.sketch);
         let mut on = sketch.self_similar_branches;
         if ui.checkbox(&mut on, words.new_branches).clicked() {
-            self.wishes.push(Wish::Edit(Edit::SetSelfSimilarBranches { on }));
+            self.wishes
+                .push(Wish::Edit(Edit::SetSelfSimilarBranches { on }));
         }
         if sketch.is_empty() {
             ui.label(words.nothing_drawn);
@@ -282,7 +315,12 @@ impl Page<'_> {
         ui.horizontal(|ui| {
             let mut rate = own.rate;
             ui.label(words.every);
-            let answer = ui.add(DragValue::new(&mut rate).range(1..=1000).speed(0.05).suffix("."));
+            let answer = ui.add(
+                DragValue::new(&mut rate)
+                    .range(1..=1000)
+                    .speed(0.05)
+                    .suffix("."),
+            );
             if answer.changed() {
                 self.set_own(letter, Some(SelfSimilar { rate, ..own }), false);
             }
@@ -326,7 +364,10 @@ impl Page<'_> {
             }
         }
         ui.separator();
-        if ui.button(format!("{}: {}", self.words.bench, self.words.hide)).clicked() {
+        if ui
+            .button(format!("{}: {}", self.words.bench, self.words.hide))
+            .clicked()
+        {
             self.wishes.push(Wish::Show(PanelId::Bench, false));
         }
     }

@@ -56,7 +56,11 @@ impl Keyboard {
     }
 
     fn character(self, ui: &mut Ui, key: char, typed: &mut Vec<Event>) {
-        let key = if self.capitals { key.to_ascii_uppercase() } else { key };
+        let key = if self.capitals {
+            key.to_ascii_uppercase()
+        } else {
+            key
+        };
         let button = egui::Button::new(key.to_string()).min_size(vec2(22.0, 22.0));
         if ui.add(button).clicked() {
             typed.push(Event::Text(key.into()));

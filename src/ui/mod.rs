@@ -12,6 +12,7 @@ mod bench;
 pub mod board;
 mod keyboard;
 mod panels;
+mod rules;
 pub mod sheet;
 mod theme;
 pub mod words;

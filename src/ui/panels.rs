@@ -178,7 +178,8 @@ impl Panels {
         self.shown = Some(key);
         for id in PanelId::ALL {
             let there = world.has_panel(id);
-            let came = there && !std::mem::replace(&mut self.there[id as usize], there);
+            let was_there = std::mem::replace(&mut self.there[id as usize], there);
+            let came = there && !was_there;
             let pointer = world.pointer(id).filter(|_| there);
             if there {
                 self.look_at(id, &view, pointer, seconds, changed || came);
@@ -242,6 +243,11 @@ impl Panels {
         self.sheets[id as usize].find_text(text, nth)
     }
 
+    /// The texts on a panel, where they are kept.
+    pub fn texts(&self, id: PanelId) -> impl Iterator<Item = &str> {
+        self.sheets[id as usize].texts()
+    }
+
     /// What is to be painted, with its slot, where it changed since it was taken last.
     pub fn take_painted(&mut self) -> impl Iterator<Item = (usize, Painted)> {
         let sheets = PanelId::ALL.into_iter().zip(&mut self.sheets);
@@ -271,7 +277,11 @@ fn show_wrist(ui: &mut Ui, view: &View<'_>, words: &Words, wishes: &mut Vec<Wish
     egui::CentralPanel::default().frame(frame).show(ui, |ui| {
         let [undo, redo] = view.undo;
         let bench = if view.bench { words.hide } else { words.bench };
-        let play = if view.playing { words.pause } else { words.play };
+        let play = if view.playing {
+            words.pause
+        } else {
+            words.play
+        };
         let parts = [
             (bench, true, Wish::Show(PanelId::Bench, !view.bench)),
             (play, true, Wish::Play(!view.playing)),

@@ -109,6 +109,11 @@ impl Sheet {
         Some(glam::Vec2::new(at.x, at.y) * (pixels_per_point / pixels_per_metre))
     }
 
+    /// The texts on it, where they are kept.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.texts.iter().flatten().map(|(text, _)| text.as_str())
+    }
+
     /// Types into what has the focus.
     pub fn type_in(&mut self, event: Event) {
         self.typed.push(event);
@@ -148,7 +153,9 @@ impl Sheet {
             (before, Some((at, pressed))) => {
                 let moved = before.is_none_or(|(old, _)| old.distance(at) > STILL);
                 let was = before.is_some_and(|(_, pressed)| pressed);
-                let at = before.filter(|_| !moved && pressed == was).map_or(at, |(old, _)| old);
+                let at = before
+                    .filter(|_| !moved && pressed == was)
+                    .map_or(at, |(old, _)| old);
                 if moved || pressed != was {
                     events.push(Event::PointerMoved(at));
                 }
@@ -188,7 +195,9 @@ impl Sheet {
             pixels_per_metre,
             pixels_per_point,
         } = self.params;
-        let size_px = self.size.map(|metres| whole_pixels(metres * pixels_per_metre));
+        let size_px = self
+            .size
+            .map(|metres| whole_pixels(metres * pixels_per_metre));
         let side = |pixels: u32| pixels as f32 / pixels_per_point;
         let size_points = egui::vec2(side(size_px[0]), side(size_px[1]));
         let mut input = egui::RawInput {
@@ -237,8 +246,12 @@ impl Sheet {
     fn feel(&mut self, pointer: Option<PanelPointer>) {
         let (used, clicked) = self.context.interaction_snapshot(|snapshot| {
             let used = snapshot.dragged.or(snapshot.clicked);
-            let hovered = used.or_else(|| snapshot.hovered.iter().min_by_key(|id| id.value()).copied());
-            (hovered, snapshot.clicked.or(snapshot.drag_started).is_some())
+            let hovered =
+                used.or_else(|| snapshot.hovered.iter().min_by_key(|id| id.value()).copied());
+            (
+                hovered,
+                snapshot.clicked.or(snapshot.drag_started).is_some(),
+            )
         });
         let came = used.is_some() && used != self.hovered;
         self.hovered = used;

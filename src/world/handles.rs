@@ -229,10 +229,13 @@ impl Tools {
 
     /// What the line beside a handle says, and where the handle is.
     pub(super) fn says(&self) -> Option<(Says, Vec3)> {
-        let id = self.hands.iter().find_map(|hand| match (hand.hold, hand.hover) {
-            (Hold::Handle(id), _) | (Hold::Nothing, Hover::Handle { id, .. }) => Some(id),
-            _ => None,
-        })?;
+        let id = self
+            .hands
+            .iter()
+            .find_map(|hand| match (hand.hold, hand.hover) {
+                (Hold::Handle(id), _) | (Hold::Nothing, Hover::Handle { id, .. }) => Some(id),
+                _ => None,
+            })?;
         let says = match id {
             HandleId::Lever => Says::Divergence(self.shown.sketch.divergence_deg),
             HandleId::Wheel => Says::Moment(self.handles.moment),
@@ -257,7 +260,9 @@ impl Tools {
             if id == HandleId::Stump {
                 let [radius, height] = params.stump;
                 let color = if lit { palette.hovered } else { palette.stump };
-                scene.plates.push(disc(center + Vec3::Y * height, radius, height, color));
+                scene
+                    .plates
+                    .push(disc(center + Vec3::Y * height, radius, height, color));
                 scene.plates.push(disc(
                     center + Vec3::Y * (height + 0.001),
                     radius * 0.8,
@@ -273,7 +278,9 @@ impl Tools {
     fn draw_dial(&self, id: HandleId, center: Vec3, color: Color, scene: &mut Scene) {
         let (params, palette, stage) = (&self.params.handles, &self.palette, &self.stage);
         let platform = &self.shown.platform;
-        scene.plates.push(disc(center, params.radius, 0.006, palette.rim));
+        scene
+            .plates
+            .push(disc(center, params.radius, 0.006, palette.rim));
         let at = self.knob(id);
         scene.rods.push(Rod {
             from: center + Vec3::Y * params.knob,

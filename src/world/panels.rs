@@ -67,10 +67,10 @@ pub struct PanelParams {
 impl Default for PanelParams {
     fn default() -> Self {
         Self {
-            sizes: [[0.56, 0.64], [0.16, 0.13], [0.56, 0.22], [0.26, 0.036]],
+            sizes: [[0.6, 0.66], [0.17, 0.205], [0.56, 0.3], [0.26, 0.036]],
             // Beside the platform as the board is, and nearer: hands reach it.
             bench: Vec3::new(-0.72, 1.05, -0.52),
-            keyboard: Vec3::new(-0.55, 0.72, -0.36),
+            keyboard: Vec3::new(-0.5, 0.62, -0.3),
             poke: 0.012,
             through: 0.06,
             facing: [0.75, 0.6],
@@ -152,9 +152,15 @@ impl Panels {
         }
     }
 
-    /// Puts a panel somewhere, turned to the head.
-    pub(super) fn put(&mut self, id: PanelId, at: Vec3, head: Vec3) {
+    /// Puts a panel somewhere, upright, turned to the head.
+    fn put(&mut self, id: PanelId, at: Vec3, head: Vec3) {
         self.places[id as usize].world_from_panel = facing(at, head);
+    }
+
+    /// Puts a panel somewhere, to be read as the head is held.
+    fn put_level(&mut self, id: PanelId, at: Vec3, head: &Pose) {
+        let normal = (head.position - at).normalize_or(Vec3::Z);
+        self.places[id as usize].world_from_panel = sheet(at, normal, head.orientation * Vec3::Y);
     }
 
     pub(super) fn position(&self, id: PanelId) -> Vec3 {
@@ -162,24 +168,27 @@ impl Panels {
     }
 
     /// Lets the wrist's panel follow the hand whose back faces the head; `free` hands hold nothing.
-    pub(super) fn follow_wrist(&mut self, hands: &[Hand; 2], head: Option<Vec3>) {
+    pub(super) fn follow_wrist(&mut self, hands: &[Hand; 2], head: Option<Pose>) {
         let PanelParams { wrist, facing, .. } = self.params;
         let pose = |hand: usize| {
             let free = |hand: &&Hand| hand.hold == Hold::Nothing;
             let sample = hands.get(hand).filter(free)?.sample?;
-            Some(on_the_back(&sample.grip, hand, head?, wrist))
+            Some(on_the_back(&sample.grip, hand, &head?, wrist))
         };
         let faces = |hand: usize| {
             let (place, head) = (pose(hand)?, head?);
-            let to_head = (head - Vec3::from(place.translation)).normalize_or_zero();
+            let to_head = (head.position - Vec3::from(place.translation)).normalize_or_zero();
             Some(Vec3::from(place.matrix3.z_axis).dot(to_head))
         };
         let [begin, stay] = facing;
         let still = self
             .wrist
             .filter(|&hand| faces(hand).is_some_and(|cosine| cosine > stay));
-        self.wrist = still
-            .or_else(|| [0, 1].into_iter().find(|&hand| faces(hand).is_some_and(|cosine| cosine > begin)));
+        self.wrist = still.or_else(|| {
+            [0, 1]
+                .into_iter()
+                .find(|&hand| faces(hand).is_some_and(|cosine| cosine > begin))
+        });
         self.show(PanelId::Wrist, self.wrist.is_some());
         if let Some(place) = self.wrist.and_then(pose) {
             self.places[PanelId::Wrist as usize].world_from_panel = place;
@@ -219,8 +228,12 @@ impl Panels {
         let towards = -sample.direction.dot(normal);
         let along = (sample.aim.position - center).dot(normal) / towards;
         // A ray along the plane gives ±∞ or NaN, which fails here.
-        (towards > 1e-4 && along > 0.0 && along.is_finite())
-            .then(|| (self.on_plane(id, sample.aim.position + sample.direction * along), along))
+        (towards > 1e-4 && along > 0.0 && along.is_finite()).then(|| {
+            (
+                self.on_plane(id, sample.aim.position + sample.direction * along),
+                along,
+            )
+        })
     }
 
     /// The foot of a point on a panel: metres right of and below its upper left corner.
@@ -249,14 +262,16 @@ impl Panels {
 
     /// Describes the panels that are there.
     pub(super) fn draw(&self, scene: &mut Scene) {
-        scene.panels.extend(PanelId::ALL.into_iter().filter_map(|id| {
-            let place = &self.places[id as usize];
-            place.shown.then_some(PlacedPanel {
-                slot: id.slot(),
-                world_from_panel: place.world_from_panel,
-                size: self.params.sizes[id as usize],
-            })
-        }));
+        scene
+            .panels
+            .extend(PanelId::ALL.into_iter().filter_map(|id| {
+                let place = &self.places[id as usize];
+                place.shown.then_some(PlacedPanel {
+                    slot: id.slot(),
+                    world_from_panel: place.world_from_panel,
+                    size: self.params.sizes[id as usize],
+                })
+            }));
     }
 }
 
@@ -275,12 +290,11 @@ fn facing(at: Vec3, looks_at: Vec3) -> Affine3A {
 
 /// The sheet on the back of a hand. In OpenXR's grip pose (its specification, "Standard pose identifiers") +X leaves the palm of a
 /// left hand and the back of a right one, and with a fist whose thumb is up +Y goes to the elbow. The text stands upright for the head, however the
-/// hand is turned; on one that lies flat its top is farther from the head.
-fn on_the_back(grip: &Pose, hand: usize, head: Vec3, [out, back]: [f32; 2]) -> Affine3A {
+/// hand is turned.
+fn on_the_back(grip: &Pose, hand: usize, head: &Pose, [out, back]: [f32; 2]) -> Affine3A {
     let outwards = if hand == 0 { Vec3::NEG_X } else { Vec3::X };
     let at = grip.position + grip.orientation * (outwards * out + Vec3::Y * back);
-    let away = (at - head).with_y(0.0).normalize_or(Vec3::NEG_Z);
-    sheet(at, grip.orientation * outwards, Vec3::Y + away * 0.25)
+    sheet(at, grip.orientation * outwards, head.orientation * Vec3::Y)
 }
 
 impl Tools {
@@ -304,24 +318,28 @@ impl Tools {
     }
 
     /// Puts the line of text beside the handle that a hand is at.
-    pub(super) fn place_label(&mut self, head: Option<Vec3>) {
+    pub(super) fn place_label(&mut self, head: Option<Pose>) {
         let says = self.says();
         self.panels.show(PanelId::Label, says.is_some());
+        let head = head.unwrap_or(Pose {
+            orientation: Quat::IDENTITY,
+            position: self.stage.board_faces,
+        });
         if let Some((_, at)) = says {
-            self.panels
-                .put(PanelId::Label, at, head.unwrap_or(self.stage.board_faces));
+            self.panels.put_level(PanelId::Label, at, &head);
         }
     }
 
     /// Brings panels up to the hands of this frame: carried ones follow, pokes begin and end, and each panel's owner is decided.
-    pub(super) fn follow_panels(&mut self, head: Option<Vec3>) {
+    pub(super) fn follow_panels(&mut self, head: Option<Pose>) {
         self.panels.follow_wrist(&self.hands, head);
         for hand in 0..self.hands.len() {
             let Hand { sample, hold, .. } = self.hands[hand];
             match (hold, sample) {
                 (Hold::Carried { id, offset }, Some(sample)) => {
                     let at = sample.grip.position + sample.grip.orientation * offset;
-                    self.panels.put(id, at, head.unwrap_or(self.stage.board_faces));
+                    let faces = head.map_or(self.stage.board_faces, |head| head.position);
+                    self.panels.put(id, at, faces);
                 }
                 (Hold::Panel { id, poked: true }, Some(sample)) => {
                     if !self.panels.is_poked(id, sample.tip) {
@@ -383,14 +401,16 @@ impl Tools {
                     matches!(self.hands[hand].hold, Hold::Panel { id: held, .. } if held == id);
                 presses || at(self.hands[hand].hover) == Some(id)
             };
-            let presses = |hand: usize| {
-                matches!(self.hands[hand].hold, Hold::Panel { id: held, .. } if held == id)
-            };
-            let came = [0, 1].into_iter().find(|&hand| on(hand) && at(before[hand]) != Some(id));
+            let presses = |hand: usize| matches!(self.hands[hand].hold, Hold::Panel { id: held, .. } if held == id);
+            let came = [0, 1]
+                .into_iter()
+                .find(|&hand| on(hand) && at(before[hand]) != Some(id));
             let owner = self.panels.owner[id as usize].filter(|&hand| on(hand));
             self.panels.owner[id as usize] = match owner {
                 Some(hand) if presses(hand) => Some(hand),
-                _ => came.or(owner).or_else(|| [0, 1].into_iter().find(|&hand| on(hand))),
+                _ => came
+                    .or(owner)
+                    .or_else(|| [0, 1].into_iter().find(|&hand| on(hand))),
             };
         }
     }

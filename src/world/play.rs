@@ -146,7 +146,11 @@ impl World {
         let (mut low, mut high) = (0, step);
         while high - low > 1 {
             let middle = low + (high - low) / 2;
-            if fits(middle) { low = middle } else { high = middle }
+            if fits(middle) {
+                low = middle
+            } else {
+                high = middle
+            }
         }
         low
     }

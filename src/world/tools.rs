@@ -21,15 +21,15 @@ use super::{
     document::{Document, Edit},
     grip::PlatformGrip,
     handles::{HandleId, HandleParams, Handles},
-    hands::{Buttons, Edge, Edges, HandParams, Sample, sample},
+    hands::{Buttons, Edge, Edges, HandParams, Sample, checked, sample},
     history::History,
     hold::{Held, HoldParams},
     hover::{self, HoverParams, Pointer},
-    input::{HandInput, Input},
+    input::{HandInput, Input, Pose},
     miniature::Miniature,
     panels::{OnPanel, PanelId, PanelParams, Panels},
-    tried::Tried,
     stage::{Palette, StageParams, rim},
+    tried::Tried,
 };
 
 /// A vibration of one controller.
@@ -182,10 +182,9 @@ impl Hover {
     }
 }
 
-/// Where the head is, if it is somewhere.
-fn head_of(input: &Input, params: &HandParams) -> Option<Vec3> {
-    let at = input.head.position;
-    (at.is_finite() && at.abs().max_element() <= params.farthest).then_some(at)
+/// The head, if it is somewhere.
+fn head_of(input: &Input, params: &HandParams) -> Option<Pose> {
+    checked(&input.head, params)
 }
 
 /// See the module.
@@ -400,10 +399,7 @@ impl Tools {
             return;
         };
         match (hold, hover) {
-            (
-                Hold::Platform | Hold::Panel { .. } | Hold::Carried { .. } | Hold::Handle(_),
-                _,
-            ) => {}
+            (Hold::Platform | Hold::Panel { .. } | Hold::Carried { .. } | Hold::Handle(_), _) => {}
             (Hold::Nothing, Hover::Panel(on)) => self.press(hand, on.id, false),
             (Hold::Nothing, Hover::Handle { id, .. }) => self.take_handle(hand, id, history),
             (Hold::Node(at), _) => {

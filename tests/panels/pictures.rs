@@ -1,6 +1,6 @@
 //! What panels look like: numbers first, then pictures that were looked at.
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{Quat, Vec3};
 use image::RgbaImage;
 use ramus::app::picture::{Picture, side_by_side};
 use ramus::app::portrait;
@@ -32,13 +32,17 @@ fn draw(visitor: &mut Visitor, picture: &mut Picture, views: &[View; 2]) -> Rgba
     for (slot, painted) in visitor.workshop.take_painted() {
         picture.paint(slot, painted).unwrap();
     }
-    picture.draw_whole(visitor.workshop.scene(), views, None).unwrap();
+    picture
+        .draw_whole(visitor.workshop.scene(), views, None)
+        .unwrap();
     side_by_side(&picture.read(None).unwrap())
 }
 
 fn save(image: &RgbaImage, name: &str) {
     if let Ok(folder) = std::env::var("RAMUS_SEEN") {
-        image.save(std::path::Path::new(&folder).join(name)).unwrap();
+        image
+            .save(std::path::Path::new(&folder).join(name))
+            .unwrap();
     }
 }
 
@@ -65,6 +69,18 @@ fn each_tab_of_the_bench_is_readable_in_both_languages() {
         let bright = image.pixels().filter(|pixel| pixel.0[1] > 150).count();
         assert!(bright > 400, "{tab}: {bright} bright pixels");
     }
+    visitor.click(RIGHT, PanelId::Bench, "Rules");
+    visitor.click(RIGHT, PanelId::Bench, "Change");
+    visitor.click(RIGHT, PanelId::Bench, "A(x) > B -> A(x) A(x+1)");
+    visitor.frame();
+    visitor.click(LEFT, PanelId::Keyboard, "(");
+    save(&draw(&mut visitor, &mut picture, &views), "bench-rules.png");
+    let keys = visitor.center(PanelId::Keyboard);
+    let over = visitor.normal(PanelId::Keyboard) * 0.5;
+    let near = self::views(keys + over, keys);
+    save(&draw(&mut visitor, &mut picture, &near), "keyboard.png");
+    visitor.click(RIGHT, PanelId::Bench, "Cancel");
+    visitor.click(RIGHT, PanelId::Bench, "Room");
     visitor.click(LEFT, PanelId::Bench, "Deutsch");
     visitor.click(LEFT, PanelId::Bench, "Form");
     save(&draw(&mut visitor, &mut picture, &views), "bench-de.png");
@@ -72,8 +88,18 @@ fn each_tab_of_the_bench_is_readable_in_both_languages() {
     visitor.tip_to(RIGHT, Vec3::new(0.24, 0.9, -0.20));
     let stand = self::views(Vec3::new(0.0, 1.6, 0.35), Vec3::new(0.0, 1.0, -0.8));
     save(&draw(&mut visitor, &mut picture, &stand), "stage.png");
-    visitor.point_on(RIGHT, PanelId::Bench, Vec2::new(0.3, 0.3));
+    // With the lever in hand, and the hand's own panel read by the left hand.
+    let lever = Vec3::new(0.24, 0.86, -0.28) + Vec3::new(0.675, 0.0, -0.737) * 0.06;
+    visitor.tip_to(RIGHT, lever);
+    visitor.pull(RIGHT, true);
+    let low = self::views(Vec3::new(0.0, 1.35, 0.25), Vec3::new(0.1, 0.85, -0.4));
+    save(&draw(&mut visitor, &mut picture, &low), "lever.png");
+    visitor.pull(RIGHT, false);
+    let turn = Quat::from_rotation_arc(Vec3::NEG_X, Vec3::new(0.0, 0.9, 0.44).normalize());
+    let held = &mut visitor.frame.hands[LEFT];
+    (held.grip.position, held.grip.orientation) = (Vec3::new(-0.1, 1.15, -0.25), turn);
     visitor.frame();
-    save(&draw(&mut visitor, &mut picture, &stand), "pointing.png");
+    visitor.frame();
+    save(&draw(&mut visitor, &mut picture, &stand), "wrist.png");
     assert_eq!(gpu.messages().count(), 0, "validation is silent");
 }

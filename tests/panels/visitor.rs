@@ -85,7 +85,6 @@ impl Visitor {
     pub(crate) fn frame(&mut self) {
         self.frame.time += 1.0 / 90.0;
         self.frames.push(self.frame);
-        self.felt.clear();
         let felt = self.workshop.update(&self.frame).to_vec();
         self.felt.extend(felt);
         self.workshop.finish_tree();
@@ -93,7 +92,11 @@ impl Visitor {
 
     fn place(&mut self, id: PanelId) -> (Affine3A, Vec2) {
         let scene: &Scene = self.workshop.scene();
-        let panel = scene.panels.iter().find(|panel| panel.slot == id.slot()).unwrap();
+        let panel = scene
+            .panels
+            .iter()
+            .find(|panel| panel.slot == id.slot())
+            .unwrap();
         (panel.world_from_panel, Vec2::from(panel.size))
     }
 
@@ -156,6 +159,20 @@ impl Visitor {
     fn find_nth(&self, id: PanelId, text: &str, nth: usize) -> Vec2 {
         let found = self.workshop.find_text(id, text, nth);
         found.unwrap_or_else(|| panic!("no {text} on {id:?}"))
+    }
+
+    /// Whether a text that begins so stands on a panel.
+    pub(crate) fn says(&self, id: PanelId, beginning: &str) -> bool {
+        self.workshop
+            .texts(id)
+            .any(|text| text.starts_with(beginning))
+    }
+
+    pub(crate) fn wait(&mut self, seconds: f64) {
+        let end = self.frame.time + seconds;
+        while self.frame.time < end {
+            self.frame();
+        }
     }
 
     pub(crate) fn click(&mut self, hand: usize, id: PanelId, text: &str) {

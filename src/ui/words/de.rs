@@ -55,4 +55,13 @@ pub(super) const WORDS: Words = Words {
     enter: "Eingabe",
     space: "Leertaste",
     close: "Schließen",
+    tab_rules: "Regeln",
+    rules_hint: "Was in jedem Schritt wächst. Ändert man eine Regel, folgt der Baum.",
+    own: "eigene",
+    edit: "Ändern",
+    apply: "Übernehmen",
+    generated: "Wie gezeichnet",
+    cancel: "Abbrechen",
+    further: "Konstanten und weitere Regeln",
+    further_hint: "const tempo = 2",
 };

@@ -55,4 +55,13 @@ pub(super) const WORDS: Words = Words {
     enter: "Enter",
     space: "Space",
     close: "Close",
+    tab_rules: "Rules",
+    rules_hint: "What grows each step. Change a rule, and the tree follows.",
+    own: "yours",
+    edit: "Change",
+    apply: "Apply",
+    generated: "As drawn",
+    cancel: "Cancel",
+    further: "Constants and further rules",
+    further_hint: "const speed = 2",
 };

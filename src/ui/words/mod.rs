@@ -53,6 +53,7 @@ words! {
     divergence, golden, alternate, thirds, opposite, scale, tip_radius, millimetres, radius_exponent, wrap, wrap_carry, wrap_restart,
     letter, trunk, branch_at, self_similar, every, depth, endless, nothing_drawn, new_branches,
     bench, hide, say_divergence, say_moment, say_clear, say_clear_again,
+    tab_rules, rules_hint, own, edit, apply, generated, cancel, further, further_hint,
     export, exported_to, save, delete, enter, space, close,
 }
 
@@ -66,8 +67,13 @@ mod tests {
         for language in Language::ALL {
             for (name, text) in language.words().all() {
                 assert!(!text.trim().is_empty(), "{language:?} {name}");
-                let known = text.chars().all(|c| c.is_ascii() || "äöüÄÖÜß…°×·–„“≥".contains(c));
-                assert!(known, "{language:?} {name}: {text} has a sign that the font may lack");
+                let known = text
+                    .chars()
+                    .all(|c| c.is_ascii() || "äöüÄÖÜß…°×·–„“≥".contains(c));
+                assert!(
+                    known,
+                    "{language:?} {name}: {text} has a sign that the font may lack"
+                );
             }
         }
         let [english, german] = Language::ALL.map(Language::words);
