@@ -7,6 +7,7 @@
 )]
 
 mod panels {
+    mod lessons;
     pub(crate) mod pictures;
     pub(crate) mod visitor;
 }

@@ -12,6 +12,7 @@ pub mod doctor;
 pub mod export;
 pub mod headset;
 pub mod memory;
+pub mod person;
 pub mod picture;
 pub mod portrait;
 pub mod session;

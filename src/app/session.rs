@@ -100,7 +100,7 @@ fn one_frame(
     let ready = frame.should_render && (acquired.is_some() || headset.swapchain().is_none());
     let rendered = match picture {
         Some(picture) if ready && (watcher.wants(workshop, frame) || acquired.is_some()) => {
-            let views = headset.views()?;
+            let views = workshop.on_stage(headset.views()?);
             for (slot, painted) in workshop.take_painted() {
                 picture.paint(slot, painted)?;
             }

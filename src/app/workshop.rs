@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use ramus_xr::profiles::Profile;
-use ramus_xr::{Frame, Pulse};
+use ramus_xr::{Frame, Pulse, View};
 
 use crate::app::convert::{buttons, input_from_frame};
 use crate::app::store::{Opened, Store, StoreError};
@@ -185,12 +185,30 @@ impl Workshop {
             Wish::Speed(speed) => world.set_speed(speed),
             Wish::Scrub(moment) => world.scrub(moment),
             Wish::Show(panel, shown) => world.show_panel(panel, shown),
-            Wish::Set(settings) => self.settings = settings,
+            Wish::Set(settings) => self.set(settings),
             Wish::Export(ending) => self.take_home(ending),
+            Wish::Teach(lesson) => world.teach(lesson),
         }
         if let Err(error) = done {
             self.world.show_message(error.to_string());
         }
+    }
+
+    /// Takes what the person has set.
+    pub fn set(&mut self, settings: Settings) {
+        self.settings = settings;
+        self.world.set_room(settings.room);
+    }
+
+    /// Begins the tutorial with a lesson.
+    pub fn teach(&mut self, lesson: usize) {
+        self.world.teach(Some(lesson));
+    }
+
+    /// What the person has set.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        self.settings
     }
 
     /// Writes the tree, or its grammar, beside the project.
@@ -228,6 +246,21 @@ impl Workshop {
     /// What panels show, with their slots, where it changed since it was taken last.
     pub fn take_painted(&mut self) -> impl Iterator<Item = (usize, Painted)> {
         self.panels.take_painted()
+    }
+
+    /// Where the eyes are on the stage.
+    #[must_use]
+    pub fn on_stage(&self, views: [View; 2]) -> [View; 2] {
+        let (_, orientation, position) =
+            self.world.stage_from_room().to_scale_rotation_translation();
+        let room = ramus_xr::Pose {
+            orientation,
+            position,
+        };
+        views.map(|view| View {
+            pose: room * view.pose,
+            ..view
+        })
     }
 
     /// What is to be seen now.
@@ -301,6 +334,9 @@ impl Workshop {
 
     fn keep_journal(&mut self) {
         let actions = self.world.take_edits();
+        if let Some((lesson, _)) = self.world.lesson() {
+            self.settings.lesson = lesson;
+        }
         self.edits += actions.len() as u64;
         let Some(store) = &mut self.store else { return };
         // A warm frame without edits neither writes nor allocates.

@@ -3,14 +3,14 @@
 use egui::{Button, DragValue, RichText, ScrollArea, Slider, SliderClamping, Ui};
 
 use super::{
-    panels::{Settings, View, Wish},
+    panels::{View, Wish},
     rules::Rules,
     theme::{MESSAGE, PAPER, TITLE},
     words::{Language, Words},
 };
 use crate::{
     sketch::{BOUNDS, GOLDEN_DEG, Letter, SelfSimilar, Stroke, Wrap},
-    world::{document::Edit, panels::PanelId},
+    world::{document::Edit, lesson::Lesson, panels::PanelId},
 };
 
 /// Tabs of the bench.
@@ -254,7 +254,7 @@ impl Page<'_> {
             radius_exponent: sizes[2].get(),
         };
         let [least_tip, most_tip] = BOUNDS.tip_radius.map(|metres| metres * 1000.0);
-        let ranges = [[0.1, 100.0], [least_tip, most_tip], BOUNDS.radius_exponent];
+        let ranges = [BOUNDS.scale, [least_tip, most_tip], BOUNDS.radius_exponent];
         let names = [words.scale, words.tip_radius, words.radius_exponent];
         let units = [" ×", words.millimetres, ""];
         for (at, size) in sizes.iter().enumerate() {
@@ -354,20 +354,45 @@ impl Page<'_> {
     }
 
     fn room(&mut self, ui: &mut Ui) {
-        for language in Language::ALL {
-            let chosen = self.view.settings.language == language;
-            if ui.radio(chosen, language.words().language).clicked() {
-                self.wishes.push(Wish::Set(Settings {
-                    language,
-                    ..self.view.settings
-                }));
+        let (words, mut settings) = (self.words, self.view.settings);
+        ui.horizontal(|ui| {
+            for language in Language::ALL {
+                let name = language.words().language;
+                ui.selectable_value(&mut settings.language, language, name);
             }
+        });
+        ui.separator();
+        let room = &mut settings.room;
+        for (on, name) in [
+            (&mut room.figure, words.figure),
+            (&mut room.turning, words.turning),
+            (&mut room.vignette, words.vignette),
+            (&mut room.left_handed, words.left_handed),
+        ] {
+            ui.checkbox(on, name);
+        }
+        ui.label(words.lift);
+        let slider = Slider::new(&mut room.lift, -0.5..=1.0)
+            .clamping(SliderClamping::Edits)
+            .max_decimals(2)
+            .suffix(" m");
+        ui.add(slider);
+        if settings != self.view.settings {
+            self.wishes.push(Wish::Set(settings));
         }
         ui.separator();
-        if ui
-            .button(format!("{}: {}", self.words.bench, self.words.hide))
-            .clicked()
-        {
+        if ui.button(words.lesson_start).clicked() {
+            // Where they stopped, or from the beginning after the last one.
+            let next = settings.lesson + 1;
+            let at = if next < Lesson::ALL.len() {
+                settings.lesson
+            } else {
+                0
+            };
+            self.wishes.push(Wish::Teach(Some(at)));
+        }
+        let hide = format!("{}: {}", words.bench, words.hide);
+        if ui.button(hide).clicked() {
             self.wishes.push(Wish::Show(PanelId::Bench, false));
         }
     }

@@ -11,6 +11,7 @@ use egui::epaint::{ClippedPrimitive, textures::TexturesDelta};
 mod bench;
 pub mod board;
 mod keyboard;
+mod lesson;
 mod panels;
 mod rules;
 pub mod sheet;

@@ -16,9 +16,12 @@ use crate::{
     sketch::Sketch,
     world::{
         World,
+        board::Buttons,
         document::{Document, Edit},
         handles::Says,
+        lesson::Lesson,
         panels::{PanelId, PanelPointer},
+        room::RoomSettings,
     },
 };
 
@@ -28,6 +31,10 @@ use crate::{
 pub struct Settings {
     /// Of the panels.
     pub language: Language,
+    /// In the room.
+    pub room: RoomSettings,
+    /// How far they have come in the tutorial: the number of the next lesson.
+    pub lesson: usize,
 }
 
 /// What a person wants; the application carries it out.
@@ -57,6 +64,8 @@ pub enum Wish {
     Set(Settings),
     /// Take the tree home as a file with this ending.
     Export(&'static str),
+    /// Go to a lesson of the tutorial, or end it.
+    Teach(Option<usize>),
 }
 
 /// What the panels show.
@@ -74,6 +83,10 @@ pub struct View<'a> {
     pub undo: [usize; 2],
     /// Whether the bench is there.
     pub bench: bool,
+    /// The lesson that is going on, and its number from 0.
+    pub lesson: Option<(usize, Lesson)>,
+    /// What people call the parts of the controllers in hand.
+    pub buttons: &'a Buttons,
     /// What is said beside a handle.
     pub says: Option<Says>,
     /// The person's.
@@ -91,6 +104,8 @@ impl<'a> View<'a> {
             speed: world.speed(),
             undo: [world.history().undo_count(), world.history().redo_count()],
             bench: world.has_panel(PanelId::Bench),
+            lesson: world.lesson(),
+            buttons: world.buttons(),
             says: world.says(),
             settings,
         }
@@ -108,6 +123,7 @@ impl<'a> View<'a> {
                 self.speed,
                 self.undo,
                 self.bench,
+                self.lesson,
                 self.settings,
             ),
         }
@@ -117,7 +133,16 @@ impl<'a> View<'a> {
 /// What the panels showed last.
 struct Key {
     sketch: Arc<Sketch>,
-    rest: (u32, f64, bool, f64, [usize; 2], bool, Settings),
+    rest: (
+        u32,
+        f64,
+        bool,
+        f64,
+        [usize; 2],
+        bool,
+        Option<(usize, Lesson)>,
+        Settings,
+    ),
 }
 
 impl Key {
@@ -128,11 +153,12 @@ impl Key {
 
 /// See the module.
 pub struct Panels {
-    sheets: [Sheet; 4],
+    sheets: [Sheet; 5],
     shown: Option<Key>,
     said: Option<(Option<Says>, Language)>,
+    buttons: Option<Buttons>,
     /// Which panels were there when they were looked at last.
-    there: [bool; 4],
+    there: [bool; 5],
     bench: Bench,
     keyboard: Keyboard,
     typed: Vec<egui::Event>,
@@ -149,7 +175,8 @@ impl Panels {
             sheets: PanelId::ALL.map(sheet),
             shown: None,
             said: None,
-            there: [false; 4],
+            buttons: None,
+            there: [false; 5],
             bench: Bench::default(),
             keyboard: Keyboard::default(),
             typed: Vec::new(),
@@ -174,7 +201,11 @@ impl Panels {
         self.ticks.clear();
         let view = View::of(world, settings);
         let key = view.key();
-        let changed = !self.shown.as_ref().is_some_and(|shown| shown.is(&key));
+        let mut changed = !self.shown.as_ref().is_some_and(|shown| shown.is(&key));
+        if self.buttons.as_ref() != Some(view.buttons) {
+            self.buttons = Some(view.buttons.clone());
+            changed = true;
+        }
         self.shown = Some(key);
         for id in PanelId::ALL {
             let there = world.has_panel(id);
@@ -197,7 +228,7 @@ impl Panels {
         changed: bool,
     ) {
         let words = view.settings.language.words();
-        let [bench, wrist, keyboard, label] = &mut self.sheets;
+        let [bench, wrist, keyboard, label, lesson] = &mut self.sheets;
         let wishes = &mut self.wishes;
         let looked = match id {
             PanelId::Bench => {
@@ -227,6 +258,9 @@ impl Panels {
                 let other = std::mem::replace(&mut self.said, says) != says;
                 label.look(None, seconds, other, |ui| show_label(ui, view.says, words))
             }
+            PanelId::Lesson => lesson.look(pointer, seconds, changed, |ui| {
+                super::lesson::show(ui, view, wishes);
+            }),
         };
         self.ticks.extend(looked.tick);
     }

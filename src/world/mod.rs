@@ -24,10 +24,12 @@ mod hold;
 pub mod hover;
 pub mod input;
 pub mod journal;
+pub mod lesson;
 mod miniature;
 pub mod panels;
 mod play;
 pub mod project;
+pub mod room;
 pub mod scene;
 pub mod stage;
 pub mod tools;
@@ -39,8 +41,10 @@ use growth::Growth;
 use handles::{HandleId, Says};
 use history::{Action, History};
 use input::Input;
+use lesson::Course;
 use panels::{PanelId, PanelPointer};
 use play::Player;
+use room::{Rig, RoomParams, RoomSettings};
 use scene::{Ball, Controller, Rod, Scene};
 use stage::{Palette, StageParams};
 use tools::{Hover, Tools};
@@ -64,6 +68,8 @@ pub struct WorldParams {
     pub growth: GrowthParams,
     /// How playback runs.
     pub play: PlayParams,
+    /// How people move about.
+    pub room: RoomParams,
     /// How much text the board takes.
     pub board: BoardParams,
     /// Seconds for which a message stays.
@@ -80,6 +86,7 @@ impl Default for WorldParams {
             tools: ToolParams::default(),
             growth: GrowthParams::default(),
             play: PlayParams::default(),
+            room: RoomParams::default(),
             board: BoardParams::default(),
             message_seconds: 8.0,
             longest_frame: 0.1,
@@ -102,6 +109,8 @@ pub struct World {
     tools: Tools,
     growth: Growth,
     player: Player,
+    rig: Rig,
+    course: Course,
     board: LiveBoard,
     /// The grown string, perhaps cut.
     string: String,
@@ -133,6 +142,8 @@ impl World {
             tools,
             growth: Growth::default(),
             player: Player::new(&params.play),
+            rig: Rig::new(params.room),
+            course: Course::default(),
             board: LiveBoard::default(),
             string: String::new(),
             string_revision: 0,
@@ -152,6 +163,7 @@ impl World {
             reason = "at most a tenth of a second"
         )]
         let seconds = passed.min(self.params.longest_frame) as f32;
+        let input = &self.rig.follow(input, seconds);
         self.tools.update(input, passed, &mut self.history);
         if let Some(text) = self.tools.take_message() {
             self.show_message(text);
@@ -251,6 +263,23 @@ impl World {
         Ok(())
     }
 
+    /// What the person has set about themselves in the room.
+    #[must_use]
+    pub fn room(&self) -> RoomSettings {
+        self.rig.settings
+    }
+
+    /// Sets that.
+    pub fn set_room(&mut self, settings: RoomSettings) {
+        self.rig.settings = settings;
+    }
+
+    /// The real room, which headsets speak of, to the stage: where the person was set, turned and lifted.
+    #[must_use]
+    pub fn stage_from_room(&self) -> Affine3A {
+        self.rig.stage_from_room()
+    }
+
     /// Where a hand is on a panel.
     #[must_use]
     pub fn pointer(&self, id: PanelId) -> Option<PanelPointer> {
@@ -309,7 +338,9 @@ impl World {
     /// What was done since the last call, in order, for the journal.
     #[must_use = "an action that is not written down is lost"]
     pub fn take_edits(&mut self) -> Vec<Action> {
-        self.history.take_log()
+        let actions = self.history.take_log();
+        self.learn(&actions);
+        actions
     }
 
     /// The tree that the world would like to show next, if it has not been taken yet. A newer wish replaces
@@ -354,6 +385,12 @@ impl World {
             .any(|hand| hand.hold != tools::Hold::Nothing || hand.hover != Hover::Nothing)
     }
 
+    /// What people call the parts of the controllers in hand.
+    #[must_use]
+    pub fn buttons(&self) -> &Buttons {
+        self.board.buttons()
+    }
+
     /// Says on the board what the buttons of these controllers do.
     pub fn take_buttons(&mut self, buttons: Buttons) {
         self.board.take_buttons(buttons);
@@ -379,6 +416,7 @@ impl World {
         scene.panels.clear();
         self.tools.panels.draw(scene);
         self.tools.draw_handles(scene);
+        self.rig.draw(palette.ghost, scene);
         let hovers = self.tools.hands.map(|hand| hand.hover);
         let rim_held = self
             .tools

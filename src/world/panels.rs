@@ -30,11 +30,19 @@ pub enum PanelId {
     Keyboard,
     /// One line beside what a hand is at; nobody points at it.
     Label,
+    /// The tutorial.
+    Lesson,
 }
 
 impl PanelId {
     /// All of them, in the order of their slots.
-    pub const ALL: [Self; 4] = [Self::Bench, Self::Wrist, Self::Keyboard, Self::Label];
+    pub const ALL: [Self; 5] = [
+        Self::Bench,
+        Self::Wrist,
+        Self::Keyboard,
+        Self::Label,
+        Self::Lesson,
+    ];
 
     /// Which picture it shows ([`PlacedPanel::slot`]).
     #[must_use]
@@ -47,11 +55,13 @@ impl PanelId {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelParams {
     /// Width and height of each, metres, in the order of [`PanelId::ALL`].
-    pub sizes: [[f32; 2]; 4],
+    pub sizes: [[f32; 2]; 5],
     /// Where the bench stands at first, metres.
     pub bench: Vec3,
     /// Where the keyboard stands at first, metres.
     pub keyboard: Vec3,
+    /// Where the tutorial stands at first, metres.
+    pub lesson: Vec3,
     /// The tip presses within this of a panel's face, metres in front of it.
     pub poke: f32,
     /// A tip that came through goes on pressing so far behind the face, metres.
@@ -67,10 +77,18 @@ pub struct PanelParams {
 impl Default for PanelParams {
     fn default() -> Self {
         Self {
-            sizes: [[0.6, 0.66], [0.17, 0.205], [0.56, 0.3], [0.26, 0.036]],
+            sizes: [
+                [0.6, 0.66],
+                [0.17, 0.205],
+                [0.56, 0.3],
+                [0.26, 0.036],
+                [0.5, 0.36],
+            ],
             // Beside the platform as the board is, and nearer: hands reach it.
             bench: Vec3::new(-0.72, 1.05, -0.52),
             keyboard: Vec3::new(-0.5, 0.62, -0.3),
+            // Above the sketch and beside the tree, where one looks anyway.
+            lesson: Vec3::new(-0.38, 1.52, -1.05),
             poke: 0.012,
             through: 0.06,
             facing: [0.75, 0.6],
@@ -103,9 +121,9 @@ struct Place {
 /// See the module.
 #[derive(Clone, Debug)]
 pub(super) struct Panels {
-    places: [Place; 4],
+    places: [Place; 5],
     /// The hand that has each panel.
-    owner: [Option<usize>; 4],
+    owner: [Option<usize>; 5],
     /// The hand whose back shows the wrist's panel.
     wrist: Option<usize>,
     params: PanelParams,
@@ -126,12 +144,13 @@ impl Panels {
             shown: false,
         };
         let mut panels = Self {
-            places: [facing(params.bench); 4],
-            owner: [None; 4],
+            places: [facing(params.bench); 5],
+            owner: [None; 5],
             wrist: None,
             params,
         };
         panels.places[PanelId::Keyboard as usize] = facing(params.keyboard);
+        panels.places[PanelId::Lesson as usize] = facing(params.lesson);
         panels.places[PanelId::Bench as usize].shown = true;
         panels
     }

@@ -47,6 +47,43 @@ fn save(image: &RgbaImage, name: &str) {
 }
 
 #[test]
+fn the_tutorial_shows_the_controller_in_hand() {
+    let gpu = portrait::open_gpu().unwrap();
+    let mut picture = Picture::offscreen(&gpu, 720, 720).unwrap();
+    let mut visitor = Visitor::with_tree();
+    visitor.workshop.teach(5);
+    visitor.frame();
+    let center = visitor.center(PanelId::Lesson);
+    let near = views(center + visitor.normal(PanelId::Lesson) * 0.55, center);
+    let stand = views(Vec3::new(0.0, 1.6, 0.35), Vec3::new(0.0, 1.25, -1.0));
+    save(
+        &draw(&mut visitor, &mut picture, &stand),
+        "lesson-stand.png",
+    );
+    let mut seen = Vec::new();
+    for (name, path) in [
+        ("touch", "oculus/touch_controller"),
+        ("vive", "vive_controller"),
+        ("hand", "hand_interaction_ext"),
+        ("pen", "mx_ink_stylus_logitech"),
+    ] {
+        let profile = ramus_xr::profiles::PROFILES
+            .iter()
+            .find(|profile| profile.path.ends_with(path));
+        visitor.workshop.hold([profile; 2]);
+        visitor.frame();
+        let image = draw(&mut visitor, &mut picture, &near);
+        save(&image, &format!("lesson-{name}.png"));
+        assert!(
+            seen.iter().all(|other| *other != image),
+            "{name} looks like another"
+        );
+        seen.push(image);
+    }
+    assert_eq!(gpu.messages().count(), 0, "validation is silent");
+}
+
+#[test]
 fn each_tab_of_the_bench_is_readable_in_both_languages() {
     let gpu = portrait::open_gpu().unwrap();
     let mut picture = Picture::offscreen(&gpu, 720, 720).unwrap();

@@ -152,6 +152,18 @@ impl Visitor {
         self.frame();
     }
 
+    /// Closes the hand or opens it.
+    pub(crate) fn grip(&mut self, hand: usize, closed: bool) {
+        self.frame.hands[hand].squeeze = if closed { 1.0 } else { 0.0 };
+        self.frame();
+        self.frame();
+    }
+
+    /// Lets the hand hang.
+    pub(crate) fn rest(&mut self, hand: usize) {
+        self.frame.hands[hand] = resting(hand);
+    }
+
     pub(crate) fn find(&self, id: PanelId, text: &str) -> Vec2 {
         self.find_nth(id, text, 1)
     }

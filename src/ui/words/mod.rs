@@ -20,6 +20,15 @@ impl Language {
     /// All of them.
     pub const ALL: [Self; 2] = [Self::English, Self::German];
 
+    /// What people call a part of a controller; the names come in English.
+    #[must_use]
+    pub fn part(self, name: &str) -> String {
+        match self {
+            Self::English => name.to_owned(),
+            Self::German => de::part(name),
+        }
+    }
+
     /// Its strings.
     #[must_use]
     pub fn words(self) -> &'static Words {
@@ -53,6 +62,16 @@ words! {
     divergence, golden, alternate, thirds, opposite, scale, tip_radius, millimetres, radius_exponent, wrap, wrap_carry, wrap_restart,
     letter, trunk, branch_at, self_similar, every, depth, endless, nothing_drawn, new_branches,
     bench, hide, say_divergence, say_moment, say_clear, say_clear_again,
+    figure, turning, vignette, left_handed, lift,
+    lesson_start, lesson_back, lesson_skip, lesson_stop,
+    learn_draw, do_draw, learn_draw_on, do_draw_on,
+    learn_branch, do_branch, learn_grow, do_grow,
+    learn_back, do_back, learn_move, do_move,
+    learn_delete, do_delete, learn_undo, do_undo,
+    learn_redo, do_redo, learn_platform, do_platform,
+    learn_lever, do_lever, learn_wheel, do_wheel,
+    learn_panel, do_panel, learn_wrist, do_wrist,
+    learn_stump, do_stump, do_on_bench,
     tab_rules, rules_hint, own, edit, apply, generated, cancel, further, further_hint,
     export, exported_to, save, delete, enter, space, close,
 }
