@@ -26,7 +26,10 @@ pub mod journal;
 mod miniature;
 pub mod project;
 pub mod scene;
+pub mod settings;
+mod snap;
 pub mod stage;
+mod stroke;
 pub mod tools;
 
 use board::{BoardParams, Buttons, Facts, LiveBoard};
@@ -41,6 +44,7 @@ use tools::{Hover, Tools};
 pub use grip::GripParams;
 pub use growth::{GrowthParams, TreeRequest};
 pub use hold::HoldParams;
+pub use settings::{DrawSettings, DrawTool};
 pub use tools::{Haptic, ToolParams};
 
 /// Everything about the world that can be set.
@@ -226,8 +230,22 @@ impl World {
         Ok(())
     }
 
-    /// Undoes the last edit; hands let go of everything. False: there was none.
+    /// How drawing acts.
+    #[must_use]
+    pub fn settings(&self) -> DrawSettings {
+        self.tools.params.settings
+    }
+
+    /// Sets how drawing acts, brought within its bounds. Strokes in the hands go on as they began; another tool ends
+    /// them.
+    pub fn set_settings(&mut self, settings: DrawSettings) {
+        self.tools.set_settings(settings, &mut self.history);
+        self.follow_history();
+    }
+
+    /// Undoes the last edit; hands let go of everything, and a stroke in the hand is the last edit. False: there was none.
     pub fn undo(&mut self) -> bool {
+        self.tools.finish_strokes(&mut self.history);
         self.tools.let_go();
         let done = self.history.undo();
         self.follow_history();
@@ -236,6 +254,7 @@ impl World {
 
     /// Redoes the last edit undone; hands let go of everything. False: there was none.
     pub fn redo(&mut self) -> bool {
+        self.tools.finish_strokes(&mut self.history);
         self.tools.let_go();
         let done = self.history.redo();
         self.follow_history();

@@ -4,13 +4,15 @@
 //! changes the document happens at a button's edge and looks at nothing but the
 //! document and the poses of that frame, so the document is a function of the
 //! sequence of edges: not of time, frame rate, or how often a frame was shown.
-//! The one exception is a node that is let go before it has reached the hand
-//! ([`super::HoldParams`]): it stays where it is seen then, which the input's time decides.
+//! There are two exceptions. A node that is let go before it has reached the hand
+//! ([`super::HoldParams`]) stays where it is seen then, which the input's time decides. And a trigger that stays pulled
+//! while the hand moves draws a free-hand stroke or erases (see `stroke`): the hand's path decides, not how often it was looked at.
 //!
 //! While a hand holds something, `Tools::shown` is the document as it would
 //! be if the hand let go now; it becomes an edit when it does. Both hands may
 //! hold at once. When the input goes to someone else in the middle, what is held
-//! returns to where it was: an accident must not become an edit. A controller that loses tracking
+//! returns to where it was: an accident must not become an edit. A stroke in the hand is no accident and is
+//! kept as far as it was drawn. A controller that loses tracking
 //! drops what it holds where it was last seen, because that is where the person put it.
 
 use glam::Vec3;
@@ -26,7 +28,10 @@ use super::{
     hover::{self, HoverParams, Pointer},
     input::{HandInput, Input},
     miniature::Miniature,
+    settings::{DrawSettings, DrawTool},
+    snap,
     stage::{Palette, StageParams, rim},
+    stroke::Pen,
 };
 
 /// A vibration of one controller.
@@ -81,6 +86,8 @@ pub struct ToolParams {
     pub haptics: HapticParams,
     /// Drawing.
     pub draw: DrawParams,
+    /// What a person sets about drawing, at first.
+    pub settings: DrawSettings,
     /// Holding a node.
     pub hold: HoldParams,
     /// Moving the platform.
@@ -92,6 +99,17 @@ pub struct ToolParams {
 pub struct DrawParams {
     /// Longest segment that is drawn at once, metres on the stage: a hand that hangs down draws nothing.
     pub reach: f32,
+    /// With the trigger held, a tip that goes farther than this from where it was pulled draws free-hand, metres on the
+    /// stage.
+    pub threshold: f32,
+    /// Distance between the samples of a free-hand path, metres on the stage.
+    pub sample: f32,
+    /// How far along the path to either side smoothing reaches at its strongest, metres on the stage.
+    pub smoothing_reach: f32,
+    /// A segment is turned by this at most when it snaps to an angle, degrees.
+    pub snap_turn_deg: f32,
+    /// A node is moved by this at most when it snaps onto the mirror plane, metres on the stage.
+    pub snap_distance: f32,
     /// Growth beyond this many segments is refused.
     pub max_segments: u64,
 }
@@ -100,6 +118,11 @@ impl Default for DrawParams {
     fn default() -> Self {
         Self {
             reach: 0.5,
+            threshold: 0.02,
+            sample: 0.002,
+            smoothing_reach: 0.03,
+            snap_turn_deg: 4.0,
+            snap_distance: 0.015,
             max_segments: MAX_SEGMENTS,
         }
     }
@@ -123,6 +146,8 @@ pub(super) enum Hold {
     Nothing,
     Node(NodeRef),
     Platform,
+    /// A free-hand stroke in progress.
+    Stroke,
 }
 
 /// One hand between frames.
@@ -135,6 +160,8 @@ pub(super) struct Hand {
     /// For how long it has held that, seconds of the input's clock.
     pub(super) held_seconds: f64,
     pub(super) hover: Hover,
+    /// Whether what it would draw is snapped to an angle or a plane.
+    snapped: bool,
 }
 
 /// The next segment, as the trigger would make it now, in the stage.
@@ -142,6 +169,16 @@ pub(super) struct Hand {
 pub(super) struct Ghost {
     pub(super) from: Vec3,
     pub(super) to: Vec3,
+    snapped: bool,
+}
+
+/// The next segment, as the trigger would make it now.
+struct Next {
+    /// Its start on the stage.
+    from: Vec3,
+    /// Its end in the sketch.
+    to: Vec3,
+    snapped: bool,
 }
 
 /// See the module.
@@ -151,6 +188,7 @@ pub(super) struct Tools {
     pub(super) stage: StageParams,
     pub(super) palette: Palette,
     pub(super) hands: [Hand; 2],
+    pub(super) pens: [Pen; 2],
     pub(super) platform: Option<PlatformGrip>,
     /// The document with what the hands hold.
     pub(super) shown: Document,
@@ -169,6 +207,10 @@ impl Tools {
         stage: StageParams,
         palette: Palette,
     ) -> Self {
+        let params = ToolParams {
+            settings: params.settings.checked(),
+            ..params
+        };
         let mut miniature = Miniature::default();
         miniature.follow(document, &stage, &palette);
         Self {
@@ -176,6 +218,7 @@ impl Tools {
             stage,
             palette,
             hands: [Hand::default(); 2],
+            pens: Default::default(),
             platform: None,
             shown: document.clone(),
             held: None,
@@ -195,6 +238,7 @@ impl Tools {
     pub(super) fn update(&mut self, input: &Input, passed: f64, history: &mut History) {
         self.haptics.clear();
         if !input.focused {
+            self.rest_pens(history);
             self.let_go();
             for hand in &mut self.hands {
                 *hand = Hand::default();
@@ -209,11 +253,20 @@ impl Tools {
         for hand in &mut self.hands {
             hand.held_seconds += passed;
         }
+        let edges = [0, 1].map(|hand| {
+            let Hand {
+                sample, buttons, ..
+            } = &mut self.hands[hand];
+            match sample {
+                Some(_) => buttons.step(&input.hands[hand], &self.params.hands),
+                None => Edges::default(),
+            }
+        });
+        self.follow_pens(edges.map(|edges| edges.trigger == Edge::Up), history);
         self.show(history);
-        for (hand, input) in input.hands.iter().enumerate() {
+        for (hand, edges) in edges.into_iter().enumerate() {
             self.hands[hand].hover = self.find(hand);
             if self.hands[hand].sample.is_some() {
-                let edges = self.hands[hand].buttons.step(input, &self.params.hands);
                 self.act(hand, edges, history);
             }
         }
@@ -228,6 +281,7 @@ impl Tools {
         let found = sample(input, &self.params.hands);
         if found.is_none() && self.hands[hand].sample.is_some() {
             self.release(hand, history);
+            self.finish_stroke(hand, history);
             self.hands[hand] = Hand::default();
         }
         self.hands[hand].sample = found;
@@ -276,27 +330,35 @@ impl Tools {
         }
     }
 
-    /// A short tick when a node comes under the hand, unless the hand was told something stronger.
+    /// A short tick when a node comes under the hand or the preview snaps, unless the hand was told something stronger.
     fn tick(&mut self, hand: usize, before: Hover) {
-        let Hover::Node { at, .. } = self.hands[hand].hover else {
-            return;
+        let snapped = self.ghost(hand).is_some_and(|ghost| ghost.snapped);
+        let was_snapped = std::mem::replace(&mut self.hands[hand].snapped, snapped);
+        let found = match self.hands[hand].hover {
+            Hover::Node { at, .. } => {
+                !matches!(before, Hover::Node { at: before, .. } if before == at)
+            }
+            Hover::Rim { .. } | Hover::Nothing => false,
         };
-        let was_there = matches!(before, Hover::Node { at: before, .. } if before == at);
         let told = self.haptics.iter().any(|haptic| haptic.hand == hand);
-        if !was_there && !told {
+        if (found || snapped && !was_snapped) && !told {
             self.pulse(hand, self.params.haptics.hover);
         }
     }
 
     fn act(&mut self, hand: usize, edges: Edges, history: &mut History) {
-        if edges.squeeze == Edge::Up {
+        if edges.squeeze == Edge::Up && self.hands[hand].hold != Hold::Stroke {
             self.release(hand, history);
         }
         if edges.squeeze == Edge::Down {
             self.grip(hand, history);
         }
-        if edges.trigger == Edge::Down {
-            self.pull(hand, history);
+        self.go_on_erasing(hand, history);
+        match edges.trigger {
+            Edge::Down => self.pull(hand, history),
+            // A stroke has been followed up to here.
+            Edge::Up => self.finish_stroke(hand, history),
+            Edge::None => {}
         }
         if edges.lower == Edge::Down {
             self.grow(hand, history);
@@ -310,57 +372,63 @@ impl Tools {
     }
 
     fn pull(&mut self, hand: usize, history: &mut History) {
-        let Hand {
-            sample: Some(sample),
-            hold,
-            hover,
-            ..
-        } = self.hands[hand]
-        else {
-            return;
-        };
+        // One hand draws at a time: the other's stroke ends here, where this one's preview starts.
+        self.finish_strokes(history);
+        let Hand { hold, hover, .. } = self.hands[hand];
         match (hold, hover) {
-            (Hold::Platform, _) => {}
+            (Hold::Platform | Hold::Stroke, _) => {}
             (Hold::Node(at), _) => {
                 self.hands[hand].hold = Hold::Nothing;
-                self.apply(
-                    hand,
-                    Edit::DeleteNode { at },
-                    self.params.haptics.delete,
-                    history,
-                );
+                let haptic = self.params.haptics.delete;
+                self.apply(hand, Edit::DeleteNode { at }, haptic, history);
             }
-            (Hold::Nothing, Hover::Node { at, .. }) => {
-                let branches_at_root = at == NodeRef::ROOT && !self.shown.sketch.is_apex(at);
-                if branches_at_root {
-                    self.refuse(hand, SketchError::BranchAtRoot.to_string());
-                } else {
-                    self.apply(
-                        hand,
-                        Edit::Select { at },
-                        self.params.haptics.choose,
-                        history,
-                    );
-                }
+            (Hold::Nothing, _) if self.params.settings.tool == DrawTool::Erase => {
+                self.begin_erasing(hand, history);
             }
-            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. }) => match self.next_segment(&sample)
-            {
-                Some((_, to)) => {
-                    self.apply(
-                        hand,
-                        Edit::AddSegment { to },
-                        self.params.haptics.create,
-                        history,
-                    );
-                }
-                None => {
-                    let reach = self.params.draw.reach;
-                    self.refuse(
-                        hand,
-                        format!("Too far from the selected node to draw: come within {reach} m of it, or select another."),
-                    );
-                }
+            (Hold::Nothing, Hover::Node { at, along }) => {
+                self.choose(hand, at, along <= 0.0, history);
+            }
+            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. }) => self.draw(hand, history),
+        }
+    }
+
+    /// Selects a node; from one that is touched a stroke may follow.
+    fn choose(&mut self, hand: usize, at: NodeRef, touched: bool, history: &mut History) {
+        if at == NodeRef::ROOT && !self.shown.sketch.is_apex(at) {
+            return self.refuse(hand, SketchError::BranchAtRoot.to_string());
+        }
+        let before = history.changes();
+        let haptic = self.params.haptics.choose;
+        if self.apply(hand, Edit::Select { at }, haptic, history) && touched {
+            self.pulled(hand, at, None, before, history);
+        }
+    }
+
+    /// Makes the next segment; a stroke may follow.
+    fn draw(&mut self, hand: usize, history: &mut History) {
+        let next = self.hands[hand]
+            .sample
+            .and_then(|at| self.next_segment(&at));
+        let Some(Next { to, .. }) = next else {
+            let reach = self.params.draw.reach;
+            return self.refuse(
+                hand,
+                format!("Too far from the selected node to draw: come within {reach} m of it, or select another."),
+            );
+        };
+        let (from, before) = (history.committed().selected, history.changes());
+        let symmetry = self.params.settings.copies();
+        let edit = match symmetry.is_off() {
+            true => Edit::AddSegment { to },
+            false => Edit::DrawCurve {
+                from,
+                through: vec![to],
+                segments: vec![1],
+                symmetry,
             },
+        };
+        if self.apply(hand, edit, self.params.haptics.create, history) {
+            self.pulled(hand, from, Some(to), before, history);
         }
     }
 
@@ -392,18 +460,15 @@ impl Tools {
     }
 
     fn step_back(&mut self, hand: usize, history: &mut History) {
-        match history.committed().step.checked_sub(1) {
-            Some(step) => self.apply(
-                hand,
-                Edit::SetStep { step },
-                self.params.haptics.grow,
-                history,
-            ),
-            None => self.refuse(hand, "This is step 0, the root alone.".into()),
-        }
+        let Some(step) = history.committed().step.checked_sub(1) else {
+            return self.refuse(hand, "This is step 0, the root alone.".into());
+        };
+        let haptic = self.params.haptics.grow;
+        self.apply(hand, Edit::SetStep { step }, haptic, history);
     }
 
     fn undo_or_redo(&mut self, hand: usize, flick: i8, history: &mut History) {
+        self.finish_strokes(history);
         // What is held belongs to the document that goes away.
         self.let_go();
         let (done, nothing) = if flick < 0 {
@@ -419,20 +484,22 @@ impl Tools {
         }
     }
 
-    /// Applies an edit; says why where it is refused.
+    /// Applies an edit; says why where it is refused, and gives whether it was not.
     pub(super) fn apply(
         &mut self,
         hand: usize,
         edit: Edit,
         haptic: [f32; 2],
         history: &mut History,
-    ) {
-        match history.apply(edit) {
+    ) -> bool {
+        let applied = history.apply(edit);
+        match &applied {
             Ok(()) => self.pulse(hand, haptic),
             Err(error) => self.refuse(hand, error.to_string()),
         }
         self.check_holds(history);
         self.show(history);
+        applied.is_ok()
     }
 
     pub(super) fn refuse(&mut self, hand: usize, message: String) {
@@ -448,15 +515,40 @@ impl Tools {
         });
     }
 
-    /// Start of the next segment on the stage and its end in the sketch; `None` where it cannot be drawn.
-    fn next_segment(&self, sample: &Sample) -> Option<(Vec3, Vec3)> {
+    /// The next segment; `None` where it cannot be drawn.
+    fn next_segment(&self, sample: &Sample) -> Option<Next> {
         let from = self.miniature.position(self.shown.selected)?;
-        let to = point(
-            self.miniature
-                .sketch_from_stage
-                .transform_point3(sample.tip),
-        );
-        (from.distance(sample.tip) <= self.params.draw.reach).then_some((from, to))
+        if from.distance(sample.tip) > self.params.draw.reach {
+            return None;
+        }
+        let to = self.in_sketch(sample.tip);
+        let turned = self.at_round_angle(to);
+        let to = turned.unwrap_or(to);
+        let in_plane = self.onto_plane(to);
+        Some(Next {
+            from,
+            to: point(in_plane.unwrap_or(to)),
+            snapped: turned.is_some() || in_plane.is_some(),
+        })
+    }
+
+    /// The end of the next segment turned to a round angle, if that is on and near.
+    fn at_round_angle(&self, to: Vec3) -> Option<Vec3> {
+        let every = self.params.settings.snap_angle_deg?.to_radians();
+        let within = self.params.draw.snap_turn_deg.to_radians();
+        let (sketch, selected) = (&self.shown.sketch, self.shown.selected);
+        let from = sketch.position(selected)?;
+        let below = selected.node.checked_sub(1);
+        let below = below.and_then(|node| sketch.position(NodeRef::new(selected.letter, node)));
+        let axes = [below.map(|below| from - below), Some(Vec3::Y)];
+        Some(from + snap::turned(to - from, axes, every, within)?)
+    }
+
+    /// A place of the sketch put onto the mirror plane, if that is on and near.
+    pub(super) fn onto_plane(&self, place: Vec3) -> Option<Vec3> {
+        let within = self.params.draw.snap_distance / self.shown.platform.scale;
+        let on = self.params.settings.snap_mirror;
+        on.then(|| snap::onto_plane(place, within)).flatten()
     }
 
     /// What the trigger of this hand would draw.
@@ -470,13 +562,16 @@ impl Tools {
         else {
             return None;
         };
+        if self.params.settings.tool == DrawTool::Erase {
+            return None;
+        }
         let selected = self.shown.selected;
         let refused = selected == NodeRef::ROOT && !self.shown.sketch.is_apex(selected);
         if refused || matches!(hover, Hover::Node { .. }) {
             return None;
         }
-        let (from, to) = self.next_segment(&sample)?;
+        let Next { from, to, snapped } = self.next_segment(&sample)?;
         let to = self.miniature.stage_from_sketch.transform_point3(to);
-        Some(Ghost { from, to })
+        Some(Ghost { from, to, snapped })
     }
 }
