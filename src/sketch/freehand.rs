@@ -50,7 +50,8 @@ pub struct FreehandParams {
     pub reach: f32,
     /// Places within this of the plane x = 0 are drawn onto it; 0: none.
     pub snap: f32,
-    /// Most nodes of a stroke; the path ends there.
+    /// Most nodes of a stroke, at most 2,000, so that placing them all takes a small part of a frame; the path ends
+    /// there.
     pub nodes: u32,
 }
 
@@ -64,7 +65,7 @@ impl Default for FreehandParams {
             smoothing: 0.5,
             reach: 0.12,
             snap: 0.0,
-            nodes: 10_000,
+            nodes: 2_000,
         }
     }
 }
