@@ -365,3 +365,21 @@ fn playback_is_one_edit() {
     assert!((4..=5).contains(&visitor.document().step));
     assert!(visitor.document().step > 0);
 }
+
+#[test]
+fn drawing_is_set_on_the_bench() {
+    use ramus::world::DrawTool;
+    let mut visitor = Visitor::with_tree();
+    visitor.click(RIGHT, PanelId::Bench, "Draw");
+    let settings = |visitor: &Visitor| visitor.workshop.world().settings();
+    visitor.click(LEFT, PanelId::Bench, "Eraser");
+    assert_eq!(settings(&visitor).tool, DrawTool::Erase);
+    visitor.click(LEFT, PanelId::Bench, "Pen");
+    assert_eq!(settings(&visitor).tool, DrawTool::Draw);
+    visitor.click(RIGHT, PanelId::Bench, "snap to angles");
+    assert_eq!(settings(&visitor).snap_angle_deg, Some(15.0));
+    visitor.click(RIGHT, PanelId::Bench, "snap to the middle plane");
+    assert!(settings(&visitor).snap_mirror);
+    visitor.click(RIGHT, PanelId::Bench, "snap to angles");
+    assert_eq!(settings(&visitor).snap_angle_deg, None);
+}

@@ -507,6 +507,7 @@ fn more_branches_than_letters_and_than_a_line_holds() {
         sketch.strokes.push(Arc::new(Stroke {
             letter: letter(number as u16),
             points: vec![Vec3::X * 0.1],
+            handles: vec![],
             attachment: Some(NodeRef::new(Letter::TRUNK, number as u32)),
             self_similar: (number.is_multiple_of(3)).then_some(limit),
         }));

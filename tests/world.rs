@@ -10,8 +10,10 @@
 mod person;
 mod world {
     mod any_input;
+    mod freehand;
     mod hold;
     mod platform;
+    mod settings;
     mod trouble;
 }
 
@@ -109,23 +111,6 @@ fn the_trigger_makes_exactly_what_the_preview_shows() {
             from = person.node(A, n);
         }
         assert_eq!(person.world.document().selected, NodeRef::new(A, 4));
-    }
-}
-
-#[test]
-fn a_held_trigger_draws_once() {
-    for hand in BOTH {
-        let mut person = Person::new();
-        let tip = person.on_stage(trunk()[0]);
-        person.reach(hand, tip);
-        person.press(hand, Button::Trigger);
-        for n in 0..20_u8 {
-            person.reach(hand, tip + Vec3::X * 0.02 * f32::from(n));
-        }
-        assert_eq!(
-            person.world.document().sketch.apex(A),
-            Some(NodeRef::new(A, 1))
-        );
     }
 }
 

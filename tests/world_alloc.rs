@@ -55,3 +55,29 @@ fn a_warm_frame_allocates_nothing() {
     let warm = counted(|| play(&mut person, &mut scene));
     assert_eq!(warm, 0, "allocations in 40 warm frames");
 }
+
+#[test]
+fn a_stroke_in_a_hand_that_rests_allocates_nothing() {
+    let mut person = Person::new();
+    let start = person.node(Letter::TRUNK, 0) + Vec3::Y * 0.1;
+    person.reach(RIGHT, start);
+    person.press(RIGHT, Button::Trigger);
+    let mut scene = Scene::default();
+    // Pulled and in place at first, then with a stroke.
+    for far in [0.0, 0.2] {
+        for n in 0..=20_u8 {
+            person.reach(RIGHT, start + Vec3::X * far * f32::from(n) / 20.0);
+        }
+        person.world.scene(&mut scene);
+        let warm = counted(|| {
+            for _ in 0..40 {
+                person.input.time += 0.01;
+                person.world.update(&person.input);
+                person.world.scene(&mut scene);
+            }
+        });
+        assert_eq!(warm, 0, "allocations in 40 frames of rest, {far} m on");
+    }
+    let shown = person.world.shown().sketch.strokes[0].segments();
+    assert!(shown > 4, "{shown}");
+}

@@ -189,7 +189,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for bytes in [
             &b"{"[..],
-            b"[]",
+            b"[1]",
             b"\xff\xfe",
             &vec![b' '; (MAX_BYTES + 2) as usize],
         ] {

@@ -187,6 +187,7 @@ impl Workshop {
             Wish::Show(panel, shown) => world.show_panel(panel, shown),
             Wish::Set(settings) => self.set(settings),
             Wish::Export(ending) => self.take_home(ending),
+            Wish::Draw(settings) => world.set_settings(settings),
             Wish::Teach(lesson) => world.teach(lesson),
         }
         if let Err(error) = done {

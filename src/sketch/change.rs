@@ -9,7 +9,9 @@ use std::{collections::HashSet, sync::Arc};
 
 use glam::{DVec3, Vec3};
 
-use super::{BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Stroke, Wrap, quantize};
+use super::{
+    BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Stroke, Symmetry, Wrap, quantize,
+};
 
 /// Lengths may be this much below the shortest segment: half a step of the grid, metres.
 const GRID_SLACK: f64 = 0.000_05;
@@ -36,49 +38,95 @@ impl Sketch {
             return Ok((self.clone(), from));
         }
         let mut next = self.clone();
-        let extends = self.is_apex(from);
-        let letter = if extends {
-            from.letter
-        } else {
-            if from == NodeRef::ROOT {
-                return Err(SketchError::BranchAtRoot);
-            }
-            let letter = self.free_letter()?;
-            let own_rate = SelfSimilar {
-                rate: from.node,
-                depth_limit: None,
-            };
-            next.strokes.push(Arc::new(Stroke {
-                letter,
-                points: Vec::new(),
-                attachment: Some(from),
-                self_similar: self.self_similar_branches.then_some(own_rate),
-            }));
-            letter
-        };
+        let (letter, _) = next.stroke_to_draw(from)?;
         let start = next.start(letter).ok_or(SketchError::NoStroke(letter))?;
         let added: Vec<Vec3> = to.iter().map(|&to| quantize::point(to - start)).collect();
-        next.edit_stroke(letter, |stroke| stroke.points.extend(added))?;
+        next.edit_stroke(letter, |stroke| stroke.append_plain(added))?;
         next.validate()?;
         let apex = next.apex(letter).ok_or(SketchError::NoStroke(letter))?;
         Ok((next, apex))
     }
 
-    /// Moves a node to the place `to`. Its neighbours stay; branches that start at it travel along.
+    /// Draws a curve from `from` through places of the sketch, its handles, with so many segments on the
+    /// way to each; at an apex the stroke grows, elsewhere a new branch starts. With a symmetry, a
+    /// new branch is drawn with its copies, and one that goes on, with those that are images of it. Gives
+    /// the new sketch and the new apex.
+    ///
+    /// # Errors
+    /// As for [`Self::add_segment`]; where a place has no number of segments or none at all, and where the symmetry
+    /// is out of bounds.
+    pub fn draw_curve(
+        &self,
+        from: NodeRef,
+        through: &[Vec3],
+        segments: &[u32],
+        symmetry: Symmetry,
+    ) -> Result<(Self, NodeRef), SketchError> {
+        self.check_node(from)?;
+        check_curve(through, segments, symmetry)?;
+        let from = self.own_name(from);
+        let mut next = self.clone();
+        let (letter, is_new) = next.stroke_to_draw(from)?;
+        let twins = match is_new {
+            true => Vec::new(),
+            false => self.twins(letter, symmetry),
+        };
+        let start = next.start(letter).ok_or(SketchError::NoStroke(letter))?;
+        let places: Vec<Vec3> = through
+            .iter()
+            .map(|&to| quantize::point(to - start))
+            .collect();
+        next.edit_stroke(letter, |stroke| stroke.append_curve(&places, segments))?;
+        for (twin, image) in twins {
+            let images: Vec<Vec3> = places.iter().map(|&place| image.of(place)).collect();
+            next.edit_stroke(twin, |stroke| stroke.append_curve(&images, segments))?;
+        }
+        if is_new && let Some(drawn) = next.strokes.last().map(Arc::clone) {
+            next.add_copies(&drawn, symmetry)?;
+        }
+        next.validate()?;
+        let apex = next.apex(letter).ok_or(SketchError::NoStroke(letter))?;
+        Ok((next, apex))
+    }
+
+    /// The letter that drawing from a node goes to, and whether it is a new branch, which is then there without segments.
+    fn stroke_to_draw(&mut self, from: NodeRef) -> Result<(Letter, bool), SketchError> {
+        if self.is_apex(from) {
+            return Ok((from.letter, false));
+        }
+        if from == NodeRef::ROOT {
+            return Err(SketchError::BranchAtRoot);
+        }
+        let letter = self.free_letter()?;
+        let own_rate = SelfSimilar {
+            rate: from.node,
+            depth_limit: None,
+        };
+        self.strokes.push(Arc::new(Stroke {
+            letter,
+            points: Vec::new(),
+            handles: Vec::new(),
+            attachment: Some(from),
+            self_similar: self.self_similar_branches.then_some(own_rate),
+        }));
+        Ok((letter, true))
+    }
+
+    /// Moves a node to the place `to`; branches that start at it travel along. On a plain stroke its neighbours
+    /// stay. On a curve it becomes a handle if it was none; the other handles stay, and the nodes in the two spans to
+    /// either side lie on the new curve, as many as before.
     ///
     /// # Errors
     /// Where the node does not exist or is a stroke's start, and where `to` is not finite, out of
     /// bounds or too close to a neighbour.
     pub fn move_node(&self, at: NodeRef, to: Vec3) -> Result<Self, SketchError> {
-        let index = self.own_node(at)?;
+        self.own_node(at)?;
         let start = self
             .start(at.letter)
             .ok_or(SketchError::NoStroke(at.letter))?;
         let mut next = self.clone();
         next.edit_stroke(at.letter, |stroke| {
-            if let Some(point) = stroke.points.get_mut(index) {
-                *point = quantize::point(to - start);
-            }
+            stroke.move_own_node(at.node, to - start);
         })?;
         next.validate()?;
         Ok(next)
@@ -112,7 +160,7 @@ impl Sketch {
                 }
                 _ if stroke.letter == at.letter => {
                     let mut shorter = Stroke::clone(stroke);
-                    shorter.points.truncate(index);
+                    shorter.truncate(index);
                     next.strokes.push(Arc::new(shorter));
                 }
                 _ => next.strokes.push(Arc::clone(stroke)),
@@ -219,7 +267,7 @@ impl Sketch {
         }
     }
 
-    fn free_letter(&self) -> Result<Letter, SketchError> {
+    pub(super) fn free_letter(&self) -> Result<Letter, SketchError> {
         let taken: HashSet<Letter> = self.strokes.iter().map(|stroke| stroke.letter).collect();
         (1..=u16::MAX)
             .map(Letter::from_index)
@@ -329,6 +377,9 @@ impl Stroke {
             let depth = own.depth_limit.unwrap_or(0);
             within("the depth limit", depth.into(), [0.0, BOUNDS.depth.into()])?;
         }
+        if !self.handles_are_sound() {
+            return Err(SketchError::Handles(self.letter));
+        }
         let most = f64::from(BOUNDS.coordinate);
         let shortest = f64::from(BOUNDS.segment) - GRID_SLACK;
         let mut below = DVec3::ZERO;
@@ -344,6 +395,26 @@ impl Stroke {
         }
         Ok(())
     }
+}
+
+/// Checks what a curve is drawn from before any memory is taken for it.
+fn check_curve(through: &[Vec3], segments: &[u32], symmetry: Symmetry) -> Result<(), SketchError> {
+    let turns = [1.0, Symmetry::TURNS_MOST.into()];
+    within("the turns of the symmetry", symmetry.turns.into(), turns)?;
+    if through.is_empty() || through.len() != segments.len() || segments.contains(&0) {
+        return Err(SketchError::Spans);
+    }
+    let nodes: u64 = segments.iter().copied().map(u64::from).sum();
+    if nodes > BOUNDS.points as u64 {
+        return Err(SketchError::TooMany {
+            what: "nodes",
+            most: BOUNDS.points,
+        });
+    }
+    through
+        .iter()
+        .flat_map(|to| to.to_array())
+        .try_for_each(|coordinate| finite("a coordinate in metres", coordinate.into()))
 }
 
 fn finite(what: &'static str, value: f64) -> Result<(), SketchError> {

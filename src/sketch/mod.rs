@@ -2,7 +2,8 @@
 //!
 //! One polyline ([`Stroke`]) a letter: `A` is the trunk, each branch has its own letter and hangs on
 //! a node of an earlier stroke. A stroke's points are relative to its own start, in the sketch's
-//! axes, so moving a node carries the branches on it along and turns nothing.
+//! axes, so moving a node carries the branches on it along and turns nothing. A stroke drawn free-hand is
+//! a curve through some of its nodes, the handles ([`curve`]); [`freehand`] makes it from the path of a hand.
 //!
 //! The flow: [`change`] makes a new sketch from an old one (pure functions, strokes shared by `Arc`),
 //! [`grammar`] writes the L-system a person may read and edit, [`grow()`] derives and draws it,
@@ -19,18 +20,23 @@ use serde::{Deserialize, Serialize};
 use crate::tree::error::shortest;
 
 pub mod change;
+pub mod curve;
+pub mod freehand;
 pub mod grammar;
 pub mod grow;
 pub mod letter;
 pub mod own_rules;
 pub mod predict;
 pub mod quantize;
+pub mod symmetry;
 
+pub use freehand::{Freehand, FreehandParams};
 pub use grow::{GROW, GrowParams, Grower, Grown, MAX_SEGMENTS, grow};
 pub use letter::{Letter, UnknownLetter};
 pub use own_rules::{OwnRules, Production};
 pub use predict::{Predictor, predict_segments_within};
 pub use quantize::{angle_deg, coordinate, point};
+pub use symmetry::Symmetry;
 
 /// The golden angle 180°·(3 − √5), in whole thousandths of a degree: the default divergence.
 pub const GOLDEN_DEG: f64 = 137.508;
@@ -112,6 +118,9 @@ pub struct Stroke {
     pub letter: Letter,
     /// Nodes 1, 2, … relative to node 0, metres in the sketch's axes. Node 0 itself is not stored.
     pub points: Vec<Vec3>,
+    /// The nodes that the stroke's curve goes through, rising, the apex last; the nodes between them lie on the
+    /// curve. Empty: a plain polyline, each of whose nodes is its own.
+    pub handles: Vec<u32>,
     /// The node this stroke was drawn from (node ≥ 1 of an earlier stroke); none for the trunk.
     pub attachment: Option<NodeRef>,
     /// Whether the letter also branches from itself.
@@ -150,7 +159,7 @@ pub enum Wrap {
 ///
 /// Invariants, which [`Sketch::validate`] checks and every change keeps: the first stroke is the
 /// trunk, the only one that may be empty; letters differ; an attachment names an earlier stroke's
-/// existing node ≥ 1; everything is finite, on the grid of [`quantize`] and within [`BOUNDS`].
+/// existing node ≥ 1; handles rise and end at the apex; everything is finite, on the grid of [`quantize`] and within [`BOUNDS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sketch {
     /// The strokes in the order drawn; the trunk is the first.
@@ -177,6 +186,7 @@ impl Default for Sketch {
         let trunk = Stroke {
             letter: Letter::TRUNK,
             points: Vec::new(),
+            handles: Vec::new(),
             attachment: None,
             self_similar: None,
         };
@@ -353,6 +363,16 @@ pub enum SketchError {
     /// The engine refused the generated grammar, ran out of its limits or was cancelled.
     #[error("the sketch cannot be grown: {0}")]
     Grow(String),
+    /// Handles that are no nodes, out of order, or all of them.
+    #[error(
+        "the handles of stroke `{0}` must be numbers of its nodes, rising, the last one its apex, and fewer than its nodes"
+    )]
+    Handles(Letter),
+    /// A curve that says nothing or not everything.
+    #[error(
+        "a curve needs places to go through, and for each the number of segments, 1 or more, that lead to it"
+    )]
+    Spans,
     /// A branch without segments.
     #[error("branch `{0}` has no segments: only the trunk may be empty")]
     EmptyBranch(Letter),

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     sketch::{BOUNDS, GOLDEN_DEG, Letter, SelfSimilar, Stroke, Wrap},
-    world::{document::Edit, lesson::Lesson, panels::PanelId},
+    world::{DrawSettings, DrawTool, document::Edit, lesson::Lesson, panels::PanelId},
 };
 
 /// Tabs of the bench.
@@ -18,6 +18,7 @@ use crate::{
 enum Tab {
     #[default]
     Grow,
+    Draw,
     Shape,
     Letters,
     Rules,
@@ -40,6 +41,9 @@ const EXPORTS: [&str; 4] = ["glb", "obj", "swc", "lsys"];
 /// Turns from branch to branch that plants are known for, degrees.
 const ANGLES: [f64; 4] = [GOLDEN_DEG, 180.0, 120.0, 90.0];
 
+/// The angle that drawing snaps to when that is switched on, degrees.
+const ANGLE_DEG: f32 = 15.0;
+
 /// A bench being laid out: what it shows, and what is wanted.
 struct Page<'a> {
     view: &'a View<'a>,
@@ -56,6 +60,7 @@ impl Bench {
             ui.horizontal_wrapped(|ui| {
                 let tabs = [
                     (Tab::Grow, words.tab_grow),
+                    (Tab::Draw, words.tab_draw),
                     (Tab::Shape, words.tab_shape),
                     (Tab::Letters, words.tab_letters),
                     (Tab::Rules, words.tab_rules),
@@ -79,6 +84,7 @@ impl Bench {
                 .auto_shrink(false)
                 .show(ui, |ui| match self.tab {
                     Tab::Grow => self.grow(ui, &mut page),
+                    Tab::Draw => page.draw(ui),
                     Tab::Shape => page.shape(ui),
                     Tab::Letters => page.letters(ui),
                     Tab::Rules => self.rules.show(ui, page.view, page.wishes),
@@ -195,6 +201,57 @@ impl Page<'_> {
             self.wishes.push(Wish::TryOut(edit()));
         }
         self.settle_after(&answer);
+    }
+
+    /// Pen and eraser, free-hand strokes, snapping and symmetry.
+    fn draw(&mut self, ui: &mut Ui) {
+        let (words, mut draw) = (self.words, self.view.draw);
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut draw.tool, DrawTool::Draw, words.pen);
+            ui.selectable_value(&mut draw.tool, DrawTool::Erase, words.eraser);
+        });
+        ui.separator();
+        let lengths = [
+            (&mut draw.spacing, words.spacing, DrawSettings::SPACING),
+            (
+                &mut draw.tolerance,
+                words.tolerance,
+                DrawSettings::TOLERANCE,
+            ),
+        ];
+        for (metres, name, [least, most]) in lengths {
+            ui.label(name);
+            let mut millimetres = *metres * 1000.0;
+            let slider = Slider::new(&mut millimetres, least * 1000.0..=most * 1000.0)
+                .clamping(SliderClamping::Edits)
+                .max_decimals(0)
+                .suffix(words.millimetres);
+            if ui.add(slider).changed() {
+                *metres = millimetres / 1000.0;
+            }
+        }
+        ui.label(words.smoothing);
+        let slider = Slider::new(&mut draw.smoothing, 0.0..=1.0);
+        ui.add(slider.clamping(SliderClamping::Edits).max_decimals(2));
+        ui.separator();
+        let mut snaps = draw.snap_angle_deg.is_some();
+        ui.checkbox(&mut snaps, words.snap_angle);
+        let angle = draw.snap_angle_deg.unwrap_or(ANGLE_DEG);
+        draw.snap_angle_deg = snaps.then_some(angle);
+        if let Some(angle) = &mut draw.snap_angle_deg {
+            let [least, most] = DrawSettings::SNAP_ANGLE_DEG;
+            let slider = Slider::new(angle, least..=most).step_by(5.0).suffix("°");
+            ui.add(slider.clamping(SliderClamping::Edits));
+        }
+        ui.checkbox(&mut draw.snap_mirror, words.snap_mirror);
+        ui.separator();
+        ui.checkbox(&mut draw.mirror_symmetry, words.mirror_symmetry);
+        ui.label(words.symmetry);
+        let slider = Slider::new(&mut draw.symmetry, 1..=16);
+        ui.add(slider.clamping(SliderClamping::Edits));
+        if draw != self.view.draw {
+            self.wishes.push(Wish::Draw(draw));
+        }
     }
 
     fn shape(&mut self, ui: &mut Ui) {

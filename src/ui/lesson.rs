@@ -65,6 +65,7 @@ fn texts(lesson: Lesson, words: &Words) -> (&'static str, &'static str) {
     match lesson {
         Lesson::Draw => (words.learn_draw, words.do_draw),
         Lesson::DrawOn => (words.learn_draw_on, words.do_draw_on),
+        Lesson::FreeHand => (words.learn_free_hand, words.do_free_hand),
         Lesson::Branch => (words.learn_branch, words.do_branch),
         Lesson::Grow => (words.learn_grow, words.do_grow),
         Lesson::Back => (words.learn_back, words.do_back),

@@ -15,7 +15,7 @@ use super::{
 use crate::{
     sketch::Sketch,
     world::{
-        World,
+        DrawSettings, World,
         board::Buttons,
         document::{Document, Edit},
         handles::Says,
@@ -64,6 +64,8 @@ pub enum Wish {
     Set(Settings),
     /// Take the tree home as a file with this ending.
     Export(&'static str),
+    /// Draw like this.
+    Draw(DrawSettings),
     /// Go to a lesson of the tutorial, or end it.
     Teach(Option<usize>),
 }
@@ -83,6 +85,8 @@ pub struct View<'a> {
     pub undo: [usize; 2],
     /// Whether the bench is there.
     pub bench: bool,
+    /// How drawing acts.
+    pub draw: DrawSettings,
     /// The lesson that is going on, and its number from 0.
     pub lesson: Option<(usize, Lesson)>,
     /// What people call the parts of the controllers in hand.
@@ -104,6 +108,7 @@ impl<'a> View<'a> {
             speed: world.speed(),
             undo: [world.history().undo_count(), world.history().redo_count()],
             bench: world.has_panel(PanelId::Bench),
+            draw: world.settings(),
             lesson: world.lesson(),
             buttons: world.buttons(),
             says: world.says(),
@@ -124,6 +129,7 @@ impl<'a> View<'a> {
                 self.undo,
                 self.bench,
                 self.lesson,
+                self.draw,
                 self.settings,
             ),
         }
@@ -141,6 +147,7 @@ struct Key {
         [usize; 2],
         bool,
         Option<(usize, Lesson)>,
+        DrawSettings,
         Settings,
     ),
 }

@@ -13,7 +13,9 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use crate::sketch::{BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Wrap, quantize};
+use crate::sketch::{
+    BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Symmetry, Wrap, quantize,
+};
 
 /// Where the platform stands on the stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -138,7 +140,21 @@ pub enum Edit {
         /// Where each segment ends.
         to: Vec<Vec3>,
     },
-    /// Moves a node; its neighbours stay, branches that start at it travel along.
+    /// Draws a curve, as one action: a free-hand stroke, or segments with their symmetric copies. The new apex is
+    /// selected.
+    DrawCurve {
+        /// Where it starts: the line goes on at an apex, a branch starts elsewhere.
+        from: NodeRef,
+        /// The handles it goes through.
+        through: Vec<Vec3>,
+        /// How many segments lead to each of these, 1 or more.
+        segments: Vec<u32>,
+        /// Which copies of a branch are drawn with it.
+        #[serde(default, skip_serializing_if = "Symmetry::is_off")]
+        symmetry: Symmetry,
+    },
+    /// Moves a node; branches that start at it travel along. Its neighbours stay, but on a curve the nodes between
+    /// handles follow.
     MoveNode {
         /// The node.
         at: NodeRef,
@@ -210,7 +226,9 @@ impl Edit {
         let mut edit = self.clone();
         match &mut edit {
             Self::AddSegment { to } | Self::MoveNode { to, .. } => *to = quantize::point(*to),
-            Self::AddStroke { to } => to.iter_mut().for_each(|to| *to = quantize::point(*to)),
+            Self::AddStroke { to } | Self::DrawCurve { through: to, .. } => {
+                to.iter_mut().for_each(|to| *to = quantize::point(*to));
+            }
             Self::SetDivergence { degrees } => *degrees = quantize::angle_deg(*degrees),
             Self::SetPlatform { to } => *to = to.quantized(),
             Self::SetSizes {
@@ -300,6 +318,16 @@ impl Document {
             Edit::AddStroke { to } if to.is_empty() => return Err(EditError::EmptyStroke),
             Edit::AddStroke { to } => {
                 let (sketch, apex) = sketch.add_segments(self.selected, &to)?;
+                next.selected = apex;
+                Some(sketch)
+            }
+            Edit::DrawCurve {
+                from,
+                through,
+                segments,
+                symmetry,
+            } => {
+                let (sketch, apex) = sketch.draw_curve(from, &through, &segments, symmetry)?;
                 next.selected = apex;
                 Some(sketch)
             }

@@ -2,6 +2,7 @@
 //! give the same document back, and no damage to them makes a panic.
 #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
 
+mod curves;
 mod files;
 
 use glam::Vec3;
@@ -13,7 +14,7 @@ use super::{
     journal::{self, Damage, Journal, JournalError},
     project::{self, ProjectError},
 };
-use crate::sketch::{BOUNDS, Letter, NodeRef, SelfSimilar, SketchError, Wrap};
+use crate::sketch::{BOUNDS, Letter, NodeRef, SelfSimilar, SketchError, Symmetry, Wrap};
 
 fn a(node: u32) -> NodeRef {
     NodeRef::new(Letter::TRUNK, node)
@@ -435,10 +436,24 @@ fn node() -> impl Strategy<Value = NodeRef> {
     (0..6_u16, 0..6_u32).prop_map(|(index, node)| NodeRef::new(letter(index), node))
 }
 
+fn curve() -> impl Strategy<Value = Edit> {
+    let spans = proptest::collection::vec((place(), 0..9_u32), 0..4);
+    (node(), spans, 0..4_u32, any::<bool>()).prop_map(|(from, spans, turns, mirror)| {
+        let (through, segments) = spans.into_iter().unzip();
+        Edit::DrawCurve {
+            from,
+            through,
+            segments,
+            symmetry: Symmetry { turns, mirror },
+        }
+    })
+}
+
 fn edit() -> impl Strategy<Value = Edit> {
     prop_oneof![
         6 => place().prop_map(|to| Edit::AddSegment { to }),
         2 => proptest::collection::vec(place(), 0..4).prop_map(|to| Edit::AddStroke { to }),
+        3 => curve(),
         5 => node().prop_map(|at| Edit::Select { at }),
         3 => (node(), place()).prop_map(|(at, to)| Edit::MoveNode { at, to }),
         2 => node().prop_map(|at| Edit::DeleteNode { at }),

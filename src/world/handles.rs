@@ -163,7 +163,8 @@ impl Tools {
         }
         if self.handles.waiting > 0.0 {
             self.handles.waiting = 0.0;
-            return self.apply(hand, Edit::Clear, self.params.haptics.delete, history);
+            self.apply(hand, Edit::Clear, self.params.haptics.delete, history);
+            return;
         }
         self.handles.waiting = self.params.handles.patience;
         self.pulse(hand, self.params.haptics.limit);

@@ -31,6 +31,8 @@ pub struct History {
     /// The next one to redo is the last.
     future: Vec<Arc<Document>>,
     log: Vec<Action>,
+    /// How often the document was replaced.
+    changes: u64,
 }
 
 impl Default for History {
@@ -48,6 +50,7 @@ impl History {
             present: Arc::new(document),
             future: Vec::new(),
             log: Vec::new(),
+            changes: 0,
         }
     }
 
@@ -70,6 +73,7 @@ impl History {
         self.past
             .push(std::mem::replace(&mut self.present, Arc::new(next)));
         self.future.clear();
+        self.changes += 1;
         self.log.push(Action::Edit(edit));
         Ok(())
     }
@@ -81,8 +85,25 @@ impl History {
         };
         self.future
             .push(std::mem::replace(&mut self.present, document));
+        self.changes += 1;
         self.log.push(Action::Undo);
         true
+    }
+
+    /// Takes the last edit back, because it goes on as another: it cannot be redone. In the journal that is an undo, with
+    /// whatever comes next behind it. False: there is none.
+    pub fn take_back(&mut self) -> bool {
+        let done = self.undo();
+        if done {
+            self.future.pop();
+        }
+        done
+    }
+
+    /// How often the document was replaced so far, by an edit, an undo or a redo.
+    #[must_use]
+    pub fn changes(&self) -> u64 {
+        self.changes
     }
 
     /// Redoes the last edit undone. False: there is none.
@@ -92,6 +113,7 @@ impl History {
         };
         self.past
             .push(std::mem::replace(&mut self.present, document));
+        self.changes += 1;
         self.log.push(Action::Redo);
         true
     }

@@ -57,6 +57,10 @@ pub(super) struct Held {
     sketch: Arc<Sketch>,
     /// The nodes in the hands and where they are, metres in the sketch.
     nodes: [Option<(NodeRef, Vec3)>; 2],
+    /// The strokes in the hands.
+    strokes: [Option<u64>; 2],
+    /// The apex of the latest of them.
+    apex: Option<NodeRef>,
 }
 
 impl Tools {
@@ -92,6 +96,7 @@ impl Tools {
                 self.hands[hand].hold = Hold::Nothing;
                 self.settle(history);
             }
+            Hold::Stroke => self.finish_stroke(hand, history),
             Hold::Node(_) => {
                 let held = self.node_in(hand, &history.committed().sketch);
                 self.hands[hand].hold = Hold::Nothing;
@@ -144,6 +149,7 @@ impl Tools {
                 hand.hold = Hold::Nothing;
             }
         }
+        self.check_pens(sketch);
     }
 
     /// Makes `shown` and the miniature follow the history and the hands.
@@ -160,8 +166,12 @@ impl Tools {
                 .follow(&self.shown, &self.stage, &self.palette);
         }
         let nodes = [0, 1].map(|hand| self.node_in(hand, &committed.sketch));
-        let same =
-            |held: &Held| held.nodes == nodes && Arc::ptr_eq(&held.sketch, &committed.sketch);
+        let strokes = [0, 1].map(|hand| self.pens[hand].version());
+        let same = |held: &Held| {
+            held.nodes == nodes
+                && held.strokes == strokes
+                && Arc::ptr_eq(&held.sketch, &committed.sketch)
+        };
         if !self.held.as_ref().is_some_and(same) {
             self.shown.sketch = Arc::clone(&committed.sketch);
             for (at, to) in nodes.into_iter().flatten() {
@@ -170,13 +180,23 @@ impl Tools {
                     self.shown.sketch = Arc::new(moved);
                 }
             }
+            let mut apex = None;
+            for pen in &self.pens {
+                if let Some((drawn, end)) = pen.drawn_on(&self.shown.sketch) {
+                    self.shown.sketch = Arc::new(drawn);
+                    apex = Some(end);
+                }
+            }
             self.held = Some(Held {
                 sketch: Arc::clone(&committed.sketch),
                 nodes,
+                strokes,
+                apex,
             });
         }
+        let apex = self.held.as_ref().and_then(|held| held.apex);
         self.shown.step = committed.step;
-        self.shown.selected = committed.selected;
+        self.shown.selected = apex.unwrap_or(committed.selected);
         self.miniature
             .follow(&self.shown, &self.stage, &self.palette);
     }
@@ -193,8 +213,8 @@ impl Tools {
         else {
             return None;
         };
-        let to_sketch = self.miniature.sketch_from_stage;
-        let tip = point(to_sketch.transform_point3(sample.tip));
+        let tip = self.in_sketch(sample.tip);
+        let tip = self.onto_plane(tip).unwrap_or(tip);
         let flown = self.params.hold.flown(held_seconds);
         if flown >= 1.0 {
             return Some((at, tip));

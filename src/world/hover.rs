@@ -92,6 +92,19 @@ pub fn ball(
         })
 }
 
+/// How far along the way of a tip it comes nearest to a point, 0 to 1, if that is within `touch`.
+pub(super) fn near_line(point: Vec3, from: Vec3, to: Vec3, touch: f32) -> Option<f32> {
+    let way = to - from;
+    let along = (point - from).dot(way) / way.length_squared();
+    // A tip that stands still gives NaN or infinity.
+    let part = if along.is_finite() {
+        along.clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (point.distance(from + way * part) <= touch).then_some(part)
+}
+
 /// A level ring in the stage: the platform's rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {

@@ -22,6 +22,8 @@ pub enum Lesson {
     Draw,
     /// A second one.
     DrawOn,
+    /// A free-hand stroke.
+    FreeHand,
     /// A branch from a node.
     Branch,
     /// Growth, a step.
@@ -69,9 +71,10 @@ pub enum Part {
 
 impl Lesson {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Draw,
         Self::DrawOn,
+        Self::FreeHand,
         Self::Branch,
         Self::Grow,
         Self::Back,
@@ -91,7 +94,12 @@ impl Lesson {
     #[must_use]
     pub fn part(self) -> Part {
         match self {
-            Self::Draw | Self::DrawOn | Self::Branch | Self::Panel | Self::Stump => Part::Draw,
+            Self::Draw
+            | Self::DrawOn
+            | Self::FreeHand
+            | Self::Branch
+            | Self::Panel
+            | Self::Stump => Part::Draw,
             Self::Move | Self::Delete | Self::Platform | Self::Lever | Self::Wheel => Part::Grab,
             Self::Grow => Part::Grow,
             Self::Back => Part::Back,
@@ -104,7 +112,7 @@ impl Lesson {
     fn shown(self, document: &Document, [undo, redo]: [usize; 2]) -> Self {
         let drawn = !document.sketch.is_empty();
         let can = match self {
-            Self::Draw | Self::Platform | Self::Panel | Self::Wrist => true,
+            Self::Draw | Self::FreeHand | Self::Platform | Self::Panel | Self::Wrist => true,
             Self::Back => document.step > 0,
             Self::Redo => redo > 0,
             Self::Undo => undo > 0,
@@ -128,14 +136,15 @@ impl Lesson {
     fn is_done_by(self, action: &Action, before: (u32, usize), after: &Sketch) -> bool {
         let drew = matches!(
             action,
-            Action::Edit(Edit::AddSegment { .. } | Edit::AddStroke { .. })
+            Action::Edit(Edit::AddSegment { .. } | Edit::AddStroke { .. } | Edit::DrawCurve { .. })
         );
         match (self, action) {
             (Self::Draw | Self::DrawOn, _) => drew,
             (Self::Branch, _) => drew && after.strokes.len() > before.1,
             (Self::Grow, Action::Edit(Edit::SetStep { step })) => *step > before.0,
             (Self::Back, Action::Edit(Edit::SetStep { step })) => *step < before.0,
-            (Self::Move, Action::Edit(Edit::MoveNode { .. }))
+            (Self::FreeHand, Action::Edit(Edit::DrawCurve { .. }))
+            | (Self::Move, Action::Edit(Edit::MoveNode { .. }))
             | (Self::Delete, Action::Edit(Edit::DeleteNode { .. }))
             | (Self::Undo, Action::Undo)
             | (Self::Redo, Action::Redo)
@@ -202,7 +211,12 @@ impl World {
             return;
         };
         let after = &self.document().sketch;
-        let done = actions
+        // A stroke takes back the piece that it began as: only an undo with nothing behind it was meant.
+        let meant = match lesson {
+            Lesson::Undo => actions.last().map_or(&[][..], std::slice::from_ref),
+            _ => actions,
+        };
+        let done = meant
             .iter()
             .any(|action| lesson.is_done_by(action, before, after))
             || lesson.is_done_with(&self.tools);

@@ -19,6 +19,7 @@ mod grip;
 mod growth;
 pub mod handles;
 pub mod hands;
+mod haptics;
 pub mod history;
 mod hold;
 pub mod hover;
@@ -31,7 +32,10 @@ mod play;
 pub mod project;
 pub mod room;
 pub mod scene;
+pub mod settings;
+mod snap;
 pub mod stage;
+mod stroke;
 pub mod tools;
 mod tried;
 
@@ -53,6 +57,7 @@ pub use grip::GripParams;
 pub use growth::{GrowthParams, TreeRequest};
 pub use hold::HoldParams;
 pub use play::PlayParams;
+pub use settings::{DrawSettings, DrawTool};
 pub use tools::{Haptic, ToolParams};
 
 /// Everything about the world that can be set.
@@ -309,10 +314,24 @@ impl World {
         self.tools.says().map(|(says, _)| says)
     }
 
-    /// Undoes the last edit; hands let go of everything. False: there was none.
+    /// How drawing acts.
+    #[must_use]
+    pub fn settings(&self) -> DrawSettings {
+        self.tools.params.settings
+    }
+
+    /// Sets how drawing acts, brought within its bounds. Strokes in the hands go on as they began; another tool ends
+    /// them.
+    pub fn set_settings(&mut self, settings: DrawSettings) {
+        self.tools.set_settings(settings, &mut self.history);
+        self.follow_history();
+    }
+
+    /// Undoes the last edit; hands let go of everything, and a stroke in the hand is the last edit. False: there was none.
     pub fn undo(&mut self) -> bool {
         self.player.playing = false;
         self.tools.untry();
+        self.tools.finish_strokes(&mut self.history);
         self.tools.let_go();
         let done = self.history.undo();
         self.follow_history();
@@ -323,6 +342,7 @@ impl World {
     pub fn redo(&mut self) -> bool {
         self.player.playing = false;
         self.tools.untry();
+        self.tools.finish_strokes(&mut self.history);
         self.tools.let_go();
         let done = self.history.redo();
         self.follow_history();

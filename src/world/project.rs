@@ -19,8 +19,13 @@ use crate::sketch::{Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap
 
 /// The first field of every project file.
 const FORMAT: &str = "ramus-project";
-/// The version this program writes, and the only one there is to read.
-const VERSION: u64 = 1;
+/// The newest version this program reads, all older ones too. It writes the oldest that says all: a project
+/// without curves can be read by a program that knows none.
+const VERSION: u64 = 2;
+/// The first version in which strokes have handles.
+const HANDLES: u64 = 2;
+/// The version without them.
+const PLAIN: u64 = 1;
 /// The first program version that reads [`VERSION`].
 const NEEDS: &str = "0.1.0";
 /// Largest file read, bytes: many times what the bounds of a sketch allow.
@@ -42,7 +47,7 @@ pub enum ProjectError {
     )]
     NotAProject,
     /// Of a later program.
-    #[error("this project has format version {version}, which Ramus {needs} or later reads; this is Ramus {ours}, which reads version {VERSION}", ours = env!("CARGO_PKG_VERSION"))]
+    #[error("this project has format version {version}, which Ramus {needs} or later reads; this is Ramus {ours}, which reads versions up to {VERSION}", ours = env!("CARGO_PKG_VERSION"))]
     Version {
         /// The file's version.
         version: u64,
@@ -70,7 +75,7 @@ struct Head {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct FileV1 {
+struct File {
     #[serde(rename = "format")]
     _format: String,
     #[serde(rename = "version")]
@@ -88,15 +93,18 @@ struct FileV1 {
     self_similar_branches: bool,
     #[serde(default)]
     own_rules: OwnRules,
-    strokes: Vec<StrokeV1>,
+    strokes: Vec<FileStroke>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct StrokeV1 {
+struct FileStroke {
     letter: Letter,
     attachment: Option<NodeRef>,
     self_similar: Option<SelfSimilar>,
+    /// Since version [`HANDLES`].
+    #[serde(default)]
+    handles: Option<Vec<u32>>,
     points: Vec<Vec3>,
 }
 
@@ -106,7 +114,9 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     let sketch = &*document.sketch;
     let mut text = String::from("{\n");
     field(&mut text, 1, "format", &FORMAT);
-    field(&mut text, 1, "version", &VERSION);
+    let curved = sketch.strokes.iter().any(|stroke| stroke.is_curve());
+    let version = if curved { HANDLES } else { PLAIN };
+    field(&mut text, 1, "version", &version);
     field(&mut text, 1, "needs", &NEEDS);
     field(&mut text, 1, "step", &document.step);
     field(&mut text, 1, "selected", &document.selected);
@@ -132,6 +142,9 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
         field(&mut text, 3, "letter", &stroke.letter);
         field(&mut text, 3, "attachment", &stroke.attachment);
         field(&mut text, 3, "self_similar", &stroke.self_similar);
+        if stroke.is_curve() {
+            field(&mut text, 3, "handles", &stroke.handles);
+        }
         text.push_str("      \"points\": [");
         for (number, point) in (0..).zip(&stroke.points) {
             text.push_str(if number == 0 {
@@ -184,7 +197,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
     if head.format != FORMAT {
         return Err(ProjectError::NotAProject);
     }
-    if head.version != VERSION {
+    if !(PLAIN..=VERSION).contains(&head.version) {
         let needs = head.needs.as_deref().unwrap_or("of its time");
         let needs = needs
             .chars()
@@ -196,7 +209,13 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
             needs,
         });
     }
-    let file: FileV1 = serde_json::from_slice(bytes).map_err(|error| malformed(&error))?;
+    let file: File = serde_json::from_slice(bytes).map_err(|error| malformed(&error))?;
+    if head.version < HANDLES && file.strokes.iter().any(|stroke| stroke.handles.is_some()) {
+        return Err(ProjectError::Malformed(format!(
+            "version {} has no field `handles`",
+            head.version
+        )));
+    }
     let document = document_from_file(file);
     document.validate()?;
     Ok(document)
@@ -218,13 +237,14 @@ fn malformed(error: &serde_json::Error) -> ProjectError {
 }
 
 /// The document a file describes, on the grid but not yet checked.
-fn document_from_file(file: FileV1) -> Document {
+fn document_from_file(file: File) -> Document {
     let strokes = file.strokes.into_iter().map(|stroke| {
         Arc::new(Stroke {
             letter: stroke.letter,
             points: stroke.points.into_iter().map(quantize::point).collect(),
             attachment: stroke.attachment,
             self_similar: stroke.self_similar,
+            handles: stroke.handles.unwrap_or_default(),
         })
     });
     let sketch = Sketch {

@@ -4,18 +4,22 @@
 //! changes the document happens at a button's edge and looks at nothing but the
 //! document and the poses of that frame, so the document is a function of the
 //! sequence of edges: not of time, frame rate, or how often a frame was shown.
-//! The one exception is a node that is let go before it has reached the hand
-//! ([`super::HoldParams`]): it stays where it is seen then, which the input's time decides.
+//! There are two exceptions. A node that is let go before it has reached the hand
+//! ([`super::HoldParams`]) stays where it is seen then, which the input's time decides. And a trigger that stays pulled
+//! while the hand moves draws a free-hand stroke or erases (see `stroke`): the hand's path decides, not how often it was looked at.
 //!
 //! While a hand holds something, `Tools::shown` is the document as it would
 //! be if the hand let go now; it becomes an edit when it does. Both hands may
 //! hold at once. When the input goes to someone else in the middle, what is held
-//! returns to where it was: an accident must not become an edit. A controller that loses tracking
+//! returns to where it was: an accident must not become an edit. A stroke in the hand is no accident and is
+//! kept as far as it was drawn. A controller that loses tracking
 //! drops what it holds where it was last seen, because that is where the person put it.
 
 use glam::Vec3;
 
 use crate::sketch::{BOUNDS, MAX_SEGMENTS, NodeRef, Predictor, SketchError, point};
+
+pub use super::haptics::{Haptic, HapticParams};
 
 use super::{
     document::{Document, Edit},
@@ -28,50 +32,12 @@ use super::{
     input::{HandInput, Input, Pose},
     miniature::Miniature,
     panels::{OnPanel, PanelId, PanelParams, Panels},
+    settings::{DrawSettings, DrawTool},
+    snap,
     stage::{Palette, StageParams, rim},
+    stroke::Pen,
     tried::Tried,
 };
-
-/// A vibration of one controller.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Haptic {
-    /// 0 left, 1 right.
-    pub hand: usize,
-    /// How long, seconds.
-    pub seconds: f32,
-    /// How strong, 0 to 1.
-    pub amplitude: f32,
-}
-
-/// Length in seconds and strength (0 to 1) of each vibration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HapticParams {
-    /// A node comes under the hand.
-    pub hover: [f32; 2],
-    /// Something was chosen, gripped or dropped.
-    pub choose: [f32; 2],
-    /// A segment was made.
-    pub create: [f32; 2],
-    /// Something was deleted.
-    pub delete: [f32; 2],
-    /// The tree grew or stepped back, an edit was undone or redone.
-    pub grow: [f32; 2],
-    /// Nothing was done, because it cannot be.
-    pub limit: [f32; 2],
-}
-
-impl Default for HapticParams {
-    fn default() -> Self {
-        Self {
-            hover: [0.015, 0.25],
-            choose: [0.02, 0.5],
-            create: [0.05, 0.6],
-            delete: [0.08, 0.8],
-            grow: [0.04, 0.5],
-            limit: [0.12, 1.0],
-        }
-    }
-}
 
 /// How the tools act.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -84,6 +50,8 @@ pub struct ToolParams {
     pub haptics: HapticParams,
     /// Drawing.
     pub draw: DrawParams,
+    /// What a person sets about drawing, at first.
+    pub settings: DrawSettings,
     /// Holding a node.
     pub hold: HoldParams,
     /// Moving the platform.
@@ -99,6 +67,17 @@ pub struct ToolParams {
 pub struct DrawParams {
     /// Longest segment that is drawn at once, metres on the stage: a hand that hangs down draws nothing.
     pub reach: f32,
+    /// With the trigger held, a tip that goes farther than this from where it was pulled draws free-hand, metres on the
+    /// stage.
+    pub threshold: f32,
+    /// Distance between the samples of a free-hand path, metres on the stage.
+    pub sample: f32,
+    /// How far along the path to either side smoothing reaches at its strongest, metres on the stage.
+    pub smoothing_reach: f32,
+    /// A segment is turned by this at most when it snaps to an angle, degrees.
+    pub snap_turn_deg: f32,
+    /// A node is moved by this at most when it snaps onto the mirror plane, metres on the stage.
+    pub snap_distance: f32,
     /// Growth beyond this many segments is refused.
     pub max_segments: u64,
 }
@@ -107,6 +86,11 @@ impl Default for DrawParams {
     fn default() -> Self {
         Self {
             reach: 0.5,
+            threshold: 0.02,
+            sample: 0.002,
+            smoothing_reach: 0.03,
+            snap_turn_deg: 4.0,
+            snap_distance: 0.015,
             max_segments: MAX_SEGMENTS,
         }
     }
@@ -146,6 +130,8 @@ pub(super) enum Hold {
     },
     /// The lever or the wheel.
     Handle(HandleId),
+    /// A free-hand stroke in progress.
+    Stroke,
 }
 
 /// One hand between frames.
@@ -160,6 +146,8 @@ pub(super) struct Hand {
     pub(super) hover: Hover,
     /// The stick, up positive, −1 to 1.
     pub(super) scroll: f32,
+    /// Whether what it would draw is snapped to an angle or a plane.
+    snapped: bool,
 }
 
 /// The next segment, as the trigger would make it now, in the stage.
@@ -167,6 +155,16 @@ pub(super) struct Hand {
 pub(super) struct Ghost {
     pub(super) from: Vec3,
     pub(super) to: Vec3,
+    snapped: bool,
+}
+
+/// The next segment, as the trigger would make it now.
+struct Next {
+    /// Its start on the stage.
+    from: Vec3,
+    /// Its end in the sketch.
+    to: Vec3,
+    snapped: bool,
 }
 
 impl Hover {
@@ -194,6 +192,7 @@ pub(super) struct Tools {
     pub(super) stage: StageParams,
     pub(super) palette: Palette,
     pub(super) hands: [Hand; 2],
+    pub(super) pens: [Pen; 2],
     pub(super) platform: Option<PlatformGrip>,
     /// The document with what the hands hold.
     pub(super) shown: Document,
@@ -216,6 +215,10 @@ impl Tools {
         stage: StageParams,
         palette: Palette,
     ) -> Self {
+        let params = ToolParams {
+            settings: params.settings.checked(),
+            ..params
+        };
         let mut miniature = Miniature::default();
         miniature.follow(document, &stage, &palette);
         Self {
@@ -223,6 +226,7 @@ impl Tools {
             stage,
             palette,
             hands: [Hand::default(); 2],
+            pens: Default::default(),
             platform: None,
             shown: document.clone(),
             held: None,
@@ -246,6 +250,7 @@ impl Tools {
         self.haptics.clear();
         if !input.focused {
             self.settle(history);
+            self.rest_pens(history);
             self.let_go();
             for hand in &mut self.hands {
                 *hand = Hand::default();
@@ -263,12 +268,21 @@ impl Tools {
         self.follow_panels(head_of(input, &self.params.hands));
         self.follow_handles(history);
         self.wait_at_stump(passed);
+        let edges = [0, 1].map(|hand| {
+            let Hand {
+                sample, buttons, ..
+            } = &mut self.hands[hand];
+            match sample {
+                Some(_) => buttons.step(&input.hands[hand], &self.params.hands),
+                None => Edges::default(),
+            }
+        });
+        self.follow_pens(edges.map(|edges| edges.trigger == Edge::Up), history);
         self.show(history);
-        for (hand, input) in input.hands.iter().enumerate() {
+        for (hand, edges) in edges.into_iter().enumerate() {
             self.hands[hand].hover = self.find(hand);
             if self.hands[hand].sample.is_some() {
-                let edges = self.hands[hand].buttons.step(input, &self.params.hands);
-                self.hands[hand].scroll = input.stick.y.clamp(-1.0, 1.0);
+                self.hands[hand].scroll = input.hands[hand].stick.y.clamp(-1.0, 1.0);
                 self.poke(hand, before[hand]);
                 self.act(hand, edges, history);
             }
@@ -286,6 +300,7 @@ impl Tools {
         let found = sample(input, &self.params.hands);
         if found.is_none() && self.hands[hand].sample.is_some() {
             self.release(hand, history);
+            self.finish_stroke(hand, history);
             self.hands[hand] = Hand::default();
         }
         self.hands[hand].sample = found;
@@ -351,14 +366,22 @@ impl Tools {
         }
     }
 
-    /// A short tick when a node comes under the hand, unless the hand was told something stronger.
+    /// A short tick when a node comes under the hand or the preview snaps, unless the hand was told something stronger.
     fn tick(&mut self, hand: usize, before: Hover) {
-        let Hover::Node { at, .. } = self.hands[hand].hover else {
-            return;
+        let snapped = self.ghost(hand).is_some_and(|ghost| ghost.snapped);
+        let was_snapped = std::mem::replace(&mut self.hands[hand].snapped, snapped);
+        let found = match self.hands[hand].hover {
+            Hover::Node { at, .. } => {
+                !matches!(before, Hover::Node { at: before, .. } if before == at)
+            }
+            Hover::Handle { id, .. } => {
+                !matches!(before, Hover::Handle { id: before, .. } if before == id)
+            }
+            // Panels tick by themselves.
+            Hover::Panel(_) | Hover::Rim { .. } | Hover::Nothing => false,
         };
-        let was_there = matches!(before, Hover::Node { at: before, .. } if before == at);
         let told = self.haptics.iter().any(|haptic| haptic.hand == hand);
-        if !was_there && !told {
+        if (found || snapped && !was_snapped) && !told {
             self.pulse(hand, self.params.haptics.hover);
         }
     }
@@ -367,14 +390,18 @@ impl Tools {
         if edges.trigger == Edge::Up {
             self.let_off(hand, history);
         }
-        if edges.squeeze == Edge::Up {
+        if edges.squeeze == Edge::Up && self.hands[hand].hold != Hold::Stroke {
             self.release(hand, history);
         }
         if edges.squeeze == Edge::Down {
             self.grip(hand, history);
         }
-        if edges.trigger == Edge::Down {
-            self.pull(hand, history);
+        self.go_on_erasing(hand, history);
+        match edges.trigger {
+            Edge::Down => self.pull(hand, history),
+            // A stroke has been followed up to here.
+            Edge::Up => self.finish_stroke(hand, history),
+            Edge::None => {}
         }
         if edges.lower == Edge::Down {
             self.grow(hand, history);
@@ -389,59 +416,72 @@ impl Tools {
     }
 
     fn pull(&mut self, hand: usize, history: &mut History) {
-        let Hand {
-            sample: Some(sample),
-            hold,
-            hover,
-            ..
-        } = self.hands[hand]
-        else {
-            return;
-        };
+        // One hand draws at a time: the other's stroke ends here, where this one's preview starts.
+        self.finish_strokes(history);
+        let Hand { hold, hover, .. } = self.hands[hand];
         match (hold, hover) {
-            (Hold::Platform | Hold::Panel { .. } | Hold::Carried { .. } | Hold::Handle(_), _) => {}
+            (
+                Hold::Platform
+                | Hold::Stroke
+                | Hold::Panel { .. }
+                | Hold::Carried { .. }
+                | Hold::Handle(_),
+                _,
+            ) => {}
             (Hold::Nothing, Hover::Panel(on)) => self.press(hand, on.id, false),
             (Hold::Nothing, Hover::Handle { id, .. }) => self.take_handle(hand, id, history),
             (Hold::Node(at), _) => {
                 self.hands[hand].hold = Hold::Nothing;
-                self.apply(
-                    hand,
-                    Edit::DeleteNode { at },
-                    self.params.haptics.delete,
-                    history,
-                );
+                let haptic = self.params.haptics.delete;
+                self.apply(hand, Edit::DeleteNode { at }, haptic, history);
             }
-            (Hold::Nothing, Hover::Node { at, .. }) => {
-                let branches_at_root = at == NodeRef::ROOT && !self.shown.sketch.is_apex(at);
-                if branches_at_root {
-                    self.refuse(hand, SketchError::BranchAtRoot.to_string());
-                } else {
-                    self.apply(
-                        hand,
-                        Edit::Select { at },
-                        self.params.haptics.choose,
-                        history,
-                    );
-                }
+            (Hold::Nothing, _) if self.params.settings.tool == DrawTool::Erase => {
+                self.begin_erasing(hand, history);
             }
-            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. }) => match self.next_segment(&sample)
-            {
-                Some((_, to)) => {
-                    self.apply(
-                        hand,
-                        Edit::AddSegment { to },
-                        self.params.haptics.create,
-                        history,
-                    );
-                }
-                None => {
-                    let reach = self.params.draw.reach;
-                    self.refuse(
-                        hand,
-                        format!("Too far from the selected node to draw: come within {reach} m of it, or select another."),
-                    );
-                }
+            (Hold::Nothing, Hover::Node { at, along }) => {
+                self.choose(hand, at, along <= 0.0, history);
+            }
+            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. }) => self.draw(hand, history),
+        }
+    }
+
+    /// Selects a node; from one that is touched a stroke may follow.
+    fn choose(&mut self, hand: usize, at: NodeRef, touched: bool, history: &mut History) {
+        if at == NodeRef::ROOT && !self.shown.sketch.is_apex(at) {
+            return self.refuse(hand, SketchError::BranchAtRoot.to_string());
+        }
+        let before = history.changes();
+        let haptic = self.params.haptics.choose;
+        if self.apply(hand, Edit::Select { at }, haptic, history) && touched {
+            self.pulled(hand, at, None, before, history);
+        }
+    }
+
+    /// Makes the next segment; a stroke may follow.
+    fn draw(&mut self, hand: usize, history: &mut History) {
+        let next = self.hands[hand]
+            .sample
+            .and_then(|at| self.next_segment(&at));
+        let Some(Next { to, .. }) = next else {
+            let reach = self.params.draw.reach;
+            return self.refuse(
+                hand,
+                format!("Too far from the selected node to draw: come within {reach} m of it, or select another."),
+            );
+        };
+        let (from, before) = (history.committed().selected, history.changes());
+        let symmetry = self.params.settings.copies();
+        let edit = match symmetry.is_off() {
+            true => Edit::AddSegment { to },
+            false => Edit::DrawCurve {
+                from,
+                through: vec![to],
+                segments: vec![1],
+                symmetry,
             },
+        };
+        if self.apply(hand, edit, self.params.haptics.create, history) {
+            self.pulled(hand, from, Some(to), before, history);
         }
     }
 
@@ -473,18 +513,15 @@ impl Tools {
     }
 
     fn step_back(&mut self, hand: usize, history: &mut History) {
-        match history.committed().step.checked_sub(1) {
-            Some(step) => self.apply(
-                hand,
-                Edit::SetStep { step },
-                self.params.haptics.grow,
-                history,
-            ),
-            None => self.refuse(hand, "This is step 0, the root alone.".into()),
-        }
+        let Some(step) = history.committed().step.checked_sub(1) else {
+            return self.refuse(hand, "This is step 0, the root alone.".into());
+        };
+        let haptic = self.params.haptics.grow;
+        self.apply(hand, Edit::SetStep { step }, haptic, history);
     }
 
     fn undo_or_redo(&mut self, hand: usize, flick: i8, history: &mut History) {
+        self.finish_strokes(history);
         // What is held or tried belongs to the document that goes away.
         self.untry();
         self.let_go();
@@ -501,20 +538,22 @@ impl Tools {
         }
     }
 
-    /// Applies an edit; says why where it is refused.
+    /// Applies an edit; says why where it is refused, and gives whether it was not.
     pub(super) fn apply(
         &mut self,
         hand: usize,
         edit: Edit,
         haptic: [f32; 2],
         history: &mut History,
-    ) {
-        match history.apply(edit) {
+    ) -> bool {
+        let applied = history.apply(edit);
+        match &applied {
             Ok(()) => self.pulse(hand, haptic),
             Err(error) => self.refuse(hand, error.to_string()),
         }
         self.check_holds(history);
         self.show(history);
+        applied.is_ok()
     }
 
     /// The trigger comes up: presses and turns end.
@@ -539,15 +578,40 @@ impl Tools {
         });
     }
 
-    /// Start of the next segment on the stage and its end in the sketch; `None` where it cannot be drawn.
-    fn next_segment(&self, sample: &Sample) -> Option<(Vec3, Vec3)> {
+    /// The next segment; `None` where it cannot be drawn.
+    fn next_segment(&self, sample: &Sample) -> Option<Next> {
         let from = self.miniature.position(self.shown.selected)?;
-        let to = point(
-            self.miniature
-                .sketch_from_stage
-                .transform_point3(sample.tip),
-        );
-        (from.distance(sample.tip) <= self.params.draw.reach).then_some((from, to))
+        if from.distance(sample.tip) > self.params.draw.reach {
+            return None;
+        }
+        let to = self.in_sketch(sample.tip);
+        let turned = self.at_round_angle(to);
+        let to = turned.unwrap_or(to);
+        let in_plane = self.onto_plane(to);
+        Some(Next {
+            from,
+            to: point(in_plane.unwrap_or(to)),
+            snapped: turned.is_some() || in_plane.is_some(),
+        })
+    }
+
+    /// The end of the next segment turned to a round angle, if that is on and near.
+    fn at_round_angle(&self, to: Vec3) -> Option<Vec3> {
+        let every = self.params.settings.snap_angle_deg?.to_radians();
+        let within = self.params.draw.snap_turn_deg.to_radians();
+        let (sketch, selected) = (&self.shown.sketch, self.shown.selected);
+        let from = sketch.position(selected)?;
+        let below = selected.node.checked_sub(1);
+        let below = below.and_then(|node| sketch.position(NodeRef::new(selected.letter, node)));
+        let axes = [below.map(|below| from - below), Some(Vec3::Y)];
+        Some(from + snap::turned(to - from, axes, every, within)?)
+    }
+
+    /// A place of the sketch put onto the mirror plane, if that is on and near.
+    pub(super) fn onto_plane(&self, place: Vec3) -> Option<Vec3> {
+        let within = self.params.draw.snap_distance / self.shown.platform.scale;
+        let on = self.params.settings.snap_mirror;
+        on.then(|| snap::onto_plane(place, within)).flatten()
     }
 
     /// What the trigger of this hand would draw.
@@ -561,14 +625,17 @@ impl Tools {
         else {
             return None;
         };
+        if self.params.settings.tool == DrawTool::Erase {
+            return None;
+        }
         let selected = self.shown.selected;
         let refused = selected == NodeRef::ROOT && !self.shown.sketch.is_apex(selected);
         let draws = matches!(hover, Hover::Nothing | Hover::Rim { .. });
         if refused || !draws {
             return None;
         }
-        let (from, to) = self.next_segment(&sample)?;
+        let Next { from, to, snapped } = self.next_segment(&sample)?;
         let to = self.miniature.stage_from_sketch.transform_point3(to);
-        Some(Ghost { from, to })
+        Some(Ghost { from, to, snapped })
     }
 }

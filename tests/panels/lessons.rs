@@ -35,6 +35,16 @@ fn does(visitor: &mut Visitor, lesson: Lesson) {
     match lesson {
         Lesson::Draw => draw(visitor, Vec3::Y * 0.08),
         Lesson::DrawOn => draw(visitor, Vec3::Y * 0.16),
+        Lesson::FreeHand => {
+            visitor.tip_to(RIGHT, ROOT + Vec3::Y * 0.2);
+            visitor.frame.hands[RIGHT].trigger = 1.0;
+            for n in 0..=12_u8 {
+                let along = f32::from(n) / 12.0;
+                let tip = Vec3::new(0.05 * along * along, 0.2 + 0.15 * along, 0.0);
+                visitor.tip_to(RIGHT, ROOT + tip);
+            }
+            visitor.pull(RIGHT, false);
+        }
         Lesson::Branch => {
             draw(visitor, Vec3::Y * 0.08);
             draw(visitor, Vec3::new(0.08, 0.12, 0.0));
@@ -113,7 +123,7 @@ fn every_lesson_is_learnt_by_doing_it() {
     visitor.frame();
     for (number, taught) in Lesson::ALL.into_iter().enumerate() {
         assert_eq!(lesson(&visitor), Some(taught));
-        assert!(visitor.says(PanelId::Lesson, &format!("{} / 15", number + 1)));
+        assert!(visitor.says(PanelId::Lesson, &format!("{} / 16", number + 1)));
         does(&mut visitor, taught);
         rest(&mut visitor);
         let now = visitor.workshop.world().lesson().map(|(at, _)| at);

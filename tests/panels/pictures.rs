@@ -94,6 +94,7 @@ fn each_tab_of_the_bench_is_readable_in_both_languages() {
     let views = views(center + normal * 0.62, center);
     for (tab, name) in [
         ("Grow", "grow"),
+        ("Draw", "draw"),
         ("Shape", "shape"),
         ("Letters", "letters"),
         ("File", "file"),

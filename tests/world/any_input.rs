@@ -2,6 +2,7 @@
 
 use glam::Vec2;
 use proptest::prelude::*;
+use ramus::world::{DrawSettings, DrawTool};
 
 use super::super::*;
 
@@ -37,6 +38,30 @@ fn event() -> impl Strategy<Value = Event> {
         1 => (hand(), prop::array::uniform12(any::<u32>())).prop_map(|(hand, bits)| Event::Bits(hand, bits)),
         1 => any::<f64>().prop_map(Event::Time),
     ]
+}
+
+fn settings() -> impl Strategy<Value = DrawSettings> {
+    let lengths = (0.0_f32..0.1, 0.0_f32..0.02, 0.0_f32..1.0);
+    let switches = (any::<bool>(), any::<bool>(), prop::bool::weighted(0.2));
+    let rest = (prop::option::of(5.0_f32..60.0), 1..4_u32);
+    (lengths, switches, rest).prop_map(|(lengths, switches, (snap_angle_deg, symmetry))| {
+        let (spacing, tolerance, smoothing) = lengths;
+        let (snap_mirror, mirror_symmetry, erase) = switches;
+        DrawSettings {
+            tool: if erase {
+                DrawTool::Erase
+            } else {
+                DrawTool::Draw
+            },
+            spacing,
+            tolerance,
+            smoothing,
+            snap_angle_deg,
+            snap_mirror,
+            symmetry,
+            mirror_symmetry,
+        }
+    })
 }
 
 fn take_in(person: &mut Person, event: &Event) {
@@ -117,8 +142,9 @@ fn check(world: &World) {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
     #[test]
-    fn keeps_the_invariants_and_can_be_undone_and_repeated(events in prop::collection::vec(event(), 1..160)) {
+    fn keeps_the_invariants_and_can_be_undone_and_repeated(events in prop::collection::vec(event(), 1..160), settings in settings()) {
         let mut params = WorldParams::default();
+        params.tools.settings = settings;
         params.tools.draw.max_segments = 300;
         params.growth.max_segments = 300;
         let mut person = Person::new();
@@ -129,6 +155,10 @@ proptest! {
             person.frame();
             check(&person.world);
         }
+        // What the hands hold goes back or, a stroke, is kept.
+        person.input.focused = false;
+        person.frame();
+        prop_assert!(person.world.shown() == person.world.document());
         let bytes = person.bytes();
 
         let mut again = World::with_params(History::default(), params);

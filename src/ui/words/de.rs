@@ -104,6 +104,18 @@ pub(super) const WORDS: Words = Words {
     learn_stump: "Baumstumpf",
     do_stump: "{draw} auf dem Stumpf, zweimal, leert die Skizze. Rückgängig holt sie zurück.",
     do_on_bench: "Dafür hat das Gerät in der Hand keine Taste: es geht auf der Werkbank links.",
+    tab_draw: "Zeichnen",
+    pen: "Stift",
+    eraser: "Radierer",
+    spacing: "freihand: Abstand der Knoten",
+    tolerance: "freihand: vereinfachen um",
+    smoothing: "freihand: glätten",
+    snap_angle: "an Winkeln einrasten",
+    snap_mirror: "an der Mittelebene einrasten",
+    mirror_symmetry: "Zweige mit ihrem Spiegelbild zeichnen",
+    symmetry: "Zweige rund um den Stamm",
+    learn_free_hand: "Freihand zeichnen",
+    do_free_hand: "{draw} halten, die Hand in einem Bogen bewegen, dann loslassen.",
 };
 
 /// Parts of controllers, word by word.

@@ -72,6 +72,9 @@ words! {
     learn_lever, do_lever, learn_wheel, do_wheel,
     learn_panel, do_panel, learn_wrist, do_wrist,
     learn_stump, do_stump, do_on_bench,
+    tab_draw, pen, eraser, spacing, tolerance,
+    smoothing, snap_angle, snap_mirror, mirror_symmetry, symmetry,
+    learn_free_hand, do_free_hand,
     tab_rules, rules_hint, own, edit, apply, generated, cancel, further, further_hint,
     export, exported_to, save, delete, enter, space, close,
 }
