@@ -18,5 +18,6 @@ pub mod session;
 
 pub mod store;
 pub mod take_home;
+pub mod window;
 pub mod worker;
 pub mod workshop;

@@ -16,6 +16,7 @@ use crate::app::store::{Opened, Store, StoreError};
 use crate::app::worker::Worker;
 use crate::sketch::{Grower, Grown, Sketch};
 use crate::world::World;
+use crate::world::board::Buttons;
 use crate::world::document::Document;
 use crate::world::scene::Scene;
 
@@ -110,6 +111,11 @@ impl Workshop {
             self.held = held;
             self.world.take_buttons(buttons(controllers));
         }
+    }
+
+    /// Tells what the board calls the buttons, where nothing is held in hands.
+    pub fn name_buttons(&mut self, buttons: Buttons) {
+        self.world.take_buttons(buttons);
     }
 
     /// Takes one frame of input and brings everything up to it; gives the vibrations to send.

@@ -14,7 +14,7 @@ use crate::app::headset::{self, Opened};
 use crate::app::picture::Picture;
 use crate::app::store::Store;
 use crate::app::workshop::{Workshop, WorkshopParams};
-use crate::app::{portrait, session, take_home};
+use crate::app::{portrait, session, take_home, window};
 use crate::world::World;
 use crate::world::history::History;
 
@@ -28,7 +28,7 @@ pub(super) const EXTENT: vk::Extent2D = vk::Extent2D {
 pub(super) struct Args {
     /// The recorded session (.session)
     session: PathBuf,
-    /// Which headset plays it: the simulated one, or the one behind the OpenXR runtime (head and hands come from the session)
+    /// What plays it: the simulated headset, the one behind the OpenXR runtime, or a window at the recorded speed (head and hands come from the session)
     #[arg(long, value_enum, default_value_t = Which::Simulated, value_name = "WHICH")]
     headset: Which,
     /// Write the project that the session made; an older one there is replaced when the session is over, and stays where it fails
@@ -51,6 +51,8 @@ pub(super) enum Which {
     Simulated,
     /// The runtime's
     Openxr,
+    /// A window on the desktop
+    Window,
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
@@ -88,6 +90,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
             )
         }
         Stage::Openxr(opened) => headset::play(*opened, frames, &mut workshop, &mut album),
+        Stage::Window(opened) => {
+            let whole = args.png.is_some();
+            window::play(*opened, frames, whole, &mut workshop, &mut album)
+        }
     };
     let steps = album.steps().len();
     let played = album.frames();
@@ -132,11 +138,13 @@ pub(super) fn run(args: &Args) -> Result<()> {
 enum Stage {
     Simulated(Option<Box<Picture>>),
     Openxr(Box<Opened>),
+    Window(Box<window::Opened>),
 }
 
 impl Stage {
     fn open(args: &Args) -> Result<Self> {
         Ok(match (args.headset, &args.png) {
+            (Which::Window, _) => Self::Window(Box::new(open_window(&args.session)?)),
             (Which::Openxr, _) => Self::Openxr(Box::new(Opened::connect()?)),
             (Which::Simulated, None) => Self::Simulated(None),
             (Which::Simulated, Some(_)) => {
@@ -146,6 +154,15 @@ impl Stage {
             }
         })
     }
+}
+
+fn open_window(session: &Path) -> Result<window::Opened> {
+    let name = session.file_name().unwrap_or_default().to_string_lossy();
+    let files = window::Files {
+        picture: PathBuf::from(session.file_stem().unwrap_or_default()),
+        tree: None,
+    };
+    Ok(window::Opened::open(&format!("{name} – Ramus"), files)?)
 }
 
 fn open(project: Option<&Path>) -> Result<Workshop> {

@@ -125,6 +125,17 @@ pub(super) enum Hold {
     Platform,
 }
 
+/// What a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met {
+    /// Where, metres on the stage: a node's centre, else the point on the ray.
+    pub place: Vec3,
+    /// A hand that points there uses it with the trigger; else the trigger draws as if nothing was there.
+    pub takes_trigger: bool,
+    /// The thumbstick up and down scrolls it.
+    pub scrolls: bool,
+}
+
 /// One hand between frames.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Hand {
@@ -243,23 +254,50 @@ impl Tools {
         else {
             return Hover::Nothing;
         };
-        let pointer = Pointer {
+        self.meant(&Pointer {
             origin: sample.aim.position,
             direction: sample.direction,
             tip: sample.tip,
             hand: sample.grip.position,
-        };
+        })
+    }
+
+    /// What a ray from `origin` meets that a hand could use, and where.
+    pub(super) fn met(&self, origin: Vec3, direction: Vec3) -> Option<Met> {
+        let found = self.meant(&Pointer {
+            origin,
+            direction,
+            tip: origin,
+            hand: origin,
+        });
+        match found {
+            Hover::Nothing => None,
+            Hover::Node { at, .. } => Some(Met {
+                place: self.miniature.position(at)?,
+                takes_trigger: true,
+                scrolls: false,
+            }),
+            Hover::Rim { along } => Some(Met {
+                place: origin + direction * along,
+                takes_trigger: false,
+                scrolls: false,
+            }),
+        }
+    }
+
+    /// What something that points means.
+    fn meant(&self, pointer: &Pointer) -> Hover {
         let params = &self.params.hover;
         let taken = |at: NodeRef| self.hands.iter().any(|other| other.hold == Hold::Node(at));
         let free = self.miniature.nodes.iter().filter(|node| !taken(node.at));
         let hit = hover::ball(
             free.clone().map(|node| node.position),
             self.stage.node_radius,
-            &pointer,
+            pointer,
             params,
         );
         let node = hit.and_then(|hit| free.clone().nth(hit.index).map(|node| (node.at, hit)));
-        let rim = hover::ring(&rim(&self.shown.platform, &self.stage), &pointer, params);
+        let rim = hover::ring(&rim(&self.shown.platform, &self.stage), pointer, params);
         match (node, rim) {
             (Some((at, hit)), rim) if hit.touched || rim.is_none_or(|rim| hit.along <= rim) => {
                 Hover::Node {
