@@ -10,6 +10,7 @@ pub mod convert;
 pub mod demonstration;
 pub mod doctor;
 pub mod export;
+pub mod film;
 pub mod headset;
 pub mod memory;
 pub mod picture;

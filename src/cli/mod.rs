@@ -137,7 +137,7 @@ fn sentence(error: &anyhow::Error) -> String {
 /// Warnings go to standard error; `RAMUS_LOG` (as `RUST_LOG`) asks for more or less.
 fn log_to_standard_error() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("RAMUS_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,winit=error"));
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)

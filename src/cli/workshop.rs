@@ -232,7 +232,7 @@ impl Door {
                 opened.run(|headset| wrap(Box::new(headset)), workshop, &mut Nobody)
             }
             Self::Window(opened) => {
-                workshop.name_buttons(window::buttons());
+                window::Opened::welcome(workshop);
                 opened.run(|window| wrap(Box::new(window)), workshop, &mut Nobody)
             }
         }

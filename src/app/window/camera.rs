@@ -8,6 +8,8 @@ use std::f32::consts::FRAC_PI_2;
 use glam::{Mat3, Quat, Vec2, Vec3};
 use ramus_xr::{Fov, Pose, View};
 
+use crate::world::stage::StageParams;
+
 /// How the eye moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraParams {
@@ -35,11 +37,11 @@ impl Default for CameraParams {
             field: 0.87,
             turn: 3.2,
             notch: 0.12,
-            distance: [0.2, 20.0],
+            distance: [0.2, 80.0],
             steepest: FRAC_PI_2 - 0.05,
             lowest: -0.9,
             ground: 0.1,
-            farthest: 15.0,
+            farthest: 30.0,
         }
     }
 }
@@ -85,13 +87,20 @@ impl Camera {
     /// Before the platform, the board at its right, the tree behind.
     #[must_use]
     pub fn at_work() -> Self {
-        Self::looking(Vec3::new(0.24, 1.17, -0.6), 0.0, 0.2, 1.5)
+        Self::looking(Vec3::new(0.2, 1.17, -0.6), 0.0, 0.2, 1.75)
     }
 
-    /// Before the full-size tree.
+    /// Before a box of the stage, lowest and highest corner in metres, such that all of it is seen; without one
+    /// before the place of the full-size tree.
     #[must_use]
-    pub fn at_tree() -> Self {
-        Self::looking(Vec3::new(0.0, 1.7, -6.0), 0.35, 0.05, 6.0)
+    pub fn before(bounds: Option<(Vec3, Vec3)>) -> Self {
+        let place = StageParams::default().tree;
+        let (low, high) = bounds.unwrap_or((place, place + Vec3::Y * 2.0));
+        let middle = (low + high) * 0.5;
+        // As if it was as wide as it is deep, seen from its half diagonal away where it takes the window's height.
+        let half = (high - low).length() * 0.5;
+        let distance = half / (CameraParams::default().field * 0.5).sin();
+        Self::looking(middle, 0.35, 0.08, distance)
     }
 
     /// An eye that looks at `focus` (metres) from a yaw and a pitch (radians) and a distance (metres).
@@ -286,12 +295,37 @@ mod tests {
     }
 
     #[test]
+    fn before_a_box_all_of_it_is_seen() {
+        for size in [0.5_f32, 3.0, 12.0] {
+            let (low, high) = (
+                Vec3::new(-size, 0.0, -6.0 - size),
+                Vec3::new(size, 2.0 * size, -6.0 + size),
+            );
+            let camera = Camera::before(Some((low, high)));
+            for corner in 0..8_u8 {
+                let pick = |bit: u8, axis: usize| {
+                    if corner >> bit & 1 == 0 {
+                        low[axis]
+                    } else {
+                        high[axis]
+                    }
+                };
+                let seen = seen(&camera, Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2)), SIZE);
+                assert!(
+                    seen.cmpge(Vec2::ZERO).all() && seen.cmple(SIZE).all(),
+                    "{size}: {seen}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn the_wheel_comes_nearer_and_back() {
         let mut camera = Camera::at_work();
         camera.zoom(3.0);
-        assert!(camera.distance < 1.1);
+        assert!(camera.distance < 1.3);
         camera.zoom(-3.0);
-        assert!((camera.distance - 1.5).abs() < 1e-4);
+        assert!((camera.distance - 1.75).abs() < 1e-4);
     }
 
     proptest! {

@@ -169,12 +169,14 @@ impl Events {
             Meaning::Look => {
                 self.at_tree = !self.at_tree;
                 self.wire.own_eye.set(true);
-                let camera = if self.at_tree {
-                    Camera::at_tree()
+                if self.at_tree {
+                    self.wire.wishes.set(Wishes {
+                        tree: true,
+                        ..wishes
+                    });
                 } else {
-                    Camera::at_work()
-                };
-                self.act(Act::Look(camera));
+                    self.act(Act::Look(Camera::at_work()));
+                }
             }
             Meaning::Eye => self.wire.own_eye.set(!self.wire.own_eye.get()),
             Meaning::Picture => self.wire.wishes.set(Wishes {

@@ -90,26 +90,31 @@ fn letter(logical: &Key, physical: PhysicalKey) -> Option<char> {
 /// What the board calls mouse buttons and keys.
 #[must_use]
 pub fn buttons() -> Buttons {
-    let some = |name: &str| Some(name.to_owned());
+    let lines = [
+        ["left", "draw; on a node: choose it, branch there"],
+        ["right", "move a node, or the platform by its rim"],
+        ["both", "delete the node that is held"],
+        ["G, Shift+G", "grow one step; step back"],
+        ["Ctrl+Z, Y", "undo; redo"],
+        ["middle", "turn the view; wheel: zoom; H: all keys"],
+    ];
     Buttons {
-        draw: some("left"),
-        grab: some("right"),
-        grow: some("G"),
-        back: some("Shift+G"),
+        draw: None,
+        grab: None,
+        grow: None,
+        back: None,
         undo: None,
-        others: [
-            ["Ctrl+Z", "undo   Ctrl+Y: redo"],
-            ["middle", "turn the view; Shift: move it; wheel: nearer"],
-            ["F, S, P", "look at the tree; export it; picture"],
-        ]
-        .map(|line| line.map(str::to_owned))
-        .to_vec(),
+        others: lines.map(|line| line.map(str::to_owned)).to_vec(),
     }
 }
 
+/// What whoever begins is told.
+pub(super) const BEGIN: &str =
+    "Click above the yellow ball to draw the trunk, then press G to let it grow.";
+
 /// All keys in a few sentences, for the board.
 pub(super) const HELP: &str = "Left button: draw, choose. Right: move a node or the rim. Middle or Alt+left: turn the view, with Shift: move it; wheel: nearer. \
-G: grow, Shift+G: back. Ctrl+Z, Ctrl+Y: undo, redo. X, Y, Z held: draw across that axis. F: tree or platform. S: export. P: picture. Esc: save and end.";
+G: grow, Shift+G: back. Ctrl+Z, Ctrl+Y: undo, redo. X, Y, Z held: draw across that axis. F: see the tree, again: the platform. S: export. P: picture. Esc: save and end.";
 
 #[cfg(test)]
 mod tests {

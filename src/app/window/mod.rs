@@ -34,12 +34,11 @@ use crate::app::picture::Picture;
 use crate::app::session::{self, SessionEnd, Watcher};
 use crate::app::workshop::Workshop;
 use crate::render::{DrawnWindow, Gpu, GpuParams, RenderError, Surface, WindowHost};
-use camera::Ray;
+use camera::{Camera, Ray};
 use events::Events;
-use pointer::Facts;
+use pointer::{Act, Facts};
 use stagehand::Stagehand;
 
-pub use keys::buttons;
 pub use play::play;
 
 /// Why there is no window.
@@ -95,6 +94,8 @@ struct Wire {
     told: Cell<bool>,
     /// What keys asked for.
     wishes: Cell<Wishes>,
+    /// Where the eye goes next.
+    eye: Cell<Option<Camera>>,
     /// In a session that is played: the person looks with the window's eye, not the recorded one.
     own_eye: Cell<bool>,
 }
@@ -108,6 +109,8 @@ struct Wishes {
     export: bool,
     /// The keys on the board.
     help: bool,
+    /// The whole tree in view.
+    tree: bool,
 }
 
 /// A window that gives frames.
@@ -199,6 +202,14 @@ impl Opened {
         self.window.describe()
     }
 
+    /// Says on the board what mouse and keys do, and to whoever begins what comes first.
+    pub fn welcome(workshop: &mut Workshop) {
+        workshop.name_buttons(keys::buttons());
+        if workshop.document().sketch.is_empty() {
+            workshop.show_message(keys::BEGIN.to_owned());
+        }
+    }
+
     /// Runs a session to its end; `wrap` may put a headset around the window (a recorder, a player), which is given back with
     /// how the session ended.
     pub fn run<'a, Outer: Headset + 'a>(
@@ -243,7 +254,10 @@ impl WindowHeadset {
     /// Whether something moves, so that frames follow each other.
     fn is_lively(&self) -> bool {
         let pointer = self.events.pointer();
+        let eye = self.wire.eye.take();
+        self.wire.eye.set(eye);
         self.playing
+            || eye.is_some()
             || self.settling > 0
             || self.wire.moving.get()
             || pointer.is_busy()
@@ -284,6 +298,9 @@ impl WindowHeadset {
         self.last = Instant::now();
         self.time = (self.time + passed).min(LATEST);
         let size = self.events.size();
+        if let Some(eye) = self.wire.eye.take() {
+            self.events.pointer_mut().take(Act::Look(eye));
+        }
         let news = self.events.take_news() || self.events.pointer().is_busy();
         self.settling = if news {
             self.params.settling

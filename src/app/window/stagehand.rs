@@ -6,6 +6,7 @@ use std::rc::Rc;
 use anyhow::{Context as _, Result};
 use ramus_xr::{Acquired, Frame, Headset};
 
+use super::camera::Camera;
 use super::keys::HELP;
 use super::pointer::Facts;
 use super::{Files, Wire, Wishes};
@@ -13,6 +14,7 @@ use crate::app::picture::Picture;
 use crate::app::session::Watcher;
 use crate::app::workshop::Workshop;
 use crate::app::{export, take_home};
+use crate::world::scene::Scene;
 
 /// Most pictures in a row beside each other in a folder.
 const MOST_PICTURES: u32 = 10_000;
@@ -55,6 +57,7 @@ impl<'a> Stagehand<'a> {
             picture: pictures,
             export: exports,
             help,
+            tree,
         } = self.wire.wishes.take();
         let mut said = |outcome: Result<String>| {
             self.message = Some(outcome.unwrap_or_else(|error| format!("{error:#}.")));
@@ -65,10 +68,25 @@ impl<'a> Stagehand<'a> {
         if exports {
             said(keep_tree(workshop, self.files.tree.as_deref()));
         }
+        if tree {
+            self.wire.eye.set(Some(before_tree(workshop)));
+        }
         if help {
             said(Ok(HELP.to_owned()));
         }
     }
+}
+
+/// An eye that sees the whole tree, or where it will stand.
+fn before_tree(workshop: &Workshop) -> Camera {
+    let mut scene = Scene::default();
+    workshop.world().scene(&mut scene);
+    let bounds = scene.tree.as_ref().and_then(|placed| {
+        let (low, high) = placed.tree.bounds()?;
+        let [low, high] = [low, high].map(|point| placed.world_from_tree.transform_point3(point));
+        Some((low.min(high), low.max(high)))
+    });
+    Camera::before(bounds)
 }
 
 /// Writes what the window shows under the next free number.
