@@ -528,16 +528,18 @@ mod tests {
             grow: None,
             back: None,
             undo: None,
+            others: vec![["wheel".to_owned(), "zoom".to_owned()]],
         });
         board.follow(&document, &FACTS, &params);
         assert!(board.revision > before);
-        let last = &board.content.lines[board.content.lines.len() - 3..];
+        let last = &board.content.lines[board.content.lines.len() - 4..];
         assert_eq!(
             last,
             [
                 "pinch     draw; on a node: choose it, branch there",
                 "fist      move a node; with the pinch: delete it",
                 "fist rim  move and turn the platform; both: scale",
+                "wheel     zoom",
             ]
         );
     }

@@ -89,7 +89,7 @@ fn letter(logical: &Key, physical: PhysicalKey) -> Option<char> {
 
 /// What the board calls mouse buttons and keys.
 #[must_use]
-pub fn buttons() -> Buttons {
+pub(super) fn buttons() -> Buttons {
     let lines = [
         ["left", "draw; on a node: choose it, branch there"],
         ["right", "move a node, or the platform by its rim"],

@@ -25,6 +25,7 @@ struct Paced<H> {
     wire: Rc<Wire>,
     /// When the session's time was this one.
     begun: Option<(Instant, f64)>,
+    /// When the last frame was drawn.
     drawn: Instant,
     /// Whether frames may be left out.
     skips: bool,
@@ -40,16 +41,12 @@ impl<H> Paced<H> {
         let due = begun + Duration::try_from_secs_f64(time - first).unwrap_or_default();
         std::thread::sleep(due.saturating_duration_since(now));
         let late = now.saturating_duration_since(due) > LATE;
-        let drawn = !late || !self.skips || self.drawn.elapsed() > SEEN;
-        if drawn {
-            self.drawn = now;
-        }
-        drawn
+        !late || !self.skips || self.drawn.elapsed() > SEEN
     }
 }
 
 impl<H: Headset> Headset for Paced<H> {
-    ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, end, vibrate, controllers, request_exit);
+    ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, vibrate, controllers, request_exit);
 
     fn wait(&mut self) -> Result<Tick, HeadsetError> {
         let tick = self.inner.wait()?;
@@ -61,6 +58,15 @@ impl<H: Headset> Headset for Paced<H> {
             should_render: self.pace(frame.time) && frame.should_render,
             ..frame
         }))
+    }
+
+    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
+        self.inner.end(rendered)?;
+        if rendered {
+            // From its end, or drawing that takes long would leave no time for anything else.
+            self.drawn = Instant::now();
+        }
+        Ok(())
     }
 
     fn views(&mut self) -> Result<[View; 2], HeadsetError> {
