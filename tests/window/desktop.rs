@@ -204,13 +204,14 @@ impl Program {
         self.ended()
     }
 
-    /// Waits until it ends in good order and gives what it said on standard error.
+    /// Waits until it ends in good order and gives what it said on standard error besides how far it is.
     pub(crate) fn ended(mut self) -> String {
         until("it ends", || self.child.try_wait().unwrap().is_some());
         let said = fs::read_to_string(&self.log).unwrap();
         let status = self.child.wait().unwrap();
         assert!(status.success(), "{status}: {said}");
-        said
+        let lines = said.lines().filter(|line| !line.starts_with("playing: "));
+        lines.collect::<Vec<_>>().join("\n")
     }
 }
 
