@@ -1,3 +1,5 @@
+//! What mouse and keyboard become, frame by frame.
+
 #![allow(
     clippy::unwrap_used,
     clippy::missing_assert_message,
