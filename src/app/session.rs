@@ -32,6 +32,9 @@ pub enum SessionEnd {
 
 /// Somebody who watches a session: keeps pictures, counts frames, asks it to end.
 pub trait Watcher {
+    /// After the workshop has taken in a frame, which may be drawn or not.
+    fn updated(&mut self, _workshop: &Workshop) {}
+
     /// Whether a frame without a headset must be drawn; on a headset every frame is.
     fn wants(&mut self, _workshop: &Workshop, _frame: &Frame) -> bool {
         true
@@ -97,6 +100,7 @@ fn one_frame(
     for pulse in workshop.update(frame) {
         headset.vibrate(*pulse);
     }
+    watcher.updated(workshop);
     let acquired = headset.begin()?;
     // Images that were acquired are released by `end`; with none of the runtime's, ours are drawn into on demand.
     let ready = frame.should_render && (acquired.is_some() || headset.swapchain().is_none());

@@ -62,7 +62,7 @@ pub enum OpenError {
 pub struct WindowParams {
     /// Between frames while something moves; a screen that shows fewer slows it down.
     pub moving: Duration,
-    /// While a message stands on the board, which goes by itself.
+    /// While a message stands on the board, which goes by itself: the session's clock goes on, without pictures.
     pub told: Duration,
     /// While nothing moves: the journal is looked after.
     pub resting: Duration,
@@ -271,10 +271,12 @@ impl WindowHeadset {
         } else {
             self.params.moving
         };
+        // What nobody sees needs no haste.
+        let seen = self.playing || self.events.is_seen();
         let most = match (self.is_lively(), self.wire.told.get()) {
-            (true, _) => least,
-            (false, true) => self.params.told,
+            (true, _) if seen => least,
             (false, false) => self.params.resting,
+            _ => self.params.told,
         };
         let mut timeout = Duration::ZERO;
         loop {
@@ -307,7 +309,7 @@ impl WindowHeadset {
         } else {
             self.settling.saturating_sub(1)
         };
-        self.draws = self.is_lively() || self.wire.told.get();
+        self.draws = self.is_lively();
         let facts = self.wire.facts.get();
         let pointer = self.events.pointer_mut();
         let hand = pointer.step(size, &facts);

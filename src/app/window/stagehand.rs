@@ -48,7 +48,6 @@ impl<'a> Stagehand<'a> {
         self.wire
             .moving
             .set(world.is_growing() || workshop.is_busy() || picture.is_behind());
-        self.wire.told.set(world.has_message());
     }
 
     /// Does what keys asked for. What fails is told on the board and ends nothing.
@@ -133,6 +132,14 @@ fn keep_tree(workshop: &Workshop, tree: Option<&Path>) -> Result<String> {
 }
 
 impl Watcher for Stagehand<'_> {
+    fn updated(&mut self, workshop: &Workshop) {
+        let (wire, told) = (&self.wire, workshop.world().has_message());
+        if wire.told.replace(told) != told || workshop.world().is_growing() {
+            wire.moving.set(true);
+        }
+        self.inner.updated(workshop);
+    }
+
     fn wants(&mut self, workshop: &Workshop, frame: &Frame) -> bool {
         self.inner.wants(workshop, frame)
     }
