@@ -14,7 +14,7 @@ use crate::app::album::{Album, OnFrame};
 use crate::app::film::Film;
 use crate::app::headset::{self, Opened};
 use crate::app::picture::Picture;
-use crate::app::session::Watcher;
+use crate::app::session::{SessionEnd, Watcher};
 use crate::app::store::Store;
 use crate::app::workshop::{Workshop, WorkshopParams};
 use crate::app::{portrait, session, take_home, window};
@@ -101,6 +101,13 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let (played, told) = (pictures.frames(), pictures.told());
     drop(pictures);
     drop(progress);
+    let wanted = [&args.project, &args.png, &args.lsys, &args.glb];
+    // Whoever only watches may leave.
+    let watches = args.headset == Which::Window && wanted.iter().all(|file| file.is_none());
+    if watches && matches!(outcome, Err(SessionEnd::Early)) {
+        tell!("stopped after {played} of {total} frames of {name}");
+        return Ok(());
+    }
     if let Err(error) = outcome {
         return Err(set_aside(workshop, args.project.as_deref(), &error.into()));
     }

@@ -208,7 +208,7 @@ proptest! {
     /// The tip is where the cursor's ray meets the plane through the selected node.
     #[test]
     fn the_tip_lies_where_the_person_clicks(
-        x in 0.0_f32..1280.0, y in 0.0_f32..800.0, yaw in 0.0_f32..6.28, pitch in -0.2_f32..1.5, distance in 0.4_f32..4.0,
+        x in 0.0_f32..1280.0, y in 0.0_f32..800.0, yaw in 0.0_f32..6.2, pitch in -0.2_f32..1.5, distance in 0.4_f32..4.0,
         axis in 0..4_u8,
     ) {
         let camera = Camera::looking(SELECTED, yaw, pitch, distance);
