@@ -20,7 +20,7 @@ export PATH := $(CARGO_TARGET_DIR)/tools/bin:$(PATH)
 
 .PHONY: help
 help: ## this list
-	@echo 'make run               build Ramus and start it: in the headset that answers, else on the simulated one'
+	@echo 'make run               build Ramus and start it: in the headset that answers, else in a window, else on the simulated one'
 	@echo 'make test              everything that CI checks'
 	@echo 'make bench             the benchmarks'
 	@echo 'make doc               API pages and the user guide, under target/doc and target/book'

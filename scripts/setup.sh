@@ -58,6 +58,8 @@ debian_family() {
     has pkg-config || wanted+=(pkg-config)
     if [ "$goal" = test ]; then
         wanted+=(vulkan-validationlayers)
+        # A desktop without a screen, and a hand at its pointer and keyboard; the libraries are those that a window opens.
+        wanted+=(xvfb xdotool libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0)
         has node || wanted+=(nodejs)
         has npm || wanted+=(npm)
     fi

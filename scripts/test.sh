@@ -104,8 +104,8 @@ stage_run() {
     stage_build-tests
     rm -rf "$folder"
     mkdir -p "$folder"
-    # No runtime may answer here: this is about the machine without a headset.
-    (cd "$folder" && XR_LOADER_DEBUG=none XR_RUNTIME_JSON=/dev/null "$target/debug/ramus")
+    # No runtime and no desktop may answer here: this is about the machine without either.
+    (cd "$folder" && env -u DISPLAY -u WAYLAND_DISPLAY XR_LOADER_DEBUG=none XR_RUNTIME_JSON=/dev/null "$target/debug/ramus")
     local kind
     for kind in ramus glb png; do
         if [ -z "$(find "$folder/out" -name "*.$kind" -size +0 2>/dev/null)" ]; then

@@ -48,6 +48,8 @@ const DEVICES: &[&str] = &[
     "gpu_allocator",
     "ramus_xr",
     "winit",
+    "ash_window",
+    "raw_window_handle",
 ];
 
 const ROOMS: &[Room] = &[
@@ -62,13 +64,13 @@ const ROOMS: &[Room] = &[
         name: "render",
         level: 4,
         pure: false,
-        banned: &["openxr", "ramus_xr"],
+        banned: &["openxr", "ramus_xr", "winit"],
     },
     Room {
         name: "ui",
         level: 4,
         pure: false,
-        banned: &["ash", "openxr", "gpu_allocator", "ramus_xr"],
+        banned: &["ash", "openxr", "gpu_allocator", "ramus_xr", "winit"],
     },
     Room {
         name: "app",
@@ -80,7 +82,7 @@ const ROOMS: &[Room] = &[
         name: "cli",
         level: 6,
         pure: false,
-        banned: &["openxr", "gpu_allocator"],
+        banned: &["openxr", "gpu_allocator", "winit"],
     },
 ];
 

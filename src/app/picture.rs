@@ -7,7 +7,7 @@ use ramus_xr::{Acquired, Swapchain, View};
 use crate::app::worker::Worker;
 use crate::render::{
     Backdrop, DrawReport, Eye, Fov, Gpu, Offscreen, Pose, RenderError, Renderer, RendererParams,
-    StereoImage, StereoMode, Target, TreeState, TreeUpload, probe,
+    StereoImage, StereoMode, Surface, Target, TreeState, TreeUpload, probe,
 };
 use crate::ui::{BoardUi, Painted};
 use crate::world::scene::{PlacedTree, Scene};
@@ -21,7 +21,15 @@ enum Images {
         color: Vec<StereoImage>,
         depth: Vec<StereoImage>,
     },
+    /// A window's.
+    Window(Box<Surface>),
 }
+
+/// Pixels of a window that has none.
+const SMALLEST: vk::Extent2D = vk::Extent2D {
+    width: 16,
+    height: 16,
+};
 
 /// A prepared tree with its revision.
 type Upload = (u64, Result<TreeUpload, RenderError>);
@@ -39,6 +47,10 @@ pub struct Picture {
     refused: Option<u64>,
     /// Why a tree is not in the picture, until it was told.
     trouble: Option<String>,
+    /// The last draw showed an older tree than the scene's.
+    behind: bool,
+    /// The window did not take the last picture.
+    missed: bool,
     gpu: Gpu,
 }
 
@@ -108,6 +120,59 @@ impl Picture {
         Self::new(gpu, params, Images::Runtime { color, depth })
     }
 
+    /// Pictures in a window, for one eye: what the left one sees.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device cannot draw into it.
+    pub fn in_window(
+        gpu: &Gpu,
+        mut surface: Surface,
+        size: vk::Extent2D,
+    ) -> Result<Self, RenderError> {
+        // A window without area gets a picture of its size when it has one.
+        let vk::Extent2D { width, height } = surface.fit(size)?.unwrap_or(SMALLEST);
+        let params = RendererParams {
+            color_format: surface.color_format(),
+            ..RendererParams::new(width, height, StereoMode::OneEye)
+        };
+        Self::new(gpu, params, Images::Window(Box::new(surface)))
+    }
+
+    /// Makes a window's picture as large as the window, in pixels; false where there is nothing to draw into now.
+    /// Other pictures have their size for good.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device fails.
+    pub fn fit(&mut self, size: vk::Extent2D) -> Result<bool, RenderError> {
+        let Images::Window(surface) = &mut self.images else {
+            return Ok(true);
+        };
+        let Some(extent) = surface.fit(size)? else {
+            return Ok(false);
+        };
+        if self.renderer.params().extent != extent {
+            self.renderer.resize(extent)?;
+        }
+        Ok(true)
+    }
+
+    /// Shows the last draw in the window. Other pictures are shown by whoever owns their images.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device fails.
+    pub fn present(&mut self) -> Result<(), RenderError> {
+        if let Images::Window(surface) = &mut self.images {
+            self.missed = !surface.present()?;
+        }
+        Ok(())
+    }
+
+    /// Whether the window does not show the last scene yet: a large tree is on its way, or the screen took no picture.
+    #[must_use]
+    pub fn is_behind(&self) -> bool {
+        self.missed || self.behind
+    }
+
     fn new(gpu: &Gpu, params: RendererParams, images: Images) -> Result<Self, RenderError> {
         let uploads = Worker::start("ramus-upload", |(gpu, placed): &(Gpu, PlacedTree), _| {
             (placed.revision, TreeUpload::new(gpu, placed))
@@ -121,6 +186,8 @@ impl Picture {
             preparing: None,
             refused: None,
             trouble: None,
+            behind: false,
+            missed: false,
             gpu: gpu.clone(),
         })
     }
@@ -166,6 +233,11 @@ impl Picture {
             self.preparing = Some(revision);
             self.uploads.ask((self.gpu.clone(), placed.clone()));
         }
+        self.behind = match report.tree {
+            TreeState::None | TreeState::Shown => false,
+            TreeState::Copying => true,
+            TreeState::Wanted(revision) => self.refused != Some(revision),
+        };
         Ok(report)
     }
 
@@ -203,7 +275,12 @@ impl Picture {
     /// [`RenderError`] where the device fails.
     pub fn read(&self, acquired: Option<Acquired>) -> Result<[RgbaImage; 2], RenderError> {
         let target = self.images.target(acquired)?;
-        crate::render::read_color(&self.gpu, target.color)
+        let [left, right] = crate::render::read_color(&self.gpu, target.color)?;
+        // A window has one eye, which stands for both.
+        Ok(match self.images {
+            Images::Window(_) => [left.clone(), left],
+            Images::Own(_) | Images::Runtime { .. } => [left, right],
+        })
     }
 
     /// Why a tree is not in the picture, in a sentence; told once.
@@ -229,6 +306,7 @@ impl Images {
     fn target(&self, acquired: Option<Acquired>) -> Result<Target<'_>, RenderError> {
         match (self, acquired) {
             (Self::Own(offscreen), _) => Ok(offscreen.target()),
+            (Self::Window(surface), _) => surface.target(),
             (Self::Runtime { color, depth }, Some(acquired)) => {
                 let missing = || {
                     RenderError::Unsupported(

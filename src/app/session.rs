@@ -20,9 +20,9 @@ pub enum SessionEnd {
     /// The picture.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The person or the runtime ended a session that was being played.
+    /// The person, the window or the runtime ended a session that was being played.
     #[error(
-        "the OpenXR runtime ended the session before all of it was played: play it again to see the rest"
+        "the person, the window or the OpenXR runtime ended the session before all of it was played: play it again to see the rest"
     )]
     Early,
     /// Whoever watches.
@@ -32,6 +32,9 @@ pub enum SessionEnd {
 
 /// Somebody who watches a session: keeps pictures, counts frames, asks it to end.
 pub trait Watcher {
+    /// After the workshop has taken in a frame, which may be drawn or not.
+    fn updated(&mut self, _workshop: &Workshop) {}
+
     /// Whether a frame without a headset must be drawn; on a headset every frame is.
     fn wants(&mut self, _workshop: &Workshop, _frame: &Frame) -> bool {
         true
@@ -48,6 +51,11 @@ pub trait Watcher {
         _acquired: Option<Acquired>,
     ) -> anyhow::Result<()> {
         Ok(())
+    }
+
+    /// A sentence for the board, once.
+    fn take_message(&mut self) -> Option<String> {
+        None
     }
 
     /// After each frame.
@@ -95,32 +103,51 @@ fn one_frame(
     for pulse in workshop.update(frame) {
         headset.vibrate(*pulse);
     }
+    watcher.updated(workshop);
     let acquired = headset.begin()?;
     // Images that were acquired are released by `end`; with none of the runtime's, ours are drawn into on demand.
     let ready = frame.should_render && (acquired.is_some() || headset.swapchain().is_none());
     let rendered = match picture {
         Some(picture) if ready && (watcher.wants(workshop, frame) || acquired.is_some()) => {
-            let views = workshop.on_stage(headset.views()?);
-            for (slot, painted) in workshop.take_painted() {
-                picture.paint(slot, painted)?;
-            }
-            let scene = workshop.scene();
-            let report = if acquired.is_none() {
-                // Nobody waits for a picture without a headset: it is drawn when all of it is there.
-                picture.draw_whole(scene, &views, acquired)?
-            } else {
-                picture.draw(scene, &views, acquired)?
-            };
-            if let Some(trouble) = picture.take_trouble() {
-                workshop.show_message(trouble);
-            }
-            if acquired.is_some() || !matches!(report.tree, TreeState::Wanted(_)) {
-                watcher.drawn(workshop, picture, acquired)?;
-            }
-            true
+            draw(headset, workshop, picture, watcher, acquired)?
         }
         _ => false,
     };
     headset.end(rendered)?;
     Ok(())
+}
+
+/// Draws a frame that has been begun; false where there is nothing to draw into.
+fn draw(
+    headset: &mut dyn Headset,
+    workshop: &mut Workshop,
+    picture: &mut Picture,
+    watcher: &mut dyn Watcher,
+    acquired: Option<Acquired>,
+) -> Result<bool, SessionEnd> {
+    if !picture.fit(headset.extent())? {
+        return Ok(false);
+    }
+    let views = workshop.on_stage(headset.views()?);
+    for (slot, painted) in workshop.take_painted() {
+        picture.paint(slot, painted)?;
+    }
+    let scene = workshop.scene();
+    let report = if acquired.is_none() {
+        // Nobody waits for a picture without a headset: it is drawn when all of it is there.
+        picture.draw_whole(scene, &views, acquired)?
+    } else {
+        picture.draw(scene, &views, acquired)?
+    };
+    if let Some(trouble) = picture.take_trouble() {
+        workshop.show_message(trouble);
+    }
+    if acquired.is_some() || !matches!(report.tree, TreeState::Wanted(_)) {
+        watcher.drawn(workshop, picture, acquired)?;
+    }
+    if let Some(text) = watcher.take_message() {
+        workshop.show_message(text);
+    }
+    picture.present()?;
+    Ok(true)
 }

@@ -19,6 +19,7 @@ use crate::sketch::{Grower, Grown, Sketch};
 use crate::ui::sheet::Tick;
 use crate::ui::{Painted, Panels, Settings, Wish};
 use crate::world::World;
+use crate::world::board::Buttons;
 use crate::world::document::Document;
 use crate::world::panels::PanelId;
 use crate::world::scene::Scene;
@@ -128,6 +129,11 @@ impl Workshop {
             self.held = held;
             self.world.take_buttons(buttons(controllers));
         }
+    }
+
+    /// Tells what the board calls the buttons, where nothing is held in hands.
+    pub fn name_buttons(&mut self, buttons: Buttons) {
+        self.world.take_buttons(buttons);
     }
 
     /// Takes one frame of input and brings everything up to it; gives the vibrations to send.

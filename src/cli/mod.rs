@@ -42,11 +42,12 @@ use clap::{Parser, Subcommand};
     args_conflicts_with_subcommands = true,
     about = "The VR workshop for branching structures: sketch a tree, watch it grow as an L-system, take it home.",
     after_help = "Without a subcommand the workshop starts: in the headset where an OpenXR runtime answers,\n\
-        else on the built-in simulated headset, which plays a recorded session and leaves pictures,\n\
+        else in a window where there is a desktop, else on the built-in simulated headset, which plays a recorded session and leaves pictures,\n\
         the project file, its grammar and a GLB in out/. A project there that differs is kept beside the new one.\n\n\
         Examples:\n  \
         ramus                                         start the workshop\n  \
         ramus --project oak.ramus                     go on with a project\n  \
+        ramus --headset window                        with mouse and keyboard, even where there is a headset\n  \
         ramus replay assets/sessions/first-tree.session --png out\n  \
         ramus derive assets/grammars/honda.lsys --steps 10 --export tree.glb\n  \
         ramus fmt *.lsys                              lay grammars out in the canonical way\n  \
@@ -61,6 +62,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Starts the workshop and records its session; the same as --record.
+    Record(workshop::RecordArgs),
     /// Plays a recorded session through the workshop and keeps what it made.
     Replay(replay::Args),
     /// Derives a grammar file and prints or exports what grew.
@@ -81,6 +84,7 @@ pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         None => workshop::run(&cli.workshop),
+        Some(Command::Record(args)) => workshop::record(args),
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Derive(args)) => derive::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
@@ -133,7 +137,7 @@ fn sentence(error: &anyhow::Error) -> String {
 /// Warnings go to standard error; `RAMUS_LOG` (as `RUST_LOG`) asks for more or less.
 fn log_to_standard_error() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("RAMUS_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,winit=error"));
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)

@@ -9,6 +9,7 @@ use clap::builder::{PathBufValueParser, TypedValueParser};
 use super::sentence;
 use crate::app::album::Album;
 use crate::app::export;
+use crate::app::film::Film;
 use crate::app::workshop::Workshop;
 use crate::tree::file::check_place;
 
@@ -34,7 +35,9 @@ pub(super) fn not_over_each_other<'a>(
     let is_picture = |place: &Path| {
         pictures.is_some()
             && place.parent() == pictures.as_deref()
-            && place.file_name().is_some_and(Album::is_file_name)
+            && place
+                .file_name()
+                .is_some_and(|name| Album::is_file_name(name) || Film::is_file_name(name))
     };
     let overwritten = |path: &Path| {
         anyhow!(

@@ -1,4 +1,5 @@
-//! `ramus`: the workshop, in the headset that answers, else as a demonstration on the simulated one.
+//! `ramus`: the workshop, in the headset that answers, else in a window on the desktop, else as a demonstration on the
+//! simulated headset.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -15,17 +16,17 @@ use super::outputs::{both, check_places, not_over_each_other, set_aside};
 use super::progress::Progress;
 use super::replay::EXTENT;
 use crate::app::album::Album;
-use crate::app::headset::{self, Opened};
+use crate::app::headset;
 use crate::app::picture::Picture;
-use crate::app::session::{self, Nobody};
+use crate::app::session::{self, Nobody, SessionEnd};
 use crate::app::store::{Store, keep_older, older_one, read_project};
 use crate::app::workshop::{Workshop, WorkshopParams};
-use crate::app::{demonstration, portrait, take_home};
+use crate::app::{demonstration, portrait, take_home, window};
 use crate::world::World;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
-    /// The project to go on with, or to begin (which takes a headset)
+    /// The project to go on with, or to begin (which takes a headset or a window)
     #[arg(long, value_name = "FILE.ramus")]
     project: Option<PathBuf>,
     /// Where pictures and exports go
@@ -34,29 +35,53 @@ pub(super) struct Args {
     /// Record the session into this new file, to be played by `ramus replay`
     #[arg(long, value_name = "FILE.session")]
     record: Option<PathBuf>,
-    /// Which headset to use
+    /// Which headset to use, or a window instead
     #[arg(long, value_enum, default_value_t = Which::Auto, value_name = "WHICH")]
     headset: Which,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Which {
-    /// The one behind the OpenXR runtime, else the simulated one
+    /// The one behind the OpenXR runtime, else a window where there is a desktop, else the simulated one
     Auto,
     /// The one behind the OpenXR runtime, or an error
     Openxr,
+    /// A window on the desktop, with mouse and keyboard, or an error
+    Window,
     /// The built-in one, which needs no device
     Simulated,
 }
 
+/// `ramus record FILE`: the workshop with a recording, which `--record` asks for too.
+#[derive(Debug, ClapArgs)]
+pub(super) struct RecordArgs {
+    /// The session is recorded into this new file, to be played by `ramus replay`
+    #[arg(value_name = "FILE.session")]
+    session: PathBuf,
+    /// The project to go on with, or to begin (which takes a headset or a window)
+    #[arg(long, value_name = "FILE.ramus")]
+    project: Option<PathBuf>,
+    /// Where pictures and exports go
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Which headset to use, or a window instead
+    #[arg(long, value_enum, default_value_t = Which::Auto, value_name = "WHICH")]
+    headset: Which,
+}
+
+pub(super) fn record(args: RecordArgs) -> Result<()> {
+    run(&Args {
+        project: args.project,
+        out: args.out,
+        record: Some(args.session),
+        headset: args.headset,
+    })
+}
+
 pub(super) fn run(args: &Args) -> Result<()> {
     keep_apart(args)?;
-    if args.headset != Which::Simulated {
-        match headset::connect() {
-            Ok(system) => return in_headset(Opened::start(system)?, args),
-            Err(error) if args.headset == Which::Openxr => return Err(error.into()),
-            Err(error) => tell!("No headset: {error}."),
-        }
+    if let Some(door) = door(args)? {
+        return at_work(door, args);
     }
     match &args.project {
         Some(_) if args.record.is_some() => {
@@ -67,6 +92,54 @@ pub(super) fn run(args: &Args) -> Result<()> {
         Some(project) => look_at(project, &args.out),
         None => demonstrate(&args.out, args.record.as_deref()),
     }
+}
+
+/// Where a person works: in a headset or at a window.
+enum Door {
+    Headset(Box<headset::Opened>),
+    Window(Box<window::Opened>),
+}
+
+/// The door that was asked for, or the best that opens; none: the simulated headset.
+fn door(args: &Args) -> Result<Option<Door>> {
+    let which = args.headset;
+    if matches!(which, Which::Auto | Which::Openxr) {
+        match headset::connect() {
+            Ok(system) => {
+                let opened = headset::Opened::start(system)?;
+                return Ok(Some(Door::Headset(Box::new(opened))));
+            }
+            Err(error) if which == Which::Openxr => return Err(error.into()),
+            Err(error) => tell!("No headset: {error}."),
+        }
+    }
+    let desktop = ["DISPLAY", "WAYLAND_DISPLAY"]
+        .map(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()));
+    if which == Which::Window || which == Which::Auto && desktop.contains(&true) {
+        match open_window(args) {
+            Ok(opened) => return Ok(Some(Door::Window(Box::new(opened)))),
+            Err(error) if which == Which::Window => return Err(error.into()),
+            Err(error) => tell!("No window: {error}."),
+        }
+    }
+    Ok(None)
+}
+
+/// The project that is worked on.
+fn worked_on(args: &Args) -> PathBuf {
+    let default = || args.out.join(WORKSHOP);
+    args.project.clone().unwrap_or_else(default)
+}
+
+fn open_window(args: &Args) -> Result<window::Opened, window::OpenError> {
+    let project = worked_on(args);
+    let name = project.file_name().unwrap_or_default().to_string_lossy();
+    let [glb, ..] = beside(&project);
+    let files = window::Files {
+        picture: args.out.join(project.file_stem().unwrap_or_default()),
+        tree: Some(glb),
+    };
+    window::Opened::open(&format!("{name} – Ramus"), files)
 }
 
 /// Refuses names that a session would write over each other, with a headset and without one.
@@ -108,30 +181,32 @@ fn make_folder(folder: &Path) -> Result<()> {
 }
 
 /// The workshop itself.
-fn in_headset(opened: Opened, args: &Args) -> Result<()> {
-    let default = || args.out.join(WORKSHOP);
-    let project = args.project.clone().unwrap_or_else(default);
+fn at_work(door: Door, args: &Args) -> Result<()> {
+    let project = worked_on(args);
     if args.project.is_none() {
         make_folder(&args.out)?;
     }
     let [glb, lsys, _] = beside(&project);
     check_places([&project, &glb, &lsys])?;
     check_recording(args.record.as_deref())?;
-    tell!("In the headset: {}.", opened.describe());
+    match &door {
+        Door::Headset(opened) => tell!("In the headset: {}.", opened.describe()),
+        Door::Window(opened) => tell!(
+            "In {}: left button draws, right moves, middle turns the view, G grows, H tells the rest, Esc saves and ends.",
+            opened.describe()
+        ),
+    }
     let store = Store::open(&project)?;
     if let Some(message) = &store.message {
         tell!("{message}");
     }
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
     let (outcome, recorded) = match &args.record {
-        None => {
-            let (_, outcome) = opened.run(|headset| headset, &mut workshop, &mut Nobody);
-            (outcome, Ok(()))
-        }
+        None => (door.run(|headset| headset, &mut workshop).1, Ok(())),
         Some(path) => {
             let output = recording(path)?;
             let record = |headset| Recorder::new(headset, output);
-            let (recorder, outcome) = opened.run(record, &mut workshop, &mut Nobody);
+            let (recorder, outcome) = door.run(record, &mut workshop);
             (outcome, end_recording(recorder, path))
         }
     };
@@ -143,6 +218,25 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
         Err(_) => error.into(),
     });
     both(kept, both(outcome, recorded))
+}
+
+impl Door {
+    /// Runs a session to its end; `wrap` may put a recorder around the headset or the window.
+    fn run<Outer: Headset + 'static>(
+        self,
+        wrap: impl FnOnce(Box<dyn Headset>) -> Outer,
+        workshop: &mut Workshop,
+    ) -> (Outer, Result<(), SessionEnd>) {
+        match self {
+            Self::Headset(opened) => {
+                opened.run(|headset| wrap(Box::new(headset)), workshop, &mut Nobody)
+            }
+            Self::Window(opened) => {
+                window::Opened::welcome(workshop);
+                opened.run(|window| wrap(Box::new(window)), workshop, &mut Nobody)
+            }
+        }
+    }
 }
 
 fn take_home_all(workshop: Workshop, project: &Path) -> Result<()> {
@@ -266,7 +360,7 @@ fn show(workshop: Workshop, out: &Path, steps: usize, older: Option<&Path>) -> R
     tell(out, &format!("{steps} growth steps"), Some(&project), &glb);
     tell!("  grammar   {}", lsys.display());
     tell!(
-        "With a headset the same command starts the workshop in it; `ramus doctor` says what is missing."
+        "With a headset or on a desktop the same command starts the workshop in it; `ramus doctor` says what is missing."
     );
     Ok(())
 }
@@ -282,7 +376,7 @@ fn tree_of(project: &Path, out: &Path) -> PathBuf {
 fn look_at(project: &Path, out: &Path) -> Result<()> {
     ensure!(
         project.exists() || Store::has_journal(project),
-        "there is no project {}, and it takes a headset to begin one: start the headset's runtime (`ramus doctor` says what is missing), look at the name, or leave --project out to see what Ramus does",
+        "there is no project {}, and it takes a headset or a window to begin one: start the headset's runtime (`ramus doctor` says what is missing), look at the name, or leave --project out to see what Ramus does",
         project.display()
     );
     let glb = tree_of(project, out);

@@ -42,6 +42,11 @@ pub enum RenderError {
     /// The host (an OpenXR runtime) could not make the Vulkan handles.
     #[error("the runtime could not set up Vulkan: {0}")]
     Host(String),
+    /// No picture can be shown in a window.
+    #[error(
+        "no picture can be shown in the window ({0}): install the driver of your graphics card, or leave the window out with --headset simulated"
+    )]
+    NoWindow(String),
     /// Any other Vulkan error.
     #[error("the graphics driver failed at {0}: {1}")]
     Vulkan(&'static str, vk::Result),

@@ -101,6 +101,15 @@ impl Commands {
 
     /// Ends recording and submits.
     pub(crate) fn submit(&self) -> Result<(), RenderError> {
+        self.submit_between(None, None)
+    }
+
+    /// Ends recording and submits: after the first semaphore, before the second.
+    pub(crate) fn submit_between(
+        &self,
+        wait: Option<vk::Semaphore>,
+        signal: Option<vk::Semaphore>,
+    ) -> Result<(), RenderError> {
         // SAFETY: recording was begun; the fence is not in use (see `begin`).
         unsafe {
             self.gpu
@@ -112,7 +121,7 @@ impl Commands {
                 .reset_fences(&[self.fence])
                 .trying("resetting a fence")?;
         }
-        self.gpu.submit(self.buffer, self.fence)
+        self.gpu.submit(self.buffer, self.fence, [wait, signal])
     }
 }
 

@@ -96,7 +96,7 @@ pub struct GpuInner {
     pipelines: AtomicU64,
     pub(crate) instance: ash::Instance,
     /// Holds the loader's library open.
-    _entry: ash::Entry,
+    pub(crate) entry: ash::Entry,
 }
 
 /// A handle to the device; clones are cheap and keep it alive.
@@ -238,7 +238,7 @@ impl Gpu {
                 messages,
                 pipelines: AtomicU64::new(0),
                 instance,
-                _entry: entry,
+                entry,
             }),
         })
     }
@@ -271,19 +271,41 @@ impl GpuInner {
             .unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Hands one command buffer to the queue.
+    /// Hands one command buffer to the queue; it waits for one semaphore and signals another, where there are such.
     pub(crate) fn submit(
         &self,
         commands: vk::CommandBuffer,
         fence: vk::Fence,
+        [wait, signal]: [Option<vk::Semaphore>; 2],
     ) -> Result<(), RenderError> {
         let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
-        let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
+        let all = |semaphore: Option<vk::Semaphore>| {
+            vk::SemaphoreSubmitInfo::default()
+                .semaphore(semaphore.unwrap_or_default())
+                .stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+        };
+        let (waits, signals) = ([all(wait)], [all(signal)]);
+        let some = |semaphore: Option<vk::Semaphore>| usize::from(semaphore.is_some());
+        let submit = vk::SubmitInfo2::default()
+            .command_buffer_infos(&buffers)
+            .wait_semaphore_infos(waits.get(..some(wait)).unwrap_or_default())
+            .signal_semaphore_infos(signals.get(..some(signal)).unwrap_or_default());
         // SAFETY: the queue is locked, the command buffer recorded, the fence unsignalled.
         unsafe { (self.newer.submit)(*queue, 1, &raw const submit, fence) }
             .result()
             .trying("submitting a frame")
+    }
+
+    /// Hands a window's image to the screen; true where its swapchain fits no longer.
+    pub(crate) fn present(
+        &self,
+        swapchains: &ash::khr::swapchain::Device,
+        info: &vk::PresentInfoKHR<'_>,
+    ) -> Result<bool, vk::Result> {
+        let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: the queue is locked; the caller's image is acquired and its semaphore signalled by work handed over before.
+        unsafe { swapchains.queue_present(*queue, info) }
     }
 
     /// Waits until the device has nothing to do. Only for ends and tests: it stalls.

@@ -78,39 +78,20 @@ impl VulkanHost for Headless {
                 instance,
             )
         };
-        // SAFETY: as above.
-        let devices = unsafe { instance.enumerate_physical_devices() }
-            .trying("looking for graphics devices")?;
         let wanted = self.device.as_ref().map(|name| name.to_lowercase());
-        devices
-            .into_iter()
-            .filter_map(|device| {
-                // SAFETY: the device was just enumerated.
-                let properties = unsafe { instance.get_physical_device_properties(device) };
-                let name = super::gpu::text(&properties.device_name).to_lowercase();
-                let rank = match properties.device_type {
-                    vk::PhysicalDeviceType::DISCRETE_GPU => 4,
-                    vk::PhysicalDeviceType::INTEGRATED_GPU => 3,
-                    vk::PhysicalDeviceType::VIRTUAL_GPU => 2,
-                    _ => 1,
-                };
-                wanted
+        strongest(&instance, |_, name| {
+            wanted
+                .as_ref()
+                .is_none_or(|part| name.to_lowercase().contains(part.as_str()))
+        })?
+        .ok_or_else(|| {
+            RenderError::NoDevice(
+                self.device
                     .as_ref()
-                    .is_none_or(|part| name.contains(part.as_str()))
-                    .then_some((rank, device))
-            })
-            // The first of the strongest kind: `max_by_key` would take the last.
-            .rev()
-            .max_by_key(|(rank, _)| *rank)
-            .map(|(_, device)| device)
-            .ok_or_else(|| {
-                RenderError::NoDevice(
-                    self.device
-                        .as_ref()
-                        .map_or_else(String::new, |name| format!(" with '{name}' in its name")),
-                )
-                .into()
-            })
+                    .map_or_else(String::new, |name| format!(" with '{name}' in its name")),
+            )
+            .into()
+        })
     }
 
     unsafe fn create_device(
@@ -136,8 +117,32 @@ impl VulkanHost for Headless {
     }
 }
 
+/// The first device of the strongest kind among those that `will_do`, given the device and its name.
+pub(super) fn strongest(
+    instance: &ash::Instance,
+    will_do: impl Fn(vk::PhysicalDevice, &str) -> bool,
+) -> Result<Option<vk::PhysicalDevice>, RenderError> {
+    // SAFETY: the instance is alive.
+    let devices =
+        unsafe { instance.enumerate_physical_devices() }.trying("looking for graphics devices")?;
+    let ranked = devices.into_iter().filter_map(|device| {
+        // SAFETY: the device was just enumerated.
+        let properties = unsafe { instance.get_physical_device_properties(device) };
+        let rank = match properties.device_type {
+            vk::PhysicalDeviceType::DISCRETE_GPU => 4,
+            vk::PhysicalDeviceType::INTEGRATED_GPU => 3,
+            vk::PhysicalDeviceType::VIRTUAL_GPU => 2,
+            _ => 1,
+        };
+        will_do(device, &super::gpu::text(&properties.device_name)).then_some((rank, device))
+    });
+    // The first of the strongest kind: `max_by_key` would take the last.
+    let best = ranked.rev().max_by_key(|(rank, _)| *rank);
+    Ok(best.map(|(_, device)| device))
+}
+
 /// An entry that only knows where functions are found.
-fn entry(get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr) -> ash::Entry {
+pub(super) fn entry(get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr) -> ash::Entry {
     // SAFETY: the pointer is the loader's, which outlives the entry: `Gpu` holds the library.
     unsafe {
         ash::Entry::from_static_fn(ash::StaticFn {

@@ -1,10 +1,11 @@
 //! Draws a [`Scene`](crate::world::scene::Scene) with Vulkan, for two eyes.
 //!
 //! ```text
-//! VulkanHost (Headless, or an OpenXR runtime)
+//! VulkanHost (Headless, WindowHost, or an OpenXR runtime)
 //!     └▶ Gpu ── probe::multiview ──▶ StereoMode
 //!          ├▶ Renderer::draw(scene, eyes, target) ──▶ StereoImage: a headset's swapchain image, or
-//!          └▶ Offscreen ──▶ read_color, read_depth
+//!          ├▶ Offscreen ──▶ read_color, read_depth
+//!          └▶ Surface ──▶ a window
 //! ```
 //!
 //! Knows scenes, trees and egui's triangles; never tools; of headsets only the handles in `ramus_xr::vulkan`. The frame's path and what its
@@ -25,9 +26,11 @@ mod pipelines;
 pub mod probe;
 mod renderer;
 mod shadow;
+mod surface;
 mod target;
 mod tree_upload;
 mod validation;
+mod window;
 
 /// SPIR-V of `shaders/`, made by build.rs.
 mod shaders {
@@ -41,6 +44,8 @@ pub use host::Headless;
 pub use offscreen::{COLOR_FORMAT, DEPTH_FORMAT, Offscreen, read_color, read_depth};
 pub use probe::Multiview;
 pub use renderer::{Backdrop, DrawReport, Renderer, RendererParams, StereoMode, TreeState};
+pub use surface::Surface;
 pub use target::{StereoImage, Target};
 pub use tree_upload::TreeUpload;
 pub use validation::Messages;
+pub use window::{DrawnWindow, WindowHost};

@@ -74,7 +74,7 @@ pub fn multiview(gpu: &Gpu) -> Result<Multiview, RenderError> {
     };
     let format = vk::Format::R8G8B8A8_UNORM;
     let depth_format = vk::Format::D32_SFLOAT;
-    let attachments = Attachments::new(gpu, format, depth_format, extent, false)?;
+    let attachments = Attachments::new(gpu, format, depth_format, extent, 0)?;
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
     let image = Image::new(gpu, ImageDesc::stereo("the probe", format, extent, usage))?;
     // SAFETY: the image outlives the view (declared before it).

@@ -35,6 +35,19 @@ pub enum StereoMode {
     Multiview,
     /// One pass an eye: for drivers whose multiview is broken (see [`super::probe`]).
     PerEye,
+    /// The left eye alone, into the first layer: for windows.
+    OneEye,
+}
+
+impl StereoMode {
+    /// How many eyes get a pass of their own.
+    fn own_eyes(self) -> u32 {
+        match self {
+            Self::Multiview => 0,
+            Self::PerEye => 2,
+            Self::OneEye => 1,
+        }
+    }
 }
 
 /// What surrounds the scene.
@@ -146,11 +159,11 @@ impl Renderer {
         check_extent(gpu, params.extent)?;
         let mut params = *params;
         params.sun = params.sun.normalize_or(Vec3::Y);
-        let per_eye = params.mode == StereoMode::PerEye;
+        let own_eyes = params.mode.own_eyes();
         let formats = Formats {
             color: params.color_format,
             depth: params.depth_format,
-            view_mask: if per_eye { 0 } else { 0b11 },
+            view_mask: if own_eyes > 0 { 0 } else { 0b11 },
         };
         let pipelines = Pipelines::new(gpu, &formats)?;
         let count = u32::try_from(SLOTS).unwrap_or(2);
@@ -184,7 +197,7 @@ impl Renderer {
                 params.color_format,
                 params.depth_format,
                 params.extent,
-                per_eye,
+                own_eyes,
             )?,
             panels: vec![Panel::new(gpu, &pipelines.board_layout)?],
             params,
@@ -204,6 +217,25 @@ impl Renderer {
     /// How this renderer draws.
     pub fn params(&self) -> &RendererParams {
         &self.params
+    }
+
+    /// Draws in another size from now on.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device cannot; the size stays as it was then.
+    pub fn resize(&mut self, extent: vk::Extent2D) -> Result<(), RenderError> {
+        check_extent(&self.gpu, extent)?;
+        self.gpu.wait_idle()?;
+        let params = &mut self.params;
+        self.attachments = Attachments::new(
+            &self.gpu,
+            params.color_format,
+            params.depth_format,
+            extent,
+            params.mode.own_eyes(),
+        )?;
+        params.extent = extent;
+        Ok(())
     }
 
     /// Takes a tree that was prepared elsewhere; it is shown when it has been copied, some frames later.
@@ -311,7 +343,7 @@ impl Renderer {
         }
         match self.params.mode {
             StereoMode::Multiview => self.record_both(&pass, target, &mut report),
-            StereoMode::PerEye => self.record_each(&pass, target, &mut report),
+            StereoMode::PerEye | StereoMode::OneEye => self.record_each(&pass, target, &mut report),
         }
         if target.depth.is_some() {
             depth_was_resolved(&self.gpu, commands);

@@ -138,7 +138,7 @@ pub(crate) struct Attachments {
     depth: Image,
     pub(crate) color_view: View,
     pub(crate) depth_view: View,
-    /// Each eye's colour and depth in per-eye mode.
+    /// Each eye's colour and depth where eyes get passes of their own.
     pub(crate) eyes: Vec<(Resolved, Resolved)>,
     pub(crate) extent: vk::Extent2D,
 }
@@ -180,9 +180,9 @@ impl Attachments {
         color: vk::Format,
         depth: vk::Format,
         extent: vk::Extent2D,
-        per_eye: bool,
+        own_eyes: u32,
     ) -> Result<Self, RenderError> {
-        let layers = if per_eye { 1 } else { 2 };
+        let layers = if own_eyes > 0 { 1 } else { 2 };
         let multisampled = |name, format, usage| {
             let usage = usage | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
             Image::new(
@@ -204,7 +204,7 @@ impl Attachments {
             depth,
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         )?;
-        let eyes = (0..if per_eye { 2 } else { 0 })
+        let eyes = (0..own_eyes)
             .map(|_| {
                 Ok((
                     Resolved::new(gpu, "an eye's colour", color, extent)?,

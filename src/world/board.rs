@@ -49,6 +49,8 @@ pub struct Buttons {
     pub back: Option<String>,
     /// Undoes to the left and redoes to the right.
     pub undo: Option<String>,
+    /// Whatever else there is: its name and what it does.
+    pub others: Vec<[String; 2]>,
 }
 
 impl Default for Buttons {
@@ -61,6 +63,7 @@ impl Default for Buttons {
             grow: some("A or X"),
             back: some("B or Y"),
             undo: some("stick"),
+            others: Vec::new(),
         }
     }
 }
@@ -81,12 +84,15 @@ impl Buttons {
             (&self.back, "step back"),
             (&self.undo, "left: undo   right: redo"),
         ];
-        let names = lines.iter().filter_map(|(name, _)| name.as_ref());
-        let longest = names.map(|name| name.chars().count()).max().unwrap_or(0);
-        let line = |(name, does): &(&Option<String>, &str)| {
-            Some(format!("{:longest$}  {does}", name.as_ref()?))
-        };
-        lines.iter().filter_map(line).collect()
+        let named = lines
+            .iter()
+            .filter_map(|(name, does)| Some((name.as_ref()?, *does)));
+        let others = self.others.iter().map(|[name, does]| (name, does.as_str()));
+        let all = named.chain(others);
+        let names = all.clone().map(|(name, _)| name.chars().count());
+        let longest = names.max().unwrap_or(0);
+        all.map(|(name, does)| format!("{name:longest$}  {does}"))
+            .collect()
     }
 }
 
@@ -527,16 +533,18 @@ mod tests {
             grow: None,
             back: None,
             undo: None,
+            others: vec![["wheel".to_owned(), "zoom".to_owned()]],
         });
         board.follow(&document, &FACTS, &params);
         assert!(board.revision > before);
-        let last = &board.content.lines[board.content.lines.len() - 3..];
+        let last = &board.content.lines[board.content.lines.len() - 4..];
         assert_eq!(
             last,
             [
                 "pinch     draw; on a node: choose it, branch there",
                 "fist      move a node; with the pinch: delete it",
                 "fist rim  move and turn the platform; both: scale",
+                "wheel     zoom",
             ]
         );
     }

@@ -7,7 +7,7 @@
 //!
 //! A frame in which nothing happens allocates nothing; `tests/world_alloc.rs` holds that.
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 
 use crate::sketch::Grown;
 
@@ -58,7 +58,7 @@ pub use growth::{GrowthParams, TreeRequest};
 pub use hold::HoldParams;
 pub use play::PlayParams;
 pub use settings::{DrawSettings, DrawTool};
-pub use tools::{Haptic, ToolParams};
+pub use tools::{Haptic, Met, ToolParams};
 
 /// Everything about the world that can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -238,6 +238,25 @@ impl World {
     #[must_use]
     pub fn shown(&self) -> &Document {
         &self.tools.shown
+    }
+
+    /// Where the selected node is on the stage, metres.
+    #[must_use]
+    pub fn selected_position(&self) -> Option<Vec3> {
+        self.tools.miniature.position(self.tools.shown.selected)
+    }
+
+    /// What a hand would mean that points along a ray from `origin`, on the stage; `direction` is a unit vector. For pointers
+    /// that have no place in the room of their own, such as a mouse.
+    #[must_use]
+    pub fn met(&self, origin: Vec3, direction: Vec3) -> Option<Met> {
+        self.tools.met(origin, direction)
+    }
+
+    /// Whether a message stands on the board, which goes by itself.
+    #[must_use]
+    pub fn has_message(&self) -> bool {
+        self.message.is_some()
     }
 
     /// The document's past and future.

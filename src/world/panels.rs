@@ -12,11 +12,11 @@
 use glam::{Affine3A, Mat3, Quat, Vec2, Vec3};
 
 use super::{
-    hands::Sample,
+    hover::Pointer,
     input::Pose,
     scene::{PlacedPanel, Scene},
     stage::StageParams,
-    tools::{Hand, Hold, Hover, Tools},
+    tools::{Hand, Hold, Hover, Tools, pointer},
 };
 
 /// The panels that hands can point at.
@@ -214,15 +214,15 @@ impl Panels {
         }
     }
 
-    /// The nearest panel that a hand is at. The hand that carries the wrist's panel cannot point at it.
-    pub(super) fn find(&self, hand: usize, sample: &Sample) -> Option<OnPanel> {
+    /// The nearest panel that something that points is at. The hand that carries the wrist's panel cannot point at it.
+    pub(super) fn find(&self, hand: Option<usize>, pointer: &Pointer) -> Option<OnPanel> {
         let pointable = PanelId::ALL.into_iter().filter(|&id| {
             self.is_shown(id)
                 && id != PanelId::Label
-                && (id != PanelId::Wrist || self.wrist != Some(hand))
+                && (id != PanelId::Wrist || hand.is_none() || self.wrist != hand)
         });
         let hits = pointable.filter_map(|id| {
-            let (at, along) = self.pointed(id, sample)?;
+            let (at, along) = self.pointed(id, pointer)?;
             let size = self.size(id);
             let inside = at.cmpge(Vec2::ZERO).all() && at.cmple(size).all();
             inside.then_some(OnPanel { id, along })
@@ -231,25 +231,25 @@ impl Panels {
     }
 
     /// Where a hand is on a panel's plane, and metres along its ray (0: its tip is there). `None`: it points away.
-    fn pointed(&self, id: PanelId, sample: &Sample) -> Option<(Vec2, f32)> {
-        if self.depth(id, sample.tip).abs() <= self.params.poke {
-            return Some((self.on_plane(id, sample.tip), 0.0));
+    fn pointed(&self, id: PanelId, pointer: &Pointer) -> Option<(Vec2, f32)> {
+        if self.depth(id, pointer.tip).abs() <= self.params.poke {
+            return Some((self.on_plane(id, pointer.tip), 0.0));
         }
-        let (at, along) = self.met(id, sample)?;
+        let (at, along) = self.met(id, pointer)?;
         (along <= self.params.reach).then_some((at, along))
     }
 
     /// Where the ray meets a panel's plane from the front.
-    fn met(&self, id: PanelId, sample: &Sample) -> Option<(Vec2, f32)> {
+    fn met(&self, id: PanelId, pointer: &Pointer) -> Option<(Vec2, f32)> {
         let place = &self.places[id as usize].world_from_panel;
         let normal = Vec3::from(place.matrix3.z_axis);
         let center = Vec3::from(place.translation);
-        let towards = -sample.direction.dot(normal);
-        let along = (sample.aim.position - center).dot(normal) / towards;
+        let towards = -pointer.direction.dot(normal);
+        let along = (pointer.origin - center).dot(normal) / towards;
         // A ray along the plane gives ±∞ or NaN, which fails here.
         (towards > 1e-4 && along > 0.0 && along.is_finite()).then(|| {
             (
-                self.on_plane(id, sample.aim.position + sample.direction * along),
+                self.on_plane(id, pointer.origin + pointer.direction * along),
                 along,
             )
         })
@@ -397,8 +397,8 @@ impl Tools {
         let at = match state.hold {
             Hold::Panel { poked: true, .. } if pressed => self.panels.on_plane(id, sample.tip),
             // Dragging goes on beyond the edge.
-            Hold::Panel { .. } if pressed => self.panels.met(id, &sample)?.0,
-            _ => self.panels.pointed(id, &sample)?.0,
+            Hold::Panel { .. } if pressed => self.panels.met(id, &pointer(&sample))?.0,
+            _ => self.panels.pointed(id, &pointer(&sample))?.0,
         };
         Some(PanelPointer {
             hand,

@@ -134,6 +134,17 @@ pub(super) enum Hold {
     Stroke,
 }
 
+/// What a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met {
+    /// Where, metres on the stage: a node's centre, else the point on the ray.
+    pub place: Vec3,
+    /// A hand that points there uses it with the trigger; else the trigger draws as if nothing was there.
+    pub takes_trigger: bool,
+    /// The thumbstick up and down scrolls it.
+    pub scrolls: bool,
+}
+
 /// One hand between frames.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Hand {
@@ -183,6 +194,16 @@ impl Hover {
 /// The head, if it is somewhere.
 fn head_of(input: &Input, params: &HandParams) -> Option<Pose> {
     checked(&input.head, params)
+}
+
+/// A hand as the search for what it means sees it.
+pub(super) fn pointer(sample: &Sample) -> Pointer {
+    Pointer {
+        origin: sample.aim.position,
+        direction: sample.direction,
+        tip: sample.tip,
+        hand: sample.grip.position,
+    }
 }
 
 /// See the module.
@@ -316,39 +337,59 @@ impl Tools {
         else {
             return Hover::Nothing;
         };
-        let pointer = Pointer {
-            origin: sample.aim.position,
-            direction: sample.direction,
-            tip: sample.tip,
-            hand: sample.grip.position,
-        };
+        self.meant(Some(hand), &pointer(&sample))
+    }
+
+    /// What a ray from `origin` meets that a hand could use, and where.
+    pub(super) fn met(&self, origin: Vec3, direction: Vec3) -> Option<Met> {
+        let found = self.meant(
+            None,
+            &Pointer {
+                origin,
+                direction,
+                tip: origin,
+                hand: origin,
+            },
+        );
+        Some(Met {
+            place: match found {
+                Hover::Node { at, .. } => self.miniature.position(at)?,
+                _ => origin + direction * found.along()?,
+            },
+            takes_trigger: !matches!(found, Hover::Rim { .. }),
+            scrolls: matches!(found, Hover::Panel(_)),
+        })
+    }
+
+    /// What something that points means; `hand`: which hand it is, if it is one.
+    fn meant(&self, hand: Option<usize>, pointer: &Pointer) -> Hover {
         let params = &self.params.hover;
         let taken = |at: NodeRef| self.hands.iter().any(|other| other.hold == Hold::Node(at));
         let free = self.miniature.nodes.iter().filter(|node| !taken(node.at));
         let hit = hover::ball(
             free.clone().map(|node| node.position),
             self.stage.node_radius,
-            &pointer,
+            pointer,
             params,
         );
         let node = hit.and_then(|hit| free.clone().nth(hit.index).map(|node| (node.at, hit)));
-        let rim = hover::ring(&rim(&self.shown.platform, &self.stage), &pointer, params);
+        let rim = hover::ring(&rim(&self.shown.platform, &self.stage), pointer, params);
         let found = self.nearest(node, rim);
         let mut along = found.along();
         let mut nearest = found;
-        if let Some((id, at)) = self.handle_at(&pointer)
+        if let Some((id, at)) = self.handle_at(pointer)
             && along.is_none_or(|along| at <= along)
         {
             nearest = Hover::Handle { id, along: at };
             along = Some(at);
         }
-        match self.panels.find(hand, &sample) {
+        match self.panels.find(hand, pointer) {
             Some(on) if along.is_none_or(|along| on.along <= along) => Hover::Panel(on),
             _ => nearest,
         }
     }
 
-    /// The node or the rim, whichever the hand means.
+    /// The node or the rim, whichever is meant.
     fn nearest(&self, node: Option<(NodeRef, hover::Hit)>, rim: Option<f32>) -> Hover {
         match (node, rim) {
             (Some((at, hit)), rim) if hit.touched || rim.is_none_or(|rim| hit.along <= rim) => {

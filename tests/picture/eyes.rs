@@ -40,6 +40,18 @@ fn half_grey_reads_back_as_188() {
 }
 
 #[test]
+fn one_eye_alone_sees_what_the_left_of_two_does() {
+    let Some(gpu) = device() else { return };
+    let [two, one] = [StereoMode::PerEye, StereoMode::OneEye].map(|mode| {
+        let params = RendererParams::new(SIDE, SIDE, mode);
+        shoot(&gpu, &params, &stage(), &standing())
+    });
+    let differ = two.color[0] != one.color[0] || two.depth[0] != one.depth[0];
+    assert!(!differ, "a window shows what the left eye sees");
+    silent(&gpu);
+}
+
+#[test]
 fn both_ways_to_two_eyes_give_the_same_bits() {
     let Some(gpu) = device() else { return };
     if mode(&gpu) == StereoMode::PerEye {

@@ -1,0 +1,169 @@
+//! Watches a window's session: tells the pointer what is on the stage, and does what keys ask for besides the tools.
+
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use anyhow::{Context as _, Result};
+use ramus_xr::{Acquired, Frame, Headset};
+
+use super::camera::Camera;
+use super::keys::HELP;
+use super::pointer::Facts;
+use super::{Files, Wire, Wishes};
+use crate::app::picture::Picture;
+use crate::app::session::Watcher;
+use crate::app::workshop::Workshop;
+use crate::app::{export, take_home};
+use crate::world::scene::Scene;
+
+/// Most pictures in a row beside each other in a folder.
+const MOST_PICTURES: u32 = 10_000;
+
+/// See the module.
+pub(super) struct Stagehand<'a> {
+    wire: Rc<Wire>,
+    files: Files,
+    message: Option<String>,
+    /// Whoever watches besides.
+    inner: &'a mut dyn Watcher,
+}
+
+impl<'a> Stagehand<'a> {
+    pub(super) fn new(wire: Rc<Wire>, files: Files, inner: &'a mut dyn Watcher) -> Self {
+        Self {
+            wire,
+            files,
+            message: None,
+            inner,
+        }
+    }
+
+    fn look(&self, workshop: &Workshop, picture: &Picture) {
+        let world = workshop.world();
+        let ray = self.wire.ray.get();
+        self.wire.facts.set(Facts {
+            selected: world.selected_position(),
+            met: ray.and_then(|ray| world.met(ray.origin, ray.direction)),
+        });
+        self.wire
+            .moving
+            .set(world.is_growing() || workshop.is_busy() || picture.is_behind());
+    }
+
+    /// Does what keys asked for. What fails is told on the board and ends nothing.
+    fn serve(&mut self, workshop: &Workshop, picture: &Picture, acquired: Option<Acquired>) {
+        let Wishes {
+            picture: pictures,
+            export: exports,
+            help,
+            tree,
+        } = self.wire.wishes.take();
+        let mut said = |outcome: Result<String>| {
+            self.message = Some(outcome.unwrap_or_else(|error| format!("{error:#}.")));
+        };
+        if pictures {
+            said(keep_picture(picture, acquired, &self.files.picture));
+        }
+        if exports {
+            said(keep_tree(workshop, self.files.tree.as_deref()));
+        }
+        if tree {
+            self.wire.eye.set(Some(before_tree(workshop)));
+        }
+        if help {
+            said(Ok(HELP.to_owned()));
+        }
+    }
+}
+
+/// An eye that sees the whole tree, or where it will stand.
+fn before_tree(workshop: &Workshop) -> Camera {
+    let mut scene = Scene::default();
+    workshop.world().scene(&mut scene);
+    let bounds = scene.tree.as_ref().and_then(|placed| {
+        let (low, high) = placed.tree.bounds()?;
+        let [low, high] = [low, high].map(|point| placed.world_from_tree.transform_point3(point));
+        Some((low.min(high), low.max(high)))
+    });
+    Camera::before(bounds)
+}
+
+/// Writes what the window shows under the next free number.
+fn keep_picture(picture: &Picture, acquired: Option<Acquired>, name: &Path) -> Result<String> {
+    let [left, _] = picture.read(acquired)?;
+    let path = free_name(name);
+    if let Some(folder) = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+    {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    }
+    export::png(&left, &path)?;
+    Ok(format!("The picture is in {}.", path.display()))
+}
+
+fn free_name(name: &Path) -> PathBuf {
+    let numbered = |number: u32| {
+        let mut name = name.as_os_str().to_owned();
+        name.push(format!("-{number:02}.png"));
+        PathBuf::from(name)
+    };
+    let free = (1..MOST_PICTURES).map(numbered).find(|path| !path.exists());
+    free.unwrap_or_else(|| numbered(MOST_PICTURES))
+}
+
+fn keep_tree(workshop: &Workshop, tree: Option<&Path>) -> Result<String> {
+    let Some(tree) = tree else {
+        return Ok("A session that is played exports nothing by keys.".to_owned());
+    };
+    let world = workshop.world();
+    if world.document().step == 0 {
+        return Ok("Nothing to export yet: grow the tree first.".to_owned());
+    }
+    let grammar = tree.with_extension("lsys");
+    take_home::export(world.document(), tree)?;
+    take_home::grammar(world.document(), &grammar)?;
+    Ok(format!(
+        "The tree is in {}, its grammar in {}.",
+        tree.display(),
+        grammar.display()
+    ))
+}
+
+impl Watcher for Stagehand<'_> {
+    fn updated(&mut self, workshop: &Workshop) {
+        let (wire, told) = (&self.wire, workshop.world().has_message());
+        if wire.told.replace(told) != told || workshop.world().is_growing() {
+            wire.moving.set(true);
+        }
+        self.inner.updated(workshop);
+    }
+
+    fn wants(&mut self, workshop: &Workshop, frame: &Frame) -> bool {
+        self.inner.wants(workshop, frame)
+    }
+
+    fn drawn(
+        &mut self,
+        workshop: &Workshop,
+        picture: &Picture,
+        acquired: Option<Acquired>,
+    ) -> Result<()> {
+        self.serve(workshop, picture, acquired);
+        self.look(workshop, picture);
+        if self.message.is_some() {
+            // It shows in the next frame.
+            self.wire.moving.set(true);
+        }
+        self.inner.drawn(workshop, picture, acquired)
+    }
+
+    fn take_message(&mut self) -> Option<String> {
+        self.message.take().or_else(|| self.inner.take_message())
+    }
+
+    fn ended(&mut self, headset: &mut dyn Headset) {
+        self.inner.ended(headset);
+    }
+}
