@@ -53,7 +53,7 @@ impl Opened {
     /// [`OpenError`].
     pub fn start(system: System) -> Result<Self, OpenError> {
         let gpu = Gpu::new(&system, &GpuParams::from_env())?;
-        let headset = system.start_on(Box::new(gpu.clone()), StartParams { near: render::NEAR })?;
+        let headset = system.start_on(Box::new(gpu.clone()), StartParams::new(render::NEAR))?;
         let Some(swapchain) = headset.swapchain() else {
             return Err(ConnectError::NoFormat.into());
         };

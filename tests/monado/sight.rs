@@ -26,7 +26,7 @@ impl<H: Headset> Seen<H> {
 }
 
 impl<H: Headset> Headset for Seen<H> {
-    ramus_xr::forward_headset!(inner: describe, extent, swapchain, wait, begin, end, vibrate, request_exit);
+    ramus_xr::forward_headset!(inner: describe, extent, swapchain, wait, begin, end, vibrate, device, request_exit);
 
     fn views(&mut self) -> Result<[View; 2], HeadsetError> {
         let views = self.inner.views()?;

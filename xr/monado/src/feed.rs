@@ -76,7 +76,7 @@ pub fn arrived(seen: &Frame, sent: &Frame) -> bool {
 }
 
 impl<H: Headset, I: Iterator<Item = Frame>> Headset for Fed<H, I> {
-    ramus_xr::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, request_exit);
+    ramus_xr::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, device, request_exit);
 
     fn describe(&self) -> String {
         format!("{}, fed by the remote driver", self.inner.describe())

@@ -80,7 +80,7 @@ impl Device {
                 queue_index: 0,
             };
             let device = ash::Device::load(instance.fp_v1_0(), device);
-            let headset = system.start(handles, StartParams { near: 0.05 }).unwrap();
+            let headset = system.start(handles, StartParams::new(0.05)).unwrap();
             Self {
                 headset: Some(headset),
                 device,

@@ -14,17 +14,13 @@ use xr::sys::{self, Handle as _, Result as Code, pfn};
 use super::connect::{ConnectError, connect_through};
 use super::system::System;
 
+mod events;
+
+pub(super) use self::events::FakeEvent;
+pub(super) use self::extensions::More;
+
 /// Nanoseconds between two frames, unless a test says when they are shown.
 const PERIOD: i64 = 11_000_000;
-
-/// What `xrPollEvent` gives.
-#[derive(Clone, Copy)]
-pub(super) enum FakeEvent {
-    State(xr::SessionState),
-    Recentre(xr::ReferenceSpaceType, i64),
-    InstanceLoss,
-    Profile,
-}
 
 /// What came with `xrEndFrame`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +28,8 @@ pub(super) struct Ended {
     pub(super) layers: u32,
     /// nearZ and farZ of the left eye's depth.
     pub(super) depth: Option<[f32; 2]>,
+    /// Of the quad on top: x of its middle, and its width.
+    pub(super) quad: Option<[f32; 2]>,
 }
 
 pub(super) struct Fake {
@@ -49,6 +47,8 @@ pub(super) struct Fake {
     pub(super) should_render: bool,
     pub(super) views_known: xr::ViewStateFlags,
     pub(super) hands_known: xr::SpaceLocationFlags,
+    /// Whether what is held cannot be seen.
+    pub(super) controllers_lost: bool,
     /// What every number, and every axis of a stick, is.
     pub(super) number: f32,
     pub(super) button: bool,
@@ -63,6 +63,8 @@ pub(super) struct Fake {
     pub(super) api: Option<xr::Version>,
     /// By profile: actions and the paths that they were bound to.
     pub(super) bound: HashMap<String, Vec<(u64, String)>>,
+    /// What the extensions say.
+    pub(super) more: More,
     /// The profile of what is held in both hands,
     pub(super) held: &'static str,
     /// and what its parts say, by the end of their path, where that is not `number` or `button`.
@@ -74,6 +76,8 @@ pub(super) struct Fake {
     stage: u8,
     synced: bool,
     acquired: HashMap<u64, u8>,
+    /// The spaces of controllers.
+    of_controllers: Vec<u64>,
     located: [sys::View; 2],
 }
 
@@ -107,6 +111,7 @@ impl Default for Fake {
             views_known: xr::ViewStateFlags::ORIENTATION_VALID | xr::ViewStateFlags::POSITION_VALID,
             hands_known: xr::SpaceLocationFlags::ORIENTATION_VALID
                 | xr::SpaceLocationFlags::POSITION_VALID,
+            controllers_lost: false,
             number: 0.5,
             button: true,
             orientation: [0.0, 0.0, 0.0, 1.0],
@@ -122,6 +127,7 @@ impl Default for Fake {
             made: Vec::new(),
             api: None,
             bound: HashMap::new(),
+            more: More::default(),
             held: "/interaction_profiles/oculus/touch_controller",
             parts: HashMap::new(),
             paths: Vec::new(),
@@ -131,6 +137,7 @@ impl Default for Fake {
             stage: 0,
             synced: false,
             acquired: HashMap::new(),
+            of_controllers: Vec::new(),
             located: [view; 2],
         }
     }
@@ -248,22 +255,26 @@ macro_rules! functions {
             }
         )*
 
-        /// The function of that name; one that gives an error for what Ramus does not use.
-        fn find(name: &CStr) -> pfn::VoidFunction {
-            unsafe extern "system" fn unused() -> Code {
-                Code::ERROR_FUNCTION_UNSUPPORTED
-            }
+        /// The function of that name.
+        pub(super) fn find(name: &CStr) -> Option<pfn::VoidFunction> {
             $(
                 if name.to_bytes() == $name.as_bytes() {
                     let function: pfn::$type = $function;
                     // SAFETY: only the pointer's type is forgotten; the crate gives it back.
-                    return unsafe { std::mem::transmute::<pfn::$type, pfn::VoidFunction>(function) };
+                    return Some(unsafe { std::mem::transmute::<pfn::$type, pfn::VoidFunction>(function) });
                 }
             )*
-            // SAFETY: as above; the C calling convention lets a function ignore its arguments.
-            unsafe { std::mem::transmute::<unsafe extern "system" fn() -> Code, pfn::VoidFunction>(unused) }
+            None
         }
     };
+}
+
+// Here, since it writes functions by the macro above.
+mod extensions;
+
+/// What Ramus does not use gives an error.
+unsafe extern "system" fn unused() -> Code {
+    Code::ERROR_FUNCTION_UNSUPPORTED
 }
 
 unsafe extern "system" fn get_instance_proc_addr(
@@ -271,8 +282,17 @@ unsafe extern "system" fn get_instance_proc_addr(
     name: *const c_char,
     function: *mut Option<pfn::VoidFunction>,
 ) -> Code {
+    // SAFETY: only the pointer's type is forgotten; the C calling convention lets a function ignore its arguments.
+    let unused = unsafe {
+        std::mem::transmute::<unsafe extern "system" fn() -> Code, pfn::VoidFunction>(unused)
+    };
     // SAFETY: the crate gives a C string and a place for the pointer.
-    unsafe { *function = Some(find(CStr::from_ptr(name))) };
+    unsafe {
+        let name = CStr::from_ptr(name);
+        *function = find(name)
+            .or_else(|| extensions::find(name))
+            .or(Some(unused));
+    }
     Code::SUCCESS
 }
 
@@ -308,8 +328,12 @@ functions! {
     }
     "xrGetSystemProperties" system_properties: GetSystemProperties(
         _i: sys::Instance, _s: sys::SystemId, out: *mut sys::SystemProperties,
-    ) |_fake| {
+    ) |fake| {
         (*out).system_name = text(c"Cardboard");
+        let hands = (*out).next.cast::<sys::SystemHandTrackingPropertiesEXT>();
+        if !hands.is_null() {
+            (*hands).supports_hand_tracking = fake.more.sees_hands.into();
+        }
         (*out).graphics_properties =
             sys::SystemGraphicsProperties { max_swapchain_image_height: 4096, max_swapchain_image_width: 4096, max_layer_count: 16 };
         Code::SUCCESS
@@ -364,7 +388,9 @@ functions! {
     "xrCreateActionSpace" action_space: CreateActionSpace(
         _s: sys::Session, _info: *const sys::ActionSpaceCreateInfo, out: *mut sys::Space,
     ) |fake| {
-        *out = sys::Space::from_raw(fake.handle());
+        let space = fake.handle();
+        fake.of_controllers.push(space);
+        *out = sys::Space::from_raw(space);
         Code::SUCCESS
     }
     "xrStringToPath" string_to_path: StringToPath(_i: sys::Instance, string: *const c_char, out: *mut sys::Path) |fake| {
@@ -424,7 +450,7 @@ functions! {
         _s: sys::Session, info: *const sys::SwapchainCreateInfo, out: *mut sys::Swapchain,
     ) |fake| {
         let info = &*info;
-        fake.expect(info.array_size == 2 && info.face_count == 1 && info.mip_count == 1 && info.sample_count == 1, "shape");
+        fake.expect(matches!(info.array_size, 1 | 2) && info.face_count == 1 && info.mip_count == 1 && info.sample_count == 1, "shape");
         fake.expect(fake.formats.contains(&info.format), "a format that was not offered");
         *out = sys::Swapchain::from_raw(fake.handle());
         Code::SUCCESS
@@ -483,40 +509,8 @@ functions! {
         Code::SUCCESS
     }
     "xrPollEvent" poll: PollEvent(_i: sys::Instance, out: *mut sys::EventDataBuffer) |fake| {
-        let session = sys::Session::from_raw(2);
         let Some(event) = fake.events.pop_front() else { return Code::EVENT_UNAVAILABLE };
-        match event {
-            FakeEvent::State(state) => out.cast::<sys::EventDataSessionStateChanged>().write(sys::EventDataSessionStateChanged {
-                ty: sys::EventDataSessionStateChanged::TYPE,
-                next: ptr::null(),
-                session,
-                state,
-                time: sys::Time::from_nanos(fake.time),
-            }),
-            FakeEvent::Recentre(kind, at) => {
-                out.cast::<sys::EventDataReferenceSpaceChangePending>().write(sys::EventDataReferenceSpaceChangePending {
-                    ty: sys::EventDataReferenceSpaceChangePending::TYPE,
-                    next: ptr::null(),
-                    session,
-                    reference_space_type: kind,
-                    change_time: sys::Time::from_nanos(at),
-                    pose_valid: sys::FALSE,
-                    pose_in_previous_space: xr::Posef::IDENTITY,
-                });
-            }
-            FakeEvent::InstanceLoss => out.cast::<sys::EventDataInstanceLossPending>().write(sys::EventDataInstanceLossPending {
-                ty: sys::EventDataInstanceLossPending::TYPE,
-                next: ptr::null(),
-                loss_time: sys::Time::from_nanos(fake.time),
-            }),
-            FakeEvent::Profile => {
-                out.cast::<sys::EventDataInteractionProfileChanged>().write(sys::EventDataInteractionProfileChanged {
-                    ty: sys::EventDataInteractionProfileChanged::TYPE,
-                    next: ptr::null(),
-                    session,
-                });
-            }
-        }
+        event.write(fake.time, out);
         Code::SUCCESS
     }
     "xrWaitFrame" wait_frame: WaitFrame(
@@ -558,10 +552,12 @@ functions! {
         fill(&fake.located, capacity, count, out)
     }
     "xrLocateSpace" locate_space: LocateSpace(
-        _s: sys::Space, _base: sys::Space, time: sys::Time, out: *mut sys::SpaceLocation,
+        space: sys::Space, _base: sys::Space, time: sys::Time, out: *mut sys::SpaceLocation,
     ) |fake| {
         fake.expect(time.as_nanos() == fake.time && fake.stage > 0, "with another time than the frame's");
-        (*out).location_flags = fake.hands_known;
+        let lost = fake.held.is_empty() || fake.controllers_lost;
+        let lost = lost && fake.of_controllers.contains(&space.into_raw());
+        (*out).location_flags = if lost { xr::SpaceLocationFlags::EMPTY } else { fake.hands_known };
         let [x, y, z, w] = fake.orientation;
         (*out).pose = xr::Posef {
             orientation: xr::Quaternionf { x, y, z, w },
@@ -612,8 +608,8 @@ functions! {
         fake.expect(info.environment_blend_mode == xr::EnvironmentBlendMode::OPAQUE, "blend mode");
         fake.expect(fake.acquired.values().all(|stage| *stage == 0), "an image was not released");
         fake.stage = 0;
-        let mut ended = Ended { layers: info.layer_count, depth: None };
-        if info.layer_count == 1 {
+        let mut ended = Ended { layers: info.layer_count, ..Ended::default() };
+        if info.layer_count > 0 {
             let layer = &*(*info.layers).cast::<sys::CompositionLayerProjection>();
             fake.expect(layer.ty == sys::CompositionLayerProjection::TYPE && layer.view_count == 2, "not a projection");
             let views = std::slice::from_raw_parts(layer.views, 2);
@@ -627,6 +623,12 @@ functions! {
                 let depth = &*views[0].next.cast::<sys::CompositionLayerDepthInfoKHR>();
                 ended.depth = Some([depth.near_z, depth.far_z]);
             }
+        }
+        for at in 1..info.layer_count as usize {
+            let quad = &*(*info.layers.add(at)).cast::<sys::CompositionLayerQuad>();
+            fake.expect(quad.ty == sys::CompositionLayerQuad::TYPE && quad.space.into_raw() != 0, "not a quad");
+            fake.expect(quad.sub_image.image_array_index == 0, "a layer that a quad has not");
+            ended.quad = Some([quad.pose.position.x, quad.size.width]);
         }
         fake.ended.push(ended);
         Code::SUCCESS
