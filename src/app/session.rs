@@ -69,15 +69,32 @@ pub fn run(
     mut picture: Option<&mut Picture>,
     watcher: &mut dyn Watcher,
 ) -> Result<(), SessionEnd> {
+    // Whether somebody was at work since the project was saved last.
+    let mut at_work = false;
     loop {
-        match headset.wait()? {
+        let there = match headset.wait()? {
             Tick::Exit => return Ok(()),
-            Tick::Idle => std::thread::sleep(IDLE_PAUSE),
+            Tick::Idle => {
+                std::thread::sleep(IDLE_PAUSE);
+                false
+            }
             Tick::Frame(frame) => {
                 one_frame(headset, workshop, picture.as_deref_mut(), watcher, &frame)?;
                 watcher.ended(headset);
+                headset.worn()
             }
+        };
+        if at_work && !there {
+            put_aside(workshop);
         }
+        at_work = there;
+    }
+}
+
+/// The headset was taken off or put aside: what was made is saved, since nobody knows who comes back, and when.
+fn put_aside(workshop: &mut Workshop) {
+    if let Err(error) = workshop.save() {
+        workshop.show_message(format!("{error}. Your work is kept in the journal."));
     }
 }
 
@@ -98,6 +115,7 @@ fn one_frame(
     let rendered = match picture {
         Some(picture) if ready && (watcher.wants(workshop, frame) || acquired.is_some()) => {
             let views = headset.views()?;
+            picture.mask(headset.visibility_mask())?;
             let scene = workshop.scene();
             let report = if acquired.is_none() {
                 // Nobody waits for a picture without a headset: it is drawn when all of it is there.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use ramus_xr::profiles::Profile;
-use ramus_xr::{Frame, Pulse};
+use ramus_xr::{Frame, Hand, Pulse};
 
 use crate::app::convert::{buttons, input_from_frame};
 use crate::app::store::{Opened, Store, StoreError};
@@ -53,6 +53,10 @@ pub struct Workshop {
     pulses: Vec<Pulse>,
     /// Paths of what both hands hold.
     held: [Option<&'static str>; 2],
+    /// The last frame.
+    last: Option<Frame>,
+    /// The actions up to the last save.
+    saved: u64,
 }
 
 fn grow(grower: &mut Grower, (id, sketch, step): &Wanted, cancel: &AtomicBool) -> Ready {
@@ -100,6 +104,8 @@ impl Workshop {
             scene: Scene::default(),
             pulses: Vec::new(),
             held: [None; 2],
+            last: None,
+            saved: 0,
         })
     }
 
@@ -114,6 +120,7 @@ impl Workshop {
 
     /// Takes one frame of input and brings everything up to it; gives the vibrations to send.
     pub fn update(&mut self, frame: &Frame) -> &[Pulse] {
+        self.last = Some(*frame);
         self.pulses.clear();
         let haptics = self.world.update(&input_from_frame(frame));
         self.pulses.extend(haptics.iter().map(|haptic| Pulse {
@@ -168,6 +175,29 @@ impl Workshop {
         {
             self.take_tree(id, grown);
         }
+    }
+
+    /// The headset is gone: strokes and drags that are under way end where they are, as when the focus goes.
+    pub fn let_go(&mut self) {
+        if let Some(last) = self.last {
+            self.update(&Frame {
+                focused: false,
+                hands: [Hand::ABSENT; 2],
+                ..last
+            });
+        }
+    }
+
+    /// Saves the project as it is, if there was an edit since it was saved last; the session goes on.
+    ///
+    /// # Errors
+    /// Where the project cannot be written; the journal still holds everything.
+    pub fn save(&mut self) -> Result<(), StoreError> {
+        if let Some(store) = self.store.as_mut().filter(|_| self.saved != self.edits) {
+            store.save(self.world.document())?;
+            self.saved = self.edits;
+        }
+        Ok(())
     }
 
     /// Saves the project and ends the session; gives the world back for exports.

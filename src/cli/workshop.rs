@@ -3,21 +3,23 @@
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use clap::{Args as ClapArgs, ValueEnum};
 use ramus_xr::Headset;
-use ramus_xr::record::Recorder;
+use ramus_xr::record::Tape;
 use ramus_xr::session::SessionError;
 use ramus_xr::simulated::Simulated;
 
 use super::outputs::{both, check_places, not_over_each_other, set_aside};
 use super::progress::Progress;
 use super::replay::EXTENT;
+use crate::app::again::Patience;
 use crate::app::album::Album;
-use crate::app::headset::{self, Opened};
+use crate::app::headset::{self, Loss, Opened};
 use crate::app::picture::Picture;
-use crate::app::session::{self, Nobody};
+use crate::app::session;
 use crate::app::store::{Store, keep_older, older_one, read_project};
 use crate::app::workshop::{Workshop, WorkshopParams};
 use crate::app::{demonstration, portrait, take_home};
@@ -37,6 +39,9 @@ pub(super) struct Args {
     /// Which headset to use
     #[arg(long, value_enum, default_value_t = Which::Auto, value_name = "WHICH")]
     headset: Which,
+    /// How long to wait for a runtime that is lost in the middle of the work, which is saved first; 0: not at all
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(..=86_400))]
+    patience: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -123,17 +128,14 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
         tell!("{message}");
     }
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
-    let (outcome, recorded) = match &args.record {
-        None => {
-            let (_, outcome) = opened.run(|headset| headset, &mut workshop, &mut Nobody);
-            (outcome, Ok(()))
-        }
-        Some(path) => {
-            let output = recording(path)?;
-            let record = |headset| Recorder::new(headset, output);
-            let (recorder, outcome) = opened.run(record, &mut workshop, &mut Nobody);
-            (outcome, end_recording(recorder, path))
-        }
+    let mut tape = args.record.as_deref().map(recording).transpose()?;
+    let patience = Patience::of(Duration::from_secs(args.patience));
+    let outcome = headset::keep_going(opened, &mut tape, &mut workshop, &patience, |loss| {
+        tell_loss(&loss, &project);
+    });
+    let recorded = match (tape, &args.record) {
+        (Some(tape), Some(path)) => end_recording(tape.finish(), path),
+        _ => Ok(()),
     };
     // However the session and its recording ended, the work is saved first.
     workshop.finish_tree();
@@ -143,6 +145,18 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
         Err(_) => error.into(),
     });
     both(kept, both(outcome, recorded))
+}
+
+fn tell_loss(loss: &Loss, project: &Path) {
+    let kept = match &loss.saved {
+        Ok(()) => format!("your work is saved in {}", project.display()),
+        Err(error) => format!("your work is in the journal ({error})"),
+    };
+    tell!(
+        "Lost: {}; {kept}. Ramus goes on when the runtime is back within {} s (Ctrl-C ends it).",
+        loss.why,
+        loss.wait.as_secs()
+    );
 }
 
 fn take_home_all(workshop: Workshop, project: &Path) -> Result<()> {
@@ -176,15 +190,14 @@ fn check_recording(path: Option<&Path>) -> Result<()> {
     check_places([&path.to_owned()])
 }
 
-fn recording(path: &Path) -> Result<Recording> {
+fn recording(path: &Path) -> Result<Tape<Recording>> {
     let file = File::create_new(path)
         .with_context(|| format!("cannot record the session into {}", path.display()))?;
-    Ok(BufWriter::new(file))
+    Ok(Tape::new(BufWriter::new(file)))
 }
 
 /// Ends a recording. Its failure touches nothing else that the session makes, so it is told at the end.
-fn end_recording<H: Headset>(recorder: Recorder<H, Recording>, path: &Path) -> Result<()> {
-    let (_headset, written) = recorder.finish();
+fn end_recording(written: Result<Recording, SessionError>, path: &Path) -> Result<()> {
     if let Err(error) = written {
         let room = match error {
             SessionError::Io(_) => "free some space or choose another disk, and ",
@@ -226,10 +239,10 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
     let (outcome, recorded) = match record.map(|path| (path, recording(path))) {
         None => (play(&mut headset), Ok(())),
         Some((_, Err(error))) => (Err(error), Ok(())),
-        Some((path, Ok(output))) => {
-            let mut recorder = Recorder::new(headset, output);
+        Some((path, Ok(tape))) => {
+            let mut recorder = tape.around(headset);
             let outcome = play(&mut recorder);
-            (outcome, end_recording(recorder, path))
+            (outcome, end_recording(recorder.finish().1, path))
         }
     };
     let steps = album.steps().clone();

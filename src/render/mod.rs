@@ -15,6 +15,7 @@ mod error;
 mod eye;
 mod frame;
 mod gpu;
+mod hidden;
 mod host;
 mod memory;
 mod meshes;
