@@ -65,7 +65,10 @@ impl Opened {
     }
 
     /// The same by a clock that tells the frames' times from one session to the next.
-    fn start_by(system: System, clock: Rc<Cell<FrameClock>>) -> Result<Self, OpenError> {
+    ///
+    /// # Errors
+    /// [`OpenError`].
+    pub fn start_by(system: System, clock: Rc<Cell<FrameClock>>) -> Result<Self, OpenError> {
         let gpu = Gpu::new(&system, &GpuParams::from_env())?;
         let params = StartParams {
             clock: Rc::clone(&clock),
@@ -106,15 +109,20 @@ impl Opened {
     }
 }
 
-/// What is told of a session that was lost.
+/// What is told of a runtime that goes and comes.
 #[derive(Debug)]
-pub struct Loss {
-    /// What happened, without a way out: there may be none to take.
-    pub why: String,
-    /// Whether the project is saved as it is now; the journal holds it in any case.
-    pub saved: Result<(), StoreError>,
-    /// How long the runtime is waited for.
-    pub wait: Duration,
+pub enum News {
+    /// The session was lost.
+    Lost {
+        /// What happened, without a way out: there may be none to take.
+        why: String,
+        /// Whether the project is saved as it is now; the journal holds it in any case.
+        saved: Result<(), StoreError>,
+        /// How long the runtime is waited for.
+        wait: Duration,
+    },
+    /// Another one goes on with the work, on this runtime and device.
+    Back(String),
 }
 
 /// Runs the workshop in the headset to its end. Where the runtime is lost, the work is saved and told, and goes on as
@@ -127,7 +135,7 @@ pub fn keep_going<W: Write>(
     tape: &mut Option<Tape<W>>,
     workshop: &mut Workshop,
     patience: &Patience,
-    mut tell: impl FnMut(Loss),
+    tell: impl Fn(News),
 ) -> Result<(), SessionEnd> {
     let clock = Rc::clone(&opened.clock);
     // Both closures need it, one after the other.
@@ -152,7 +160,11 @@ pub fn keep_going<W: Write>(
             workshop.set(Some(here));
             outcome
         },
-        || Opened::start_by(connect()?, Rc::clone(&clock)),
+        || {
+            let opened = Opened::start_by(connect()?, Rc::clone(&clock))?;
+            tell(News::Back(opened.describe()));
+            Ok::<_, OpenError>(opened)
+        },
         |end, wait| {
             let Some(here) = workshop.take() else { return };
             here.let_go();
@@ -164,7 +176,7 @@ pub fn keep_going<W: Write>(
                 }
                 end => end.to_string(),
             };
-            tell(Loss { why, saved, wait });
+            tell(News::Lost { why, saved, wait });
         },
     )
 }

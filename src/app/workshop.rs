@@ -263,3 +263,59 @@ impl Workshop {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "tests say what they expect by their names"
+    )]
+
+    use super::*;
+    use crate::app::demonstration;
+    use crate::world::history::History;
+    use crate::world::project;
+
+    fn made(frames: &[Frame], mut before_each: impl FnMut(usize, &mut Workshop)) -> Vec<u8> {
+        let mut workshop = Workshop::unsaved(World::new(History::default())).unwrap();
+        for (at, frame) in frames.iter().enumerate() {
+            before_each(at, &mut workshop);
+            workshop.update(frame);
+        }
+        project::to_bytes(workshop.document())
+    }
+
+    #[test]
+    fn a_headset_that_is_gone_ends_a_drag_as_a_lost_focus_does() {
+        let frames = demonstration::first_tree().unwrap();
+        // The left hand grips the platform, moves it and lets it go.
+        let squeezed = |frame: &Frame| frame.hands[0].squeeze > 0.9;
+        let gripped = frames.iter().position(squeezed).unwrap();
+        let last = frames.iter().rposition(squeezed).unwrap();
+        let middle = gripped.midpoint(last);
+        let frames = &frames[..last + 20];
+        let project = |made: Vec<u8>| String::from_utf8(made).unwrap();
+        let whole = project(made(frames, |_, _| {}));
+        let let_go = project(made(frames, |at, workshop| {
+            if at == middle {
+                workshop.let_go();
+            }
+        }));
+        let unfocused = project(made(frames, |at, workshop| {
+            if at == middle {
+                workshop.update(&Frame {
+                    focused: false,
+                    hands: [Hand::ABSENT; 2],
+                    ..frames[middle - 1]
+                });
+            }
+        }));
+        assert_eq!(let_go, unfocused);
+        assert_ne!(let_go, whole, "the drag ended there");
+        // Before the first frame there is nothing to let go.
+        Workshop::unsaved(World::new(History::default()))
+            .unwrap()
+            .let_go();
+    }
+}

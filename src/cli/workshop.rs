@@ -17,7 +17,7 @@ use super::progress::Progress;
 use super::replay::EXTENT;
 use crate::app::again::Patience;
 use crate::app::album::Album;
-use crate::app::headset::{self, Loss, Opened};
+use crate::app::headset::{self, News, Opened};
 use crate::app::picture::Picture;
 use crate::app::session;
 use crate::app::store::{Store, keep_older, older_one, read_project};
@@ -130,8 +130,8 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
     let mut tape = args.record.as_deref().map(recording).transpose()?;
     let patience = Patience::of(Duration::from_secs(args.patience));
-    let outcome = headset::keep_going(opened, &mut tape, &mut workshop, &patience, |loss| {
-        tell_loss(&loss, &project);
+    let outcome = headset::keep_going(opened, &mut tape, &mut workshop, &patience, |news| {
+        tell_news(&news, &project);
     });
     let recorded = match (tape, &args.record) {
         (Some(tape), Some(path)) => end_recording(tape.finish(), path),
@@ -147,15 +147,17 @@ fn in_headset(opened: Opened, args: &Args) -> Result<()> {
     both(kept, both(outcome, recorded))
 }
 
-fn tell_loss(loss: &Loss, project: &Path) {
-    let kept = match &loss.saved {
+fn tell_news(news: &News, project: &Path) {
+    let (why, saved, wait) = match news {
+        News::Back(headset) => return tell!("In the headset again: {headset}."),
+        News::Lost { why, saved, wait } => (why, saved, wait.as_secs()),
+    };
+    let kept = match saved {
         Ok(()) => format!("your work is saved in {}", project.display()),
         Err(error) => format!("your work is in the journal ({error})"),
     };
     tell!(
-        "Lost: {}; {kept}. Ramus goes on when the runtime is back within {} s (Ctrl-C ends it).",
-        loss.why,
-        loss.wait.as_secs()
+        "Lost: {why}; {kept}. Ramus goes on when the runtime is back within {wait} s (Ctrl-C ends it)."
     );
 }
 

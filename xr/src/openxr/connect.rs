@@ -98,6 +98,7 @@ pub(super) fn connect_through(entry: &xr::Entry, version: u32) -> Result<System,
     extensions.khr_visibility_mask = offered.khr_visibility_mask;
     extensions.fb_display_refresh_rate = offered.fb_display_refresh_rate;
     extensions.ext_user_presence = offered.ext_user_presence;
+    extensions.ext_palm_pose = offered.ext_palm_pose;
     // Gestures of bare hands are the runtime's to see where it can.
     extensions.ext_hand_tracking = offered.ext_hand_tracking && !offered.ext_hand_interaction;
     let vulkan = offered.khr_vulkan_enable2;
@@ -150,6 +151,7 @@ pub(super) fn connect_through(entry: &xr::Entry, version: u32) -> Result<System,
             mask: extensions.khr_visibility_mask,
             refresh: extensions.fb_display_refresh_rate,
             joints,
+            palm: extensions.ext_palm_pose,
             local_floor: core_1_1 || extensions.ext_local_floor,
             depth: extensions.khr_composition_layer_depth,
             profiles: controllers::known(core_1_1, extensions),

@@ -47,8 +47,9 @@ pub(super) struct Fake {
     pub(super) should_render: bool,
     pub(super) views_known: xr::ViewStateFlags,
     pub(super) hands_known: xr::SpaceLocationFlags,
-    /// Whether what is held cannot be seen.
+    /// Whether what is held cannot be seen; the action alone whose pose is not known.
     pub(super) controllers_lost: bool,
+    pub(super) unknown: &'static str,
     /// What every number, and every axis of a stick, is.
     pub(super) number: f32,
     pub(super) button: bool,
@@ -58,6 +59,8 @@ pub(super) struct Fake {
     pub(super) objections: Vec<String>,
     pub(super) ended: Vec<Ended>,
     pub(super) haptics: usize,
+    /// How far the head had moved (z, in metres) in the views that were submitted: it moves with each time that it is located.
+    pub(super) submitted: Vec<[f32; 2]>,
     /// Reference spaces that were made.
     pub(super) made: Vec<(xr::ReferenceSpaceType, f32)>,
     pub(super) api: Option<xr::Version>,
@@ -76,8 +79,9 @@ pub(super) struct Fake {
     stage: u8,
     synced: bool,
     acquired: HashMap<u64, u8>,
-    /// The spaces of controllers.
-    of_controllers: Vec<u64>,
+    /// Names of the actions, and the actions of the spaces of controllers.
+    actions: HashMap<u64, String>,
+    of_controllers: HashMap<u64, String>,
     located: [sys::View; 2],
 }
 
@@ -112,6 +116,7 @@ impl Default for Fake {
             hands_known: xr::SpaceLocationFlags::ORIENTATION_VALID
                 | xr::SpaceLocationFlags::POSITION_VALID,
             controllers_lost: false,
+            unknown: "",
             number: 0.5,
             button: true,
             orientation: [0.0, 0.0, 0.0, 1.0],
@@ -124,6 +129,7 @@ impl Default for Fake {
             objections: Vec::new(),
             ended: Vec::new(),
             haptics: 0,
+            submitted: Vec::new(),
             made: Vec::new(),
             api: None,
             bound: HashMap::new(),
@@ -137,7 +143,8 @@ impl Default for Fake {
             stage: 0,
             synced: false,
             acquired: HashMap::new(),
-            of_controllers: Vec::new(),
+            actions: HashMap::new(),
+            of_controllers: HashMap::new(),
             located: [view; 2],
         }
     }
@@ -157,6 +164,7 @@ impl Fake {
         const CALLS: usize = 64;
         self.calls.reserve(frames * CALLS);
         self.ended.reserve(frames);
+        self.submitted.reserve(frames);
     }
 
     /// What the part of the held controller says that an action is bound to, on one of its axes; none where it is bound to none.
@@ -386,10 +394,11 @@ functions! {
         Code::SUCCESS
     }
     "xrCreateActionSpace" action_space: CreateActionSpace(
-        _s: sys::Session, _info: *const sys::ActionSpaceCreateInfo, out: *mut sys::Space,
+        _s: sys::Session, info: *const sys::ActionSpaceCreateInfo, out: *mut sys::Space,
     ) |fake| {
         let space = fake.handle();
-        fake.of_controllers.push(space);
+        let action = fake.actions.get(&(*info).action.into_raw()).cloned().unwrap_or_default();
+        fake.of_controllers.insert(space, action);
         *out = sys::Space::from_raw(space);
         Code::SUCCESS
     }
@@ -419,7 +428,10 @@ functions! {
         _s: sys::ActionSet, info: *const sys::ActionCreateInfo, out: *mut sys::Action,
     ) |fake| {
         fake.expect((*info).count_subaction_paths == 2, "an action without both hands");
-        *out = sys::Action::from_raw(fake.handle());
+        let action = fake.handle();
+        let name = CStr::from_ptr((*info).action_name.as_ptr()).to_string_lossy().into_owned();
+        fake.actions.insert(action, name);
+        *out = sys::Action::from_raw(action);
         Code::SUCCESS
     }
     "xrSuggestInteractionProfileBindings" suggest: SuggestInteractionProfileBindings(
@@ -429,7 +441,13 @@ functions! {
         let bindings = std::slice::from_raw_parts(info.suggested_bindings, info.count_suggested_bindings as usize);
         let path = |path: sys::Path| fake.paths[usize::try_from(path.into_raw()).unwrap_or_default() - 1].clone();
         let profile = path(info.interaction_profile);
-        let bound = bindings.iter().map(|binding| (binding.action.into_raw(), path(binding.binding))).collect();
+        let bound: Vec<_> = bindings.iter().map(|binding| (binding.action.into_raw(), path(binding.binding))).collect();
+        let palm = bound.iter().any(|(_, path)| path.contains("palm_ext"));
+        if palm && fake.more.refuses_palms {
+            return Code::ERROR_PATH_UNSUPPORTED;
+        }
+        let offered = fake.extensions.contains(&c"XR_EXT_palm_pose");
+        fake.expect(!palm || offered, "a pose of an extension that is not there");
         fake.bound.insert(profile, bound);
         Code::SUCCESS
     }
@@ -543,9 +561,10 @@ functions! {
         (*state).view_state_flags = fake.views_known;
         let [x, y, z, w] = fake.orientation;
         for (view, side) in fake.located.iter_mut().zip([-0.03, 0.03]) {
+            let moved = view.pose.position.z + 0.001;
             view.pose = xr::Posef {
                 orientation: xr::Quaternionf { x, y, z, w },
-                position: xr::Vector3f { x: side, y: 1.7, z: 0.0 },
+                position: xr::Vector3f { x: side, y: 1.7, z: moved },
             };
             view.fov = fake.fov;
         }
@@ -555,13 +574,17 @@ functions! {
         space: sys::Space, _base: sys::Space, time: sys::Time, out: *mut sys::SpaceLocation,
     ) |fake| {
         fake.expect(time.as_nanos() == fake.time && fake.stage > 0, "with another time than the frame's");
-        let lost = fake.held.is_empty() || fake.controllers_lost;
-        let lost = lost && fake.of_controllers.contains(&space.into_raw());
+        let of = fake.of_controllers.get(&space.into_raw()).map(String::as_str);
+        let lost = of.is_some_and(|action| fake.held.is_empty() || fake.controllers_lost || action == fake.unknown);
+        let palm = of == Some("palm");
+        let bound = fake.bound.get(fake.held).is_some_and(|bound| bound.iter().any(|(_, path)| path.contains("palm_ext")));
+        let lost = lost || palm && !bound;
+        let height = if palm { 1.25 } else { 1.0 };
         (*out).location_flags = if lost { xr::SpaceLocationFlags::EMPTY } else { fake.hands_known };
         let [x, y, z, w] = fake.orientation;
         (*out).pose = xr::Posef {
             orientation: xr::Quaternionf { x, y, z, w },
-            position: xr::Vector3f { x: 0.1, y: 1.0, z: -0.3 },
+            position: xr::Vector3f { x: 0.1, y: height, z: -0.3 },
         };
         Code::SUCCESS
     }
@@ -619,6 +642,7 @@ functions! {
                 fake.expect(same, "another pose or field of view than located");
                 fake.expect(view.sub_image.image_array_index == u32::from(at == 1), "the other eye's layer");
             }
+            fake.submitted.push([0, 1].map(|eye| views[eye].pose.position.z));
             if !views[0].next.is_null() {
                 let depth = &*views[0].next.cast::<sys::CompositionLayerDepthInfoKHR>();
                 ended.depth = Some([depth.near_z, depth.far_z]);

@@ -116,7 +116,7 @@ impl OpenXrHeadset {
         let head = session
             .create_reference_space(xr::ReferenceSpaceType::VIEW, raw_from_pose(Pose::IDENTITY))
             .called("xrCreateReferenceSpace")?;
-        let input = Input::new(&session, &offer.profiles)?;
+        let input = Input::new(&session, &offer.profiles, offer.palm)?;
         let (color_format, depth_format) = choose_formats(&session, offer.depth)?;
         let color = Chain::new(
             &session,

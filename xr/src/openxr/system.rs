@@ -40,6 +40,8 @@ pub(super) struct Offer {
     pub(super) refresh: bool,
     /// Joints of bare hands are tracked, and the gestures in them are ours to see.
     pub(super) joints: bool,
+    /// Each controller has a pose in the palm of the hand.
+    pub(super) palm: bool,
     /// The controllers that it knows.
     pub(super) profiles: Vec<&'static Profile>,
 }

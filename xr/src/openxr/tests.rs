@@ -509,6 +509,28 @@ fn what_is_missing_is_said() {
 }
 
 #[test]
+fn the_views_that_are_submitted_are_the_ones_that_were_drawn() {
+    let mut headset = focused();
+    for located_late in [true, false, true] {
+        let Tick::Frame(early) = headset.wait().unwrap() else {
+            panic!("no frame");
+        };
+        headset.begin().unwrap();
+        let drawn = if located_late {
+            headset.views().unwrap()
+        } else {
+            early.views
+        };
+        // The head has moved on between the two.
+        assert_eq!(drawn != early.views, located_late);
+        headset.end(true).unwrap();
+        let submitted = with(|fake| *fake.submitted.last().unwrap());
+        assert_eq!(submitted, drawn.map(|view| view.pose.position.z));
+    }
+    no_objections();
+}
+
+#[test]
 fn leaving_before_the_session_ran_needs_no_consent() {
     let mut headset = start().unwrap();
     headset.request_exit();

@@ -15,6 +15,8 @@ pub(in crate::openxr) struct More {
     /// The rates that are offered, in hertz, and those that were asked for.
     pub(in crate::openxr) rates: Vec<f32>,
     pub(in crate::openxr) asked_rates: Vec<f32>,
+    /// Whether no binding to a palm's pose is taken, though the extension is there.
+    pub(in crate::openxr) refuses_palms: bool,
     /// Whether the device has eyes for hands,
     pub(in crate::openxr) sees_hands: bool,
     /// and where both hands' joints are; none while it sees none.
@@ -27,6 +29,7 @@ impl Default for More {
             masks: Default::default(),
             rates: vec![60.0, 72.0, 90.0, 120.0],
             asked_rates: Vec::new(),
+            refuses_palms: false,
             sees_hands: true,
             joints: None,
         }

@@ -1,4 +1,4 @@
-//! What not every runtime offers: masks, refresh rates, presence, bare hands.
+//! What not every runtime offers: masks, refresh rates, presence, palms, bare hands.
 
 use super::*;
 use crate::refresh::RefreshWish;
@@ -170,6 +170,39 @@ fn a_headset_that_is_taken_off_has_no_hands_until_it_is_worn_again() {
     let on = frame(&mut headset);
     assert!(headset.worn() && on.focused && on.hands[0].tracked);
     no_objections();
+}
+
+#[test]
+fn the_palm_stands_in_for_a_grip_that_is_not_known() {
+    const PALM: &std::ffi::CStr = c"XR_EXT_palm_pose";
+    let grip = |unknown: &'static str| {
+        let mut headset = focused();
+        with(|fake| fake.unknown = unknown);
+        let seen = frame(&mut headset);
+        no_objections();
+        let heights = seen.hands.map(|hand| (hand.tracked, hand.grip.position.y));
+        assert_eq!(heights[0], heights[1]);
+        heights[0]
+    };
+    // With the extension: every profile is asked for it, and the grip counts where it is known.
+    offering(PALM);
+    assert_eq!(grip(""), (true, 1.0));
+    with(|fake| {
+        let has =
+            |bound: &Vec<(u64, String)>| bound.iter().any(|(_, p)| p.ends_with("palm_ext/pose"));
+        assert!(fake.bound.values().all(has));
+    });
+    offering(PALM);
+    assert_eq!(grip("grip"), (true, 1.25));
+    // Neither: the hand is where it points from. Without an aim there is no hand.
+    with(|fake| *fake = fake::Fake::default());
+    assert_eq!(grip("grip"), (true, 1.0));
+    offering(PALM);
+    assert_eq!(grip("aim"), (false, 0.0));
+    // A runtime that does not take the binding gets the profile without it.
+    offering(PALM);
+    with(|fake| fake.more.refuses_palms = true);
+    assert_eq!(grip("grip"), (true, 1.0));
 }
 
 /// Joints of a hand whose thumb and index finger are `pinch` metres apart and whose other tips are `fist` from the palm.
