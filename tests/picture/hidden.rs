@@ -98,12 +98,12 @@ fn hidden_pixels_stay_black_and_all_others_are_as_without_a_mask() {
             more.draws >= passes && plain.draws > passes,
             "{plain:?} {more:?}"
         );
-        for eye in 0..2 {
+        for (eye, hidden) in hidden.iter().enumerate() {
             let (mut covered, mut edge) = (0, 0);
             for (x, y, pixel) in masked.color[eye].enumerate_pixels() {
                 let at = (y * SIDE + x) as usize;
                 let depth = masked.depth[eye][at];
-                let within = inside(&hidden[eye], &eyes()[eye].fov, x, y);
+                let within = inside(hidden, &eyes()[eye].fov, x, y);
                 if within > 0.8 {
                     covered += 1;
                     assert_eq!(*pixel, Rgba([0, 0, 0, 255]), "{mode:?} {eye}: {x} {y}");

@@ -266,16 +266,32 @@ fn bare_hands_draw_and_grab_where_only_joints_are_told() {
             );
         }
     }
-    // Out of the cameras' sight, or sleeping without focus, they are gone, and so is what they did.
-    with(|fake| fake.more.joints = None);
-    assert_eq!(frame(&mut headset).hands, [Hand::ABSENT; 2]);
-    with(|fake| fake.more.joints = Some(joints(0.025, 0.1)));
-    assert!(
-        frame(&mut headset).hands[0].trigger < 0.6,
-        "no pinch goes on unseen"
-    );
-    states(&[S::VISIBLE]);
-    assert_eq!(frame(&mut headset).hands, [Hand::ABSENT; 2]);
+    // Out of the cameras' sight, or without the focus, they are gone, and so is what they did.
+    let mut joints_are = |headset: &mut OpenXrHeadset, joints| {
+        with(|fake| fake.more.joints = joints);
+        frame(headset).hands[0]
+    };
+    let away: [fn(&mut OpenXrHeadset); 2] = [
+        |headset| {
+            with(|fake| fake.more.joints = None);
+            assert_eq!(frame(headset).hands, [Hand::ABSENT; 2]);
+        },
+        |headset| {
+            states(&[S::VISIBLE]);
+            assert_eq!(frame(headset).hands, [Hand::ABSENT; 2]);
+            states(&[S::FOCUSED]);
+        },
+    ];
+    for go in away {
+        let pinched = joints_are(&mut headset, Some(joints(0.01, 0.1)));
+        assert_eq!(pinched.trigger, 1.0);
+        go(&mut headset);
+        let half = joints_are(&mut headset, Some(joints(0.025, 0.1)));
+        assert!(
+            half.tracked && half.trigger < 0.6,
+            "no pinch goes on unseen"
+        );
+    }
     no_objections();
 }
 
