@@ -267,7 +267,7 @@ fn bare_hands_draw_and_grab_where_only_joints_are_told() {
         }
     }
     // Out of the cameras' sight, or without the focus, they are gone, and so is what they did.
-    let mut joints_are = |headset: &mut OpenXrHeadset, joints| {
+    let joints_are = |headset: &mut OpenXrHeadset, joints| {
         with(|fake| fake.more.joints = joints);
         frame(headset).hands[0]
     };
