@@ -11,6 +11,7 @@ ARGS ?=
 STAGES ?=
 BENCH ?=
 FUZZ_SECONDS ?= 60
+SOAK_FRAMES ?= 324000
 FUZZ ?= grammar dialect format project session journal swc
 
 CARGO_TARGET_DIR ?= $(CURDIR)/target
@@ -25,6 +26,7 @@ help: ## this list
 	@echo 'make doc               API pages and the user guide, under target/doc and target/book'
 	@echo 'make pictures          the pictures of the gallery, drawn again'
 	@echo 'make fuzz              each parser under the fuzzer for FUZZ_SECONDS'
+	@echo 'make soak              an hour of random hands on the simulated headset, at full speed'
 	@echo 'make clean-out         removes out/, what the program made'
 	@echo
 	@echo 'Variables:'
@@ -68,6 +70,12 @@ pictures:
 	@scripts/setup.sh run
 	$(CARGO) build --release --bin ramus
 	@scripts/gallery.sh "$(CARGO_TARGET_DIR)/release/ramus"
+
+# Without nextest, which would end it after five minutes.
+.PHONY: soak
+soak:
+	@scripts/setup.sh test
+	RAMUS_SOAK_FRAMES=$(SOAK_FRAMES) $(CARGO) test --release --test soak -- --nocapture hours
 
 # libFuzzer's instrumentation needs unstable compiler flags: a stable toolchain takes
 # them with RUSTC_BOOTSTRAP. Finds are left in fuzz/artifacts; what the fuzzer

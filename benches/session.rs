@@ -13,6 +13,7 @@ use std::time::Duration;
 
 use cpu_time::ThreadTime;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use glam::{Quat, Vec3};
 use ramus::app::picture::Picture;
 use ramus::app::portrait;
 use ramus::app::workshop::Workshop;
@@ -82,6 +83,9 @@ impl<'a> Loop<'a> {
         self.gpu.wait_idle().unwrap();
         let (others, start) = (other_threads(), ThreadTime::now());
         self.workshop.update(&self.frame);
+        for (slot, painted) in self.workshop.take_painted() {
+            self.picture.paint(slot, painted).unwrap();
+        }
         let scene = self.workshop.scene();
         self.picture.draw(scene, &self.frame.views, None).unwrap();
         let own = start.elapsed();
@@ -138,6 +142,19 @@ fn session(criterion: &mut Criterion) {
         Loop::new(&gpu, tall(4, 401)),
         |frames, left| {
             frames.frame.hands[0].aim.position.x = if left { 0.3 } else { 0.31 };
+            frames.next(0.011)
+        },
+    );
+    measure(
+        "a pointer moving on the bench",
+        Loop::new(&gpu, tall(4, 401)),
+        |frames, left| {
+            // From before the bench, straight at it, across its parts.
+            let hand = &mut frames.frame.hands[1];
+            let from = Vec3::new(-0.55, 1.2, -0.25);
+            let to = Vec3::new(-0.72, if left { 1.1 } else { 1.15 }, -0.52);
+            hand.aim.position = from;
+            hand.aim.orientation = Quat::from_rotation_arc(Vec3::NEG_Z, (to - from).normalize());
             frames.next(0.011)
         },
     );

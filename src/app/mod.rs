@@ -13,11 +13,13 @@ pub mod doctor;
 pub mod export;
 pub mod headset;
 pub mod memory;
+pub mod person;
 pub mod picture;
 pub mod portrait;
 pub mod session;
 
 pub mod store;
 pub mod take_home;
+mod takeaway;
 pub mod worker;
 pub mod workshop;

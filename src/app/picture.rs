@@ -9,7 +9,7 @@ use crate::render::{
     Backdrop, DrawReport, Eye, Fov, Gpu, Offscreen, Pose, RenderError, Renderer, RendererParams,
     StereoImage, StereoMode, Target, TreeState, TreeUpload, probe,
 };
-use crate::ui::BoardUi;
+use crate::ui::{BoardUi, Painted};
 use crate::world::scene::{PlacedTree, Scene};
 
 /// Where frames go.
@@ -144,6 +144,20 @@ impl Picture {
         Ok(())
     }
 
+    /// Takes what a panel shows from the next frame on.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device has no room for it.
+    pub fn paint(&mut self, slot: usize, mut painted: Painted) -> Result<(), RenderError> {
+        self.renderer.paint_panel(
+            slot,
+            &painted.primitives,
+            &mut painted.textures,
+            painted.size_px,
+            painted.pixels_per_point,
+        )
+    }
+
     /// Draws a frame; `acquired` names the runtime's images.
     ///
     /// # Errors
@@ -158,14 +172,9 @@ impl Picture {
             self.take_upload(upload);
         }
         if let Some(board) = &scene.board
-            && let Some(mut painted) = self.board.lay_out(board)
+            && let Some(painted) = self.board.lay_out(board)
         {
-            self.renderer.paint_panel(
-                &painted.primitives,
-                &mut painted.textures,
-                painted.size_px,
-                painted.pixels_per_point,
-            )?;
+            self.paint(0, painted)?;
         }
         let target = self.images.target(acquired)?;
         let report = self.renderer.draw(scene, &eyes(views), &target)?;

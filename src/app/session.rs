@@ -69,6 +69,9 @@ pub fn run(
     mut picture: Option<&mut Picture>,
     watcher: &mut dyn Watcher,
 ) -> Result<(), SessionEnd> {
+    if picture.is_none() {
+        workshop.unseen();
+    }
     // Whether somebody was at work since the project was saved last.
     let mut at_work = false;
     loop {
@@ -114,8 +117,11 @@ fn one_frame(
     let ready = frame.should_render && (acquired.is_some() || headset.swapchain().is_none());
     let rendered = match picture {
         Some(picture) if ready && (watcher.wants(workshop, frame) || acquired.is_some()) => {
-            let views = headset.views()?;
             picture.mask(headset.visibility_mask())?;
+            let views = workshop.on_stage(headset.views()?);
+            for (slot, painted) in workshop.take_painted() {
+                picture.paint(slot, painted)?;
+            }
             let scene = workshop.scene();
             let report = if acquired.is_none() {
                 // Nobody waits for a picture without a headset: it is drawn when all of it is there.

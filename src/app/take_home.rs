@@ -10,6 +10,7 @@ use crate::sketch;
 use crate::tree::Organs;
 use crate::tree::file::write_atomically;
 use crate::world::World;
+use crate::world::document::Document;
 
 /// One line on what a session made.
 #[must_use]
@@ -24,6 +25,11 @@ pub fn summary(world: &World) -> String {
     let drawn = document.sketch.segments().count();
     let (step, most) = (document.step, sketch::MAX_SEGMENTS);
     // A sketch of copies in copies may have more than can be counted in a lifetime: the count ends at the bound.
+    if !document.sketch.own_rules.is_empty() {
+        return format!(
+            "{lines} lines of {drawn} segments drawn, grown to step {step} by rules of your own"
+        );
+    }
     let grown = match sketch::predict_segments_within(&document.sketch, step, most) {
         Some(grown) => format!("{grown} segments grown"),
         None => format!("more than {most} segments to grow"),
@@ -35,8 +41,7 @@ pub fn summary(world: &World) -> String {
 ///
 /// # Errors
 /// Where there is no tree yet or it cannot be written.
-pub fn export(world: &World, path: &Path) -> Result<()> {
-    let document = world.document();
+pub fn export(document: &Document, path: &Path) -> Result<()> {
     let grown = sketch::grow(&document.sketch, document.step, &AtomicBool::new(false))?;
     export::drawing(&grown.tree, &Organs::default(), path)
         .with_context(|| "the tree was not written")
@@ -46,8 +51,8 @@ pub fn export(world: &World, path: &Path) -> Result<()> {
 ///
 /// # Errors
 /// Where it cannot be written.
-pub fn grammar(world: &World, path: &Path) -> Result<()> {
-    let text = world.document().sketch.grammar_text();
+pub fn grammar(document: &Document, path: &Path) -> Result<()> {
+    let text = document.sketch.grammar_text();
     write_atomically(path, text.as_bytes()).context("the grammar was not written")
 }
 
@@ -57,7 +62,7 @@ mod tests {
     use super::*;
     use crate::{
         sketch::{BOUNDS, Letter, NodeRef, Sketch},
-        world::{document::Document, history::History},
+        world::history::History,
     };
     use glam::Vec3;
 

@@ -1,7 +1,7 @@
 //! The session without its headset and its picture: world, project on disk, growing trees.
 //!
-//! A frame's order: input to the world, its edits to the journal, its request for a tree to
-//! [`Grower`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
+//! A frame's order: input to the world, where hands point to the panels, what they want to the world, its edits to the
+//! journal, its request for a tree to [`Grower`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
 use std::path::PathBuf;
@@ -9,14 +9,18 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use ramus_xr::profiles::Profile;
-use ramus_xr::{Frame, Hand, Pulse};
+use ramus_xr::{Frame, Hand, Pulse, View};
 
 use crate::app::convert::{buttons, input_from_frame};
 use crate::app::store::{Opened, Store, StoreError};
+use crate::app::takeaway::Takeaway;
 use crate::app::worker::Worker;
 use crate::sketch::{Grower, Grown, Sketch};
+use crate::ui::sheet::Tick;
+use crate::ui::{Painted, Panels, Settings, Wish};
 use crate::world::World;
 use crate::world::document::Document;
+use crate::world::panels::PanelId;
 use crate::world::scene::Scene;
 
 /// How the workshop works.
@@ -24,12 +28,17 @@ use crate::world::scene::Scene;
 pub struct WorkshopParams {
     /// Trees with no more segments than this grow within the frame.
     pub at_once: u64,
+    /// Length in seconds and strength (0 to 1) of the vibration when the pointer comes onto a part of a panel, and when it is pressed.
+    pub ticks: [[f32; 2]; 2],
 }
 
 impl Default for WorkshopParams {
     /// 100,000 segments, as the specification of the sketch asks.
     fn default() -> Self {
-        Self { at_once: 100_000 }
+        Self {
+            at_once: 100_000,
+            ticks: [[0.01, 0.2], [0.02, 0.5]],
+        }
     }
 }
 
@@ -40,6 +49,11 @@ type Ready = (u64, Result<Grown, String>);
 /// World, project and trees of one session.
 pub struct Workshop {
     world: World,
+    panels: Panels,
+    settings: Settings,
+    takeaway: Takeaway,
+    /// Time of the last frame.
+    clock: Option<f64>,
     store: Option<Store>,
     params: WorkshopParams,
     /// Grows what is small enough within the frame; both growers keep their last string.
@@ -91,6 +105,10 @@ impl Workshop {
         params: WorkshopParams,
     ) -> std::io::Result<Self> {
         Ok(Self {
+            panels: Panels::new(&world),
+            settings: Settings::default(),
+            takeaway: Takeaway::start()?,
+            clock: None,
             world,
             store,
             params,
@@ -128,9 +146,128 @@ impl Workshop {
             duration: haptic.seconds,
             amplitude: haptic.amplitude,
         }));
+        self.use_panels(frame.time);
         self.keep_journal();
         self.grow_tree();
         &self.pulses
+    }
+
+    /// Looks at the panels and does what is wanted there.
+    fn use_panels(&mut self, time: f64) {
+        let passed = time - self.clock.replace(time).unwrap_or(time);
+        let (wishes, ticks) = self.panels.look(&self.world, self.settings, passed);
+        let [hover, click] = self.params.ticks;
+        self.pulses.extend(ticks.iter().map(|&(hand, tick)| {
+            let [duration, amplitude] = match tick {
+                Tick::Hover => hover,
+                Tick::Click => click,
+            };
+            Pulse {
+                hand,
+                duration,
+                amplitude,
+            }
+        }));
+        if !wishes.is_empty() {
+            for wish in std::mem::take(wishes) {
+                self.carry_out(wish);
+            }
+        }
+        if let Some(told) = self.takeaway.poll() {
+            self.world.show_message(told);
+        }
+    }
+
+    fn carry_out(&mut self, wish: Wish) {
+        let world = &mut self.world;
+        let mut done = Ok(());
+        match wish {
+            Wish::Edit(edit) => done = world.apply(edit),
+            Wish::TryOut(edit) => done = world.try_out(edit),
+            Wish::Settle => world.settle(),
+            Wish::Undo => _ = world.undo(),
+            Wish::Redo => _ = world.redo(),
+            Wish::Step(steps) => world.step_by(steps),
+            Wish::Play(on) => world.play(on),
+            Wish::Speed(speed) => world.set_speed(speed),
+            Wish::Scrub(moment) => world.scrub(moment),
+            Wish::Show(panel, shown) => world.show_panel(panel, shown),
+            Wish::Set(settings) => self.set(settings),
+            Wish::Export(ending) => self.take_home(ending),
+            Wish::Teach(lesson) => world.teach(lesson),
+        }
+        if let Err(error) = done {
+            self.world.show_message(error.to_string());
+        }
+    }
+
+    /// Takes what the person has set.
+    pub fn set(&mut self, settings: Settings) {
+        self.settings = settings;
+        self.world.set_room(settings.room);
+    }
+
+    /// Begins the tutorial with a lesson.
+    pub fn teach(&mut self, lesson: usize) {
+        self.world.teach(Some(lesson));
+    }
+
+    /// What the person has set.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// Writes the tree, or its grammar, beside the project.
+    fn take_home(&mut self, ending: &str) {
+        let Some(store) = &self.store else {
+            let told = "There is no project to write beside: start Ramus with --project.";
+            return self.world.show_message(told.into());
+        };
+        let project = store.project().to_owned();
+        self.takeaway.ask(self.world.document(), &project, ending);
+    }
+
+    /// Where the n-th text (from 1) that is this one stands on a panel, metres right of and below its upper left corner; for lessons and tests, which ask with
+    /// [`Self::keep_texts`] that texts are kept.
+    #[must_use]
+    pub fn find_text(&self, panel: PanelId, text: &str, nth: usize) -> Option<glam::Vec2> {
+        self.panels.find_text(panel, text, nth)
+    }
+
+    /// The texts on a panel, where they are kept.
+    pub fn texts(&self, panel: PanelId) -> impl Iterator<Item = &str> {
+        self.panels.texts(panel)
+    }
+
+    /// Keeps where texts stand on panels from now on.
+    pub fn keep_texts(&mut self) {
+        self.panels.keep_texts();
+    }
+
+    /// Says that no picture is drawn: panels are used all the same.
+    pub fn unseen(&mut self) {
+        self.panels.unseen();
+    }
+
+    /// What panels show, with their slots, where it changed since it was taken last.
+    pub fn take_painted(&mut self) -> impl Iterator<Item = (usize, Painted)> {
+        self.panels.take_painted()
+    }
+
+    /// Where the eyes are on the stage.
+    #[must_use]
+    pub fn on_stage(&self, views: [View; 2]) -> [View; 2] {
+        let (_, orientation, position) =
+            self.world.stage_from_room().to_scale_rotation_translation();
+        let room = ramus_xr::Pose {
+            orientation,
+            position,
+        };
+        views.map(|view| View {
+            pose: room * view.pose,
+            ..view
+        })
     }
 
     /// What is to be seen now.
@@ -168,8 +305,11 @@ impl Workshop {
         self.growing.is_some()
     }
 
-    /// Waits for a tree that is growing on the worker, if any.
+    /// Waits for a tree that is growing on the worker and for files that are being written, if any.
     pub fn finish_tree(&mut self) {
+        for told in self.takeaway.finish() {
+            self.world.show_message(told);
+        }
         while self.growing.is_some()
             && let Some((id, grown)) = self.worker.wait()
         {
@@ -186,6 +326,11 @@ impl Workshop {
                 ..last
             });
         }
+    }
+
+    /// The picture is made anew: panels are laid out again, so that all of what they show reaches it.
+    pub fn show_anew(&mut self) {
+        self.panels = Panels::new(&self.world);
     }
 
     /// Saves the project as it is, if there was an edit since it was saved last; the session goes on.
@@ -224,6 +369,9 @@ impl Workshop {
 
     fn keep_journal(&mut self) {
         let actions = self.world.take_edits();
+        if let Some((lesson, _)) = self.world.lesson() {
+            self.settings.lesson = lesson;
+        }
         self.edits += actions.len() as u64;
         let Some(store) = &mut self.store else { return };
         // A warm frame without edits neither writes nor allocates.
@@ -317,5 +465,33 @@ mod tests {
         Workshop::unsaved(World::new(History::default()))
             .unwrap()
             .let_go();
+    }
+
+    #[test]
+    fn a_picture_that_is_made_anew_gets_all_that_panels_show() {
+        let mut workshop = Workshop::unsaved(World::new(History::default())).unwrap();
+        workshop.carry_out(Wish::Show(PanelId::Bench, true));
+        let mut frame = Frame::start();
+        // The slots that are painted with a frame, those with a font among them.
+        let mut painted = |workshop: &mut Workshop| {
+            frame.time += 0.011;
+            workshop.update(&frame);
+            let mut slots = Vec::new();
+            for (slot, mut painted) in workshop.take_painted() {
+                if !painted.textures.set.is_empty() {
+                    slots.push(slot);
+                }
+                painted.textures.clear();
+            }
+            slots
+        };
+        let first = painted(&mut workshop);
+        assert!(first.contains(&PanelId::Bench.slot()), "{first:?}");
+        for _ in 0..20 {
+            painted(&mut workshop);
+        }
+        assert!(painted(&mut workshop).is_empty(), "nothing changes");
+        workshop.show_anew();
+        assert_eq!(painted(&mut workshop), first);
     }
 }

@@ -112,7 +112,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         );
     }
     if let Some(lsys) = &args.lsys {
-        take_home::grammar(&world, lsys)?;
+        take_home::grammar(world.document(), lsys)?;
         tell!("  grammar   {}", lsys.display());
     }
     if let Some(glb) = &args.glb {
@@ -122,7 +122,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
             "{} was not written: the session ends at step 0, where no tree has grown yet; all else that was asked for is written",
             glb.display()
         );
-        take_home::export(&world, glb)?;
+        take_home::export(world.document(), glb)?;
         tell!("  tree      {}", glb.display());
     }
     Ok(())

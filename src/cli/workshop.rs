@@ -170,9 +170,9 @@ fn take_home_all(workshop: Workshop, project: &Path) -> Result<()> {
     );
     if world.document().step > 0 {
         let [glb, lsys, _] = beside(project);
-        take_home::export(&world, &glb)?;
+        take_home::export(world.document(), &glb)?;
         tell!("The tree is in {}.", glb.display());
-        take_home::grammar(&world, &lsys)?;
+        take_home::grammar(world.document(), &lsys)?;
         tell!("Its grammar is in {}.", lsys.display());
     }
     Ok(())
@@ -272,8 +272,8 @@ fn show(workshop: Workshop, out: &Path, steps: usize, older: Option<&Path>) -> R
             older.display()
         );
     }
-    take_home::export(&world, &glb)?;
-    take_home::grammar(&world, &lsys)?;
+    take_home::export(world.document(), &glb)?;
+    take_home::grammar(world.document(), &lsys)?;
     tell!(
         "A tree was drawn with two controllers and grown: {}.",
         take_home::summary(&world)
@@ -329,7 +329,7 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
     let world = World::new(crate::world::history::History::new(document));
     tell!("{}: {}.", project.display(), take_home::summary(&world));
     if world.document().step > 0 {
-        take_home::export(&world, &glb)?;
+        take_home::export(world.document(), &glb)?;
         let all = world.document().step as usize + 1;
         let of_them = if pictures == all {
             format!("{all} growth steps")

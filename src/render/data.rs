@@ -6,7 +6,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat4, Vec3, Vec4};
 
 use super::eye::Eye;
-use crate::world::scene::{Ball, Board, Color, Controller, PlacedTree, Plate, Rod, Scene};
+use crate::world::scene::{
+    Ball, Color, Controller, MOST_PANELS, PlacedPanel, PlacedTree, Plate, Rod, Scene,
+};
 
 /// `View` of shaders/shared/frame.wgsl.
 #[repr(C)]
@@ -135,11 +137,11 @@ impl SolidData {
         }
     }
 
-    fn board(board: &Board, painted: bool) -> Self {
+    fn panel(panel: &PlacedPanel, painted: bool) -> Self {
         Self {
-            rows: rows(&board.world_from_board),
+            rows: rows(&panel.world_from_panel),
             color: [if painted { 1.0 } else { 0.0 }, 0.0, 0.0, 0.0],
-            kind: Vec4::new(board.size[0].max(1e-3), board.size[1].max(1e-3), 0.0, 0.0),
+            kind: Vec4::new(panel.size[0].max(1e-3), panel.size[1].max(1e-3), 0.0, 0.0),
         }
     }
 }
@@ -152,18 +154,20 @@ pub(crate) struct Counts {
     pub(crate) balls: u32,
     pub(crate) ghost_rods: u32,
     pub(crate) ghost_balls: u32,
-    /// Plates, then each hand's controllers, then the board.
+    /// Plates, then each hand's controllers, then the board and the panels.
     pub(crate) plates: u32,
     pub(crate) left: u32,
     pub(crate) right: u32,
-    pub(crate) board: u32,
+    pub(crate) panels: u32,
+    /// Which picture each panel shows, from instance `right` on.
+    pub(crate) pictures: [usize; MOST_PANELS],
 }
 
 /// How many records a scene needs: rods and solids.
 pub(crate) fn room(scene: &Scene) -> (usize, usize) {
     (
         scene.rods.len() + scene.balls.len(),
-        scene.plates.len() + scene.controllers.len() + 1,
+        scene.plates.len() + scene.controllers.len() + MOST_PANELS,
     )
 }
 
@@ -171,10 +175,24 @@ fn index(n: usize) -> u32 {
     u32::try_from(n).unwrap_or(u32::MAX)
 }
 
-/// Writes all instances; what does not fit is left out (the caller made room).
+/// The board and the panels, as many as have a picture.
+fn panels(scene: &Scene) -> impl Iterator<Item = PlacedPanel> {
+    let board = scene.board.as_ref().map(|board| PlacedPanel {
+        slot: 0,
+        world_from_panel: board.world_from_board,
+        size: board.size,
+    });
+    let others = scene.panels.iter().copied();
+    let known = |panel: &PlacedPanel| (1..MOST_PANELS).contains(&panel.slot);
+    board
+        .into_iter()
+        .chain(others.filter(known).take(MOST_PANELS - 1))
+}
+
+/// Writes all instances; what does not fit is left out (the caller made room). `painted` says of which slots there is a picture.
 pub(crate) fn fill(
     scene: &Scene,
-    painted: bool,
+    painted: impl Fn(usize) -> bool,
     rods: &mut [RodData],
     solids: &mut [SolidData],
 ) -> Counts {
@@ -235,10 +253,18 @@ pub(crate) fn fill(
     counts.right = hand(1).fold(put(None), |_, controller| {
         put(Some(SolidData::controller(controller)))
     });
-    counts.board = put(scene
-        .board
-        .as_ref()
-        .map(|board| SolidData::board(board, painted)));
+    let mut end = counts.right;
+    let mut pictures = counts.pictures.iter_mut();
+    for panel in panels(scene) {
+        let before = end;
+        end = put(Some(SolidData::panel(&panel, painted(panel.slot))));
+        if end > before
+            && let Some(picture) = pictures.next()
+        {
+            *picture = panel.slot;
+        }
+    }
+    counts.panels = end;
     counts
 }
 
@@ -340,7 +366,7 @@ mod tests {
         });
         let mut rods = [ZERO; 16];
         let mut solids = [SolidData::zeroed(); 8];
-        let counts = fill(&scene, false, &mut rods, &mut solids);
+        let counts = fill(&scene, |_| false, &mut rods, &mut solids);
         assert_eq!(
             (
                 counts.rods,
@@ -351,7 +377,7 @@ mod tests {
             (2, 3, 4, 5)
         );
         assert_eq!(
-            (counts.plates, counts.left, counts.right, counts.board),
+            (counts.plates, counts.left, counts.right, counts.panels),
             (1, 2, 4, 4)
         );
         assert_eq!(
@@ -361,6 +387,9 @@ mod tests {
         assert_eq!(solids[1].kind.z, 1.0, "the left hand is mirrored");
         assert_eq!(solids[2].kind.y, 1.0, "the trigger is clamped");
         // Too little room is no crash.
-        assert_eq!(fill(&scene, false, &mut rods[..1], &mut []).ghost_balls, 1);
+        assert_eq!(
+            fill(&scene, |_| false, &mut rods[..1], &mut []).ghost_balls,
+            1
+        );
     }
 }

@@ -27,7 +27,7 @@ use super::{
     target::{Attachments, Target},
     tree_upload::{COPY_BYTES, Scratch, TreeUpload, upload_size},
 };
-use crate::world::scene::{Color, PlacedTree, Scene};
+use crate::world::scene::{Color, MOST_PANELS, PlacedTree, Scene};
 
 /// How both eyes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,7 +126,8 @@ pub struct Renderer {
     attachments: Attachments,
     slots: [Slot; SLOTS],
     shadow: Shadow,
-    panel: Panel,
+    /// By slot; the board's is always there.
+    panels: Vec<Panel>,
     hidden: Hidden,
     tree: Option<TreeUpload>,
     coming: Option<TreeUpload>,
@@ -187,7 +188,7 @@ impl Renderer {
                 params.extent,
                 per_eye,
             )?,
-            panel: Panel::new(gpu, &pipelines.board_layout)?,
+            panels: vec![Panel::new(gpu, &pipelines.board_layout)?],
             hidden: Hidden::new(gpu, &formats)?,
             params,
             pipelines,
@@ -227,19 +228,30 @@ impl Renderer {
         Ok(())
     }
 
-    /// Paints egui's output into the board's picture, of `size_px` pixels, with the next draw; `textures` is cleared.
+    /// Paints egui's output into a panel's picture, of `size_px` pixels, with the next draw; `textures` is cleared. Slot 0 is the
+    /// board's; the others are those of [`PlacedPanel`](crate::world::scene::PlacedPanel).
     ///
     /// # Errors
-    /// [`RenderError`] when a texture does not fit.
+    /// [`RenderError`] when a texture does not fit or there is no such slot.
     pub fn paint_panel(
         &mut self,
+        slot: usize,
         primitives: &[egui::ClippedPrimitive],
         textures: &mut egui::TexturesDelta,
         size_px: [u32; 2],
         pixels_per_point: f32,
     ) -> Result<(), RenderError> {
-        self.panel
-            .paint(primitives, textures, size_px, pixels_per_point, self.frame)
+        while self.panels.len() <= slot.min(MOST_PANELS - 1) {
+            let panel = Panel::new(&self.gpu, &self.pipelines.board_layout)?;
+            self.panels.push(panel);
+        }
+        let Some(panel) = self.panels.get_mut(slot) else {
+            textures.clear();
+            return Err(RenderError::Unsupported(format!(
+                "there is no panel {slot}"
+            )));
+        };
+        panel.paint(primitives, textures, size_px, pixels_per_point, self.frame)
     }
 
     /// Draws a scene into a target. Returns when the work is handed over, before it is done.
@@ -268,9 +280,10 @@ impl Renderer {
         if copied && state == TreeState::Copying {
             state = TreeState::Shown;
         }
-        let painted = self
-            .panel
-            .record(&self.gpu, commands, at, self.frame, done)?;
+        let mut painted = false;
+        for panel in &mut self.panels {
+            painted |= panel.record(&self.gpu, commands, at, self.frame, done)?;
+        }
 
         let numbers = self.numbers(scene, eyes, placed);
         let slot = &mut self.slots[at];
@@ -284,7 +297,7 @@ impl Renderer {
         slot.frame.write(block_stride(&self.gpu), &[swapped]);
         let counts = data::fill(
             scene,
-            self.panel.painted(),
+            |slot| self.panels.get(slot).is_some_and(Panel::painted),
             records::<RodData>(&mut slot.rods),
             records::<SolidData>(&mut slot.solids),
         );
@@ -292,7 +305,6 @@ impl Renderer {
         let pass = Pass {
             commands,
             counts,
-            board: scene.board.is_some(),
             set: self.slots[at].set,
             hidden: HiddenEyes::new(eyes),
             tree: self.tree.as_ref().filter(|_| placed.is_some()),

@@ -18,7 +18,7 @@ use std::fmt::Write as _;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::{Letter, Sketch, Stroke, Wrap, quantize};
+use super::{Letter, Sketch, Stroke, Wrap, own_rules::with_own, quantize};
 use crate::lsystem::shape_frames;
 
 /// Decimals of a displacement: 1 nm, so that a thousand segments end where they were drawn.
@@ -48,6 +48,11 @@ impl Sketch {
     /// The grammar without its shapes: all that the string depends on.
     #[must_use]
     pub fn rules_text(&self) -> String {
+        with_own(self.generated_rules(), &self.own_rules)
+    }
+
+    /// The rules as the strokes make them.
+    pub(super) fn generated_rules(&self) -> String {
         let mut text =
             String::from("# A sketch, written by Ramus: A is the trunk, B a growing end.\n");
         if self.is_empty() {

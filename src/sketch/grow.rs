@@ -42,6 +42,9 @@ pub const GROW: GrowParams = GrowParams {
 /// a helper for each stroke.
 const MODULES_PER_SEGMENT: u64 = 8;
 
+/// Modules beyond which a sketch with rules of a person's own, of which nothing is known beforehand, is refused.
+const OWN_MODULES: u64 = 4_000_000;
+
 /// Bytes of strings that a [`Grower`] keeps: some twenty steps of a tree of 100,000 segments.
 const KEPT_BYTES: u64 = 64 << 20;
 
@@ -170,6 +173,12 @@ fn refused(problem: impl std::fmt::Display) -> SketchError {
 fn limits(sketch: &Sketch, segments: u64) -> Limits {
     let modules_each = MODULES_PER_SEGMENT.saturating_add(sketch.strokes.len() as u64);
     let defaults = Limits::default();
+    if !sketch.own_rules.is_empty() {
+        return Limits {
+            modules: OWN_MODULES,
+            ..defaults
+        };
+    }
     let modules = segments
         .saturating_add(1)
         .saturating_mul(modules_each)

@@ -22,11 +22,13 @@ pub mod change;
 pub mod grammar;
 pub mod grow;
 pub mod letter;
+pub mod own_rules;
 pub mod predict;
 pub mod quantize;
 
 pub use grow::{GROW, GrowParams, Grower, Grown, MAX_SEGMENTS, grow};
 pub use letter::{Letter, UnknownLetter};
+pub use own_rules::{OwnRules, Production};
 pub use predict::{Predictor, predict_segments_within};
 pub use quantize::{angle_deg, coordinate, point};
 
@@ -166,6 +168,8 @@ pub struct Sketch {
     /// Whether a branch drawn from now on carries copies of itself at the rate of its own
     /// attachment, as in the thesis.
     pub self_similar_branches: bool,
+    /// Productions that a person wrote in the place of the generated ones.
+    pub own_rules: Arc<OwnRules>,
 }
 
 impl Default for Sketch {
@@ -184,6 +188,7 @@ impl Default for Sketch {
             radius_exponent: 2.0,
             wrap: Wrap::CarryHeading,
             self_similar_branches: true,
+            own_rules: Arc::default(),
         }
     }
 }
@@ -272,6 +277,9 @@ impl Sketch {
 /// Why a sketch cannot be changed, read or grown.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SketchError {
+    /// A rule of a person's own that the grammar cannot be read with: the grammar's message.
+    #[error("{0}")]
+    Rule(String),
     /// A letter without a stroke.
     #[error("the sketch has no stroke `{0}`")]
     NoStroke(Letter),

@@ -22,7 +22,8 @@ use super::{BOUNDS, Letter, NodeRef, SelfSimilar, Sketch};
 const HORIZON_FACTOR: u32 = 16;
 
 /// The exact number of segments of `sketch` at growth step `step` where it is no more than `most`; the effort is
-/// bounded by `most`, too. Steps beyond [`BOUNDS`] count as the last one.
+/// bounded by `most`, too. Steps beyond [`BOUNDS`] count as the last one. With rules of a person's own nothing is known
+/// beforehand: `most`, and growing itself keeps to its limits.
 #[must_use]
 pub fn predict_segments_within(sketch: &Sketch, step: u32, most: u64) -> Option<u64> {
     let Some(age) = step.min(BOUNDS.step).checked_sub(1) else {
@@ -30,6 +31,9 @@ pub fn predict_segments_within(sketch: &Sketch, step: u32, most: u64) -> Option<
     };
     if sketch.is_empty() {
         return Some(0);
+    }
+    if !sketch.own_rules.is_empty() {
+        return Some(most);
     }
     let branches = branches(sketch);
     let mut horizon = HORIZON_FACTOR.min(age);
@@ -63,6 +67,9 @@ impl Predictor {
     pub fn within(&mut self, sketch: &Sketch, step: u32, most: u64) -> Option<u64> {
         if sketch.is_empty() {
             return Some(0);
+        }
+        if !sketch.own_rules.is_empty() {
+            return predict_segments_within(sketch, step, most);
         }
         let rules = sketch
             .strokes

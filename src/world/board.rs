@@ -140,6 +140,11 @@ impl LiveBoard {
         }
     }
 
+    /// What is in hand.
+    pub(super) fn buttons(&self) -> &Buttons {
+        &self.buttons
+    }
+
     /// Makes the text follow; composes it only where something changed.
     pub(super) fn follow(&mut self, document: &Document, facts: &Facts<'_>, params: &BoardParams) {
         let same = self.of.as_ref().is_some_and(|of| {

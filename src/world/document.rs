@@ -189,6 +189,13 @@ pub enum Edit {
         /// Exponent of da Vinci's rule.
         radius_exponent: f32,
     },
+    /// Writes a production in the place of a generated one, or further lines of the grammar.
+    SetRule {
+        /// The left side of the generated one; empty: further lines.
+        of: String,
+        /// The text; none: the generated one is back.
+        to: Option<String>,
+    },
     /// Sets how a line goes on after its last drawn segment.
     SetWrap {
         /// Heading carried over, or restarted.
@@ -221,9 +228,26 @@ impl Edit {
             | Self::SetStep { .. }
             | Self::SetSelfSimilar { .. }
             | Self::SetSelfSimilarBranches { .. }
+            | Self::SetRule { .. }
             | Self::SetWrap { .. } => {}
         }
         edit
+    }
+}
+
+impl Edit {
+    /// Whether the productions that the sketch makes may be others after this.
+    fn changes_rules(&self) -> bool {
+        !matches!(
+            self,
+            Self::Select { .. }
+                | Self::MoveNode { .. }
+                | Self::SetStep { .. }
+                | Self::SetPlatform { .. }
+                | Self::SetDivergence { .. }
+                | Self::SetSizes { .. }
+                | Self::SetWrap { .. }
+        )
     }
 }
 
@@ -309,9 +333,14 @@ impl Document {
                 tip_radius,
                 radius_exponent,
             } => Some(sketch.with_sizes(scale, tip_radius, radius_exponent)?),
+            Edit::SetRule { of, to } => Some(sketch.with_rule(&of, to.as_deref())?),
             Edit::SetWrap { to } => Some(sketch.with_wrap(to)),
         };
-        if let Some(sketch) = changed {
+        if let Some(mut sketch) = changed {
+            if edit.changes_rules() {
+                sketch.prune_rules();
+                sketch.check_own_rules()?;
+            }
             next.sketch = Arc::new(sketch);
         }
         next.validate_settings()?;
@@ -324,6 +353,7 @@ impl Document {
     /// The first thing that is wrong.
     pub fn validate(&self) -> Result<(), EditError> {
         self.sketch.validate()?;
+        self.sketch.check_own_rules()?;
         self.sketch.check_node(self.selected)?;
         self.validate_settings()
     }

@@ -76,6 +76,8 @@ pub(super) struct Growth {
     /// How far the newest step has grown, 0 to 1, before easing.
     fraction: f32,
     revision: u64,
+    /// Where a person holds the moment, steps.
+    moment: Option<f64>,
 }
 
 impl Default for Growth {
@@ -90,11 +92,35 @@ impl Default for Growth {
             next: None,
             fraction: 1.0,
             revision: 0,
+            moment: None,
         }
     }
 }
 
 impl Growth {
+    /// Shows the tree at a moment (steps), or lets it move by itself.
+    pub(super) fn set_moment(&mut self, moment: Option<f64>) {
+        if moment.is_some() && self.moment.is_none() {
+            // What was on its way is there.
+            if let Some(next) = self.next.take() {
+                self.shown = Some(next);
+                self.revision = new_revision();
+            }
+            self.fraction = 1.0;
+        }
+        self.moment = moment;
+    }
+
+    /// How far the newest step of the shown tree has grown, eased where it moves by itself.
+    fn grown(&self, shown: &Shown) -> f32 {
+        let Some(moment) = self.moment else {
+            return eased(self.fraction);
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "0 to 1")]
+        let part = (moment - (f64::from(shown.step) - 1.0)).clamp(0.0, 1.0) as f32;
+        part
+    }
+
     /// Whether the document's tree has not been wished for yet.
     pub(super) fn is_new(&self, document: &Document) -> bool {
         !self.wanted.as_ref().is_some_and(|(sketch, step)| {
@@ -146,7 +172,11 @@ impl Growth {
             newest,
             step,
         };
-        if self
+        if self.moment.is_some() {
+            // A hand moves it: it has no ways of its own.
+            self.next = None;
+            self.fraction = 1.0;
+        } else if self
             .shown
             .as_ref()
             .is_some_and(|shown| shown.step == given.step)
@@ -235,7 +265,7 @@ impl Growth {
             radius_before: Arc::clone(&shown.radius_before),
             revision: self.revision,
             world_from_tree,
-            growth: eased(self.fraction),
+            growth: self.grown(shown),
             newest: shown.newest,
         })
     }

@@ -184,7 +184,7 @@ pub(super) fn sample(hand: &HandInput, params: &HandParams) -> Option<Sample> {
 }
 
 /// The pose with its quaternion made exactly unit, or `None` where it is nonsense.
-fn checked(pose: &Pose, params: &HandParams) -> Option<Pose> {
+pub(super) fn checked(pose: &Pose, params: &HandParams) -> Option<Pose> {
     let length = pose.orientation.length();
     // Written so that NaN fails each test.
     let sound = (length - 1.0).abs() <= params.unit_error

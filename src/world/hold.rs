@@ -61,7 +61,7 @@ pub(super) struct Held {
 
 impl Tools {
     /// Takes hold of what the hand is at.
-    pub(super) fn grip(&mut self, hand: usize, history: &History) {
+    pub(super) fn grip(&mut self, hand: usize, history: &mut History) {
         match self.hands[hand].hover {
             Hover::Node {
                 at: NodeRef::ROOT, ..
@@ -76,6 +76,8 @@ impl Tools {
                 self.grip_anew();
                 self.pulse(hand, self.params.haptics.choose);
             }
+            Hover::Panel(on) => self.carry(hand, on.id),
+            Hover::Handle { id, .. } => self.take_handle(hand, id, history),
             Hover::Nothing => return,
         }
         self.show(history);
@@ -85,6 +87,11 @@ impl Tools {
     pub(super) fn release(&mut self, hand: usize, history: &mut History) {
         match self.hands[hand].hold {
             Hold::Nothing => return,
+            Hold::Panel { .. } | Hold::Carried { .. } => self.hands[hand].hold = Hold::Nothing,
+            Hold::Handle(_) => {
+                self.hands[hand].hold = Hold::Nothing;
+                self.settle(history);
+            }
             Hold::Node(_) => {
                 let held = self.node_in(hand, &history.committed().sketch);
                 self.hands[hand].hold = Hold::Nothing;
@@ -141,7 +148,7 @@ impl Tools {
 
     /// Makes `shown` and the miniature follow the history and the hands.
     pub(super) fn show(&mut self, history: &History) {
-        let committed = history.committed();
+        let committed = &*self.tried.over(history.committed());
         let platform = if self.platform.is_some() {
             self.held_placement()
         } else {

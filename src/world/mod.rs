@@ -17,23 +17,34 @@ pub mod document;
 mod document_tests;
 mod grip;
 mod growth;
+pub mod handles;
 pub mod hands;
 pub mod history;
 mod hold;
 pub mod hover;
 pub mod input;
 pub mod journal;
+pub mod lesson;
 mod miniature;
+pub mod panels;
+mod play;
 pub mod project;
+pub mod room;
 pub mod scene;
 pub mod stage;
 pub mod tools;
+mod tried;
 
 use board::{BoardParams, Buttons, Facts, LiveBoard};
 use document::{Document, Edit, EditError};
 use growth::Growth;
+use handles::{HandleId, Says};
 use history::{Action, History};
 use input::Input;
+use lesson::Course;
+use panels::{PanelId, PanelPointer};
+use play::Player;
+use room::{Rig, RoomParams, RoomSettings};
 use scene::{Ball, Controller, Rod, Scene};
 use stage::{Palette, StageParams};
 use tools::{Hover, Tools};
@@ -41,6 +52,7 @@ use tools::{Hover, Tools};
 pub use grip::GripParams;
 pub use growth::{GrowthParams, TreeRequest};
 pub use hold::HoldParams;
+pub use play::PlayParams;
 pub use tools::{Haptic, ToolParams};
 
 /// Everything about the world that can be set.
@@ -54,6 +66,10 @@ pub struct WorldParams {
     pub tools: ToolParams,
     /// How growth is shown.
     pub growth: GrowthParams,
+    /// How playback runs.
+    pub play: PlayParams,
+    /// How people move about.
+    pub room: RoomParams,
     /// How much text the board takes.
     pub board: BoardParams,
     /// Seconds for which a message stays.
@@ -69,6 +85,8 @@ impl Default for WorldParams {
             palette: Palette::default(),
             tools: ToolParams::default(),
             growth: GrowthParams::default(),
+            play: PlayParams::default(),
+            room: RoomParams::default(),
             board: BoardParams::default(),
             message_seconds: 8.0,
             longest_frame: 0.1,
@@ -90,6 +108,9 @@ pub struct World {
     history: History,
     tools: Tools,
     growth: Growth,
+    player: Player,
+    rig: Rig,
+    course: Course,
     board: LiveBoard,
     /// The grown string, perhaps cut.
     string: String,
@@ -120,6 +141,9 @@ impl World {
             history,
             tools,
             growth: Growth::default(),
+            player: Player::new(&params.play),
+            rig: Rig::new(params.room),
+            course: Course::default(),
             board: LiveBoard::default(),
             string: String::new(),
             string_revision: 0,
@@ -139,10 +163,12 @@ impl World {
             reason = "at most a tenth of a second"
         )]
         let seconds = passed.min(self.params.longest_frame) as f32;
+        let input = &self.rig.follow(input, seconds);
         self.tools.update(input, passed, &mut self.history);
         if let Some(text) = self.tools.take_message() {
             self.show_message(text);
         }
+        self.follow_moment(f64::from(seconds));
         self.growth.advance(seconds, &self.params.growth);
         if let Some(message) = &mut self.message {
             message.seconds -= seconds;
@@ -226,8 +252,67 @@ impl World {
         Ok(())
     }
 
+    /// Shows the document as it would be after an edit that a panel is making, in place of the last one of its kind;
+    /// [`Self::settle`] makes it an edit.
+    ///
+    /// # Errors
+    /// Where the edit is refused; what was shown stays.
+    pub fn try_out(&mut self, edit: Edit) -> Result<(), EditError> {
+        self.tools.try_out(edit, &self.history)?;
+        self.follow_history();
+        Ok(())
+    }
+
+    /// What the person has set about themselves in the room.
+    #[must_use]
+    pub fn room(&self) -> RoomSettings {
+        self.rig.settings
+    }
+
+    /// Sets that.
+    pub fn set_room(&mut self, settings: RoomSettings) {
+        self.rig.settings = settings;
+    }
+
+    /// The real room, which headsets speak of, to the stage: where the person was set, turned and lifted.
+    #[must_use]
+    pub fn stage_from_room(&self) -> Affine3A {
+        self.rig.stage_from_room()
+    }
+
+    /// Where a hand is on a panel.
+    #[must_use]
+    pub fn pointer(&self, id: PanelId) -> Option<PanelPointer> {
+        self.tools.pointer(id)
+    }
+
+    /// Whether a panel is there.
+    #[must_use]
+    pub fn has_panel(&self, id: PanelId) -> bool {
+        self.tools.panels.is_shown(id)
+    }
+
+    /// Shows a panel or hides it.
+    pub fn show_panel(&mut self, id: PanelId, shown: bool) {
+        self.tools.panels.show(id, shown);
+    }
+
+    /// Width and height of a panel, metres.
+    #[must_use]
+    pub fn panel_size(&self, id: PanelId) -> [f32; 2] {
+        self.tools.panels.size(id).to_array()
+    }
+
+    /// What is to be said beside the handle that a hand is at.
+    #[must_use]
+    pub fn says(&self) -> Option<Says> {
+        self.tools.says().map(|(says, _)| says)
+    }
+
     /// Undoes the last edit; hands let go of everything. False: there was none.
     pub fn undo(&mut self) -> bool {
+        self.player.playing = false;
+        self.tools.untry();
         self.tools.let_go();
         let done = self.history.undo();
         self.follow_history();
@@ -236,6 +321,8 @@ impl World {
 
     /// Redoes the last edit undone; hands let go of everything. False: there was none.
     pub fn redo(&mut self) -> bool {
+        self.player.playing = false;
+        self.tools.untry();
         self.tools.let_go();
         let done = self.history.redo();
         self.follow_history();
@@ -251,7 +338,9 @@ impl World {
     /// What was done since the last call, in order, for the journal.
     #[must_use = "an action that is not written down is lost"]
     pub fn take_edits(&mut self) -> Vec<Action> {
-        self.history.take_log()
+        let actions = self.history.take_log();
+        self.learn(&actions);
+        actions
     }
 
     /// The tree that the world would like to show next, if it has not been taken yet. A newer wish replaces
@@ -296,6 +385,12 @@ impl World {
             .any(|hand| hand.hold != tools::Hold::Nothing || hand.hover != Hover::Nothing)
     }
 
+    /// What people call the parts of the controllers in hand.
+    #[must_use]
+    pub fn buttons(&self) -> &Buttons {
+        self.board.buttons()
+    }
+
     /// Says on the board what the buttons of these controllers do.
     pub fn take_buttons(&mut self, buttons: Buttons) {
         self.board.take_buttons(buttons);
@@ -318,6 +413,10 @@ impl World {
         scene.balls.clear();
         scene.plates.clear();
         scene.controllers.clear();
+        scene.panels.clear();
+        self.tools.panels.draw(scene);
+        self.tools.draw_handles(scene);
+        self.rig.draw(palette.ghost, scene);
         let hovers = self.tools.hands.map(|hand| hand.hover);
         let rim_held = self
             .tools
@@ -378,11 +477,15 @@ impl World {
                 color: palette.ghost,
             });
         }
-        if state.hold != tools::Hold::Nothing {
+        let on_panel = matches!(state.hold, tools::Hold::Panel { .. });
+        if state.hold != tools::Hold::Nothing && !on_panel {
             return;
         }
         let (length, color) = match state.hover {
-            Hover::Node { along, .. } | Hover::Rim { along } => (along, palette.ray_hit),
+            Hover::Node { along, .. } | Hover::Rim { along } | Hover::Handle { along, .. } => {
+                (along, palette.ray_hit)
+            }
+            Hover::Panel(on) => (on.along, palette.ray_hit),
             Hover::Nothing => (stage.ray_length, palette.ray),
         };
         if length > 0.0 {

@@ -15,7 +15,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::document::{Document, EditError, Placement};
-use crate::sketch::{Letter, NodeRef, SelfSimilar, Sketch, Stroke, Wrap, quantize};
+use crate::sketch::{Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap, quantize};
 
 /// The first field of every project file.
 const FORMAT: &str = "ramus-project";
@@ -86,6 +86,8 @@ struct FileV1 {
     radius_exponent: f32,
     wrap: Wrap,
     self_similar_branches: bool,
+    #[serde(default)]
+    own_rules: OwnRules,
     strokes: Vec<StrokeV1>,
 }
 
@@ -120,6 +122,10 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
         "self_similar_branches",
         &sketch.self_similar_branches,
     );
+    // Left out where there are none, so that older programs read such projects.
+    if !sketch.own_rules.is_empty() {
+        field(&mut text, 1, "own_rules", &*sketch.own_rules);
+    }
     text.push_str("  \"strokes\": [\n");
     for (number, stroke) in (1..).zip(&sketch.strokes) {
         text.push_str("    {\n");
@@ -229,6 +235,7 @@ fn document_from_file(file: FileV1) -> Document {
         radius_exponent: quantize::coordinate(file.radius_exponent),
         wrap: file.wrap,
         self_similar_branches: file.self_similar_branches,
+        own_rules: Arc::new(file.own_rules),
     };
     Document {
         sketch: Arc::new(sketch),

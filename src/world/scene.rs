@@ -111,6 +111,20 @@ pub struct Board {
     pub content: Arc<BoardContent>,
 }
 
+/// How many panels a scene can show, the board among them.
+pub const MOST_PANELS: usize = 6;
+
+/// A panel that hands point at; `ui` lays it out and `render` keeps its picture by `slot`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedPanel {
+    /// Which picture it shows, 1 to [`MOST_PANELS`] − 1 (0 is the board's).
+    pub slot: usize,
+    /// Panel (x right, y up, unit: metres, origin at the centre) to stage.
+    pub world_from_panel: Affine3A,
+    /// Width and height in metres.
+    pub size: [f32; 2],
+}
+
 /// One frame's picture.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
@@ -126,4 +140,6 @@ pub struct Scene {
     pub tree: Option<PlacedTree>,
     /// The board with the step, the string and messages.
     pub board: Option<Board>,
+    /// Panels to point at.
+    pub panels: Vec<PlacedPanel>,
 }

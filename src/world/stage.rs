@@ -105,6 +105,10 @@ pub struct Palette {
     pub rim_hovered: Color,
     /// The pedestal.
     pub pedestal: Color,
+    /// The stump's bark.
+    pub stump: Color,
+    /// The stump's cut.
+    pub stump_top: Color,
     /// How much of a letter's colour its attachment's mark has, 0 to 1.
     pub attachment_alpha: f32,
     /// How much of it the mark of a repeat has, 0 to 1.
@@ -139,6 +143,8 @@ impl Default for Palette {
             rim: linear(0x4A_46_40),
             rim_hovered: yellow,
             pedestal: linear(0x5C_57_50),
+            stump: linear(0x6B_4A_2E),
+            stump_top: linear(0xC9_A2_6B),
             attachment_alpha: 0.55,
             repeat_alpha: 0.3,
         }

@@ -20,13 +20,16 @@ use crate::sketch::{BOUNDS, MAX_SEGMENTS, NodeRef, Predictor, SketchError, point
 use super::{
     document::{Document, Edit},
     grip::PlatformGrip,
-    hands::{Buttons, Edge, Edges, HandParams, Sample, sample},
+    handles::{HandleId, HandleParams, Handles},
+    hands::{Buttons, Edge, Edges, HandParams, Sample, checked, sample},
     history::History,
     hold::{Held, HoldParams},
     hover::{self, HoverParams, Pointer},
-    input::{HandInput, Input},
+    input::{HandInput, Input, Pose},
     miniature::Miniature,
+    panels::{OnPanel, PanelId, PanelParams, Panels},
     stage::{Palette, StageParams, rim},
+    tried::Tried,
 };
 
 /// A vibration of one controller.
@@ -85,6 +88,10 @@ pub struct ToolParams {
     pub hold: HoldParams,
     /// Moving the platform.
     pub grip: super::grip::GripParams,
+    /// Panels.
+    pub panels: PanelParams,
+    /// The lever, the wheel and the stump.
+    pub handles: HandleParams,
 }
 
 /// How drawing acts.
@@ -114,15 +121,31 @@ pub(super) enum Hover {
     Node { at: NodeRef, along: f32 },
     /// The platform's rim, so many metres along the ray (0: touched).
     Rim { along: f32 },
+    /// A panel.
+    Panel(OnPanel),
+    /// The lever, the wheel or the stump, so many metres along the ray (0: touched).
+    Handle { id: HandleId, along: f32 },
 }
 
 /// What a hand holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Hold {
     #[default]
     Nothing,
     Node(NodeRef),
     Platform,
+    /// A panel, pressed by the trigger or by the tip.
+    Panel {
+        id: PanelId,
+        poked: bool,
+    },
+    /// A panel that is carried, with its centre in the hand's frame, metres.
+    Carried {
+        id: PanelId,
+        offset: Vec3,
+    },
+    /// The lever or the wheel.
+    Handle(HandleId),
 }
 
 /// One hand between frames.
@@ -135,6 +158,8 @@ pub(super) struct Hand {
     /// For how long it has held that, seconds of the input's clock.
     pub(super) held_seconds: f64,
     pub(super) hover: Hover,
+    /// The stick, up positive, −1 to 1.
+    pub(super) scroll: f32,
 }
 
 /// The next segment, as the trigger would make it now, in the stage.
@@ -142,6 +167,24 @@ pub(super) struct Hand {
 pub(super) struct Ghost {
     pub(super) from: Vec3,
     pub(super) to: Vec3,
+}
+
+impl Hover {
+    /// Metres along the ray; none where there is nothing.
+    fn along(self) -> Option<f32> {
+        match self {
+            Self::Nothing => None,
+            Self::Node { along, .. } | Self::Rim { along } | Self::Handle { along, .. } => {
+                Some(along)
+            }
+            Self::Panel(on) => Some(on.along),
+        }
+    }
+}
+
+/// The head, if it is somewhere.
+fn head_of(input: &Input, params: &HandParams) -> Option<Pose> {
+    checked(&input.head, params)
 }
 
 /// See the module.
@@ -156,6 +199,10 @@ pub(super) struct Tools {
     pub(super) shown: Document,
     pub(super) held: Option<Held>,
     pub(super) miniature: Miniature,
+    pub(super) panels: Panels,
+    pub(super) handles: Handles,
+    /// An edit that is tried out, and the document as it would be: a slider that is dragged, the lever, a tree that plays.
+    pub(super) tried: Tried,
     pub(super) haptics: Vec<Haptic>,
     /// How large trees would be; asked before each wish for one.
     pub(super) predictor: Predictor,
@@ -180,6 +227,9 @@ impl Tools {
             shown: document.clone(),
             held: None,
             miniature,
+            panels: Panels::new(params.panels, &stage),
+            handles: Handles::default(),
+            tried: Tried::default(),
             haptics: Vec::new(),
             predictor: Predictor::default(),
             message: None,
@@ -195,6 +245,7 @@ impl Tools {
     pub(super) fn update(&mut self, input: &Input, passed: f64, history: &mut History) {
         self.haptics.clear();
         if !input.focused {
+            self.settle(history);
             self.let_go();
             for hand in &mut self.hands {
                 *hand = Hand::default();
@@ -209,11 +260,16 @@ impl Tools {
         for hand in &mut self.hands {
             hand.held_seconds += passed;
         }
+        self.follow_panels(head_of(input, &self.params.hands));
+        self.follow_handles(history);
+        self.wait_at_stump(passed);
         self.show(history);
         for (hand, input) in input.hands.iter().enumerate() {
             self.hands[hand].hover = self.find(hand);
             if self.hands[hand].sample.is_some() {
                 let edges = self.hands[hand].buttons.step(input, &self.params.hands);
+                self.hands[hand].scroll = input.stick.y.clamp(-1.0, 1.0);
+                self.poke(hand, before[hand]);
                 self.act(hand, edges, history);
             }
         }
@@ -221,6 +277,8 @@ impl Tools {
             self.hands[hand].hover = self.find(hand);
             self.tick(hand, before);
         }
+        self.own_panels(before);
+        self.place_label(head_of(input, &self.params.hands));
     }
 
     /// Takes in a hand's pose; a hand that is lost drops what it holds where it was last seen.
@@ -260,6 +318,23 @@ impl Tools {
         );
         let node = hit.and_then(|hit| free.clone().nth(hit.index).map(|node| (node.at, hit)));
         let rim = hover::ring(&rim(&self.shown.platform, &self.stage), &pointer, params);
+        let found = self.nearest(node, rim);
+        let mut along = found.along();
+        let mut nearest = found;
+        if let Some((id, at)) = self.handle_at(&pointer)
+            && along.is_none_or(|along| at <= along)
+        {
+            nearest = Hover::Handle { id, along: at };
+            along = Some(at);
+        }
+        match self.panels.find(hand, &sample) {
+            Some(on) if along.is_none_or(|along| on.along <= along) => Hover::Panel(on),
+            _ => nearest,
+        }
+    }
+
+    /// The node or the rim, whichever the hand means.
+    fn nearest(&self, node: Option<(NodeRef, hover::Hit)>, rim: Option<f32>) -> Hover {
         match (node, rim) {
             (Some((at, hit)), rim) if hit.touched || rim.is_none_or(|rim| hit.along <= rim) => {
                 Hover::Node {
@@ -289,6 +364,9 @@ impl Tools {
     }
 
     fn act(&mut self, hand: usize, edges: Edges, history: &mut History) {
+        if edges.trigger == Edge::Up {
+            self.let_off(hand, history);
+        }
         if edges.squeeze == Edge::Up {
             self.release(hand, history);
         }
@@ -304,7 +382,8 @@ impl Tools {
         if edges.upper == Edge::Down {
             self.step_back(hand, history);
         }
-        if edges.flick != 0 {
+        // On a panel the stick scrolls.
+        if edges.flick != 0 && !matches!(self.hands[hand].hover, Hover::Panel(_)) {
             self.undo_or_redo(hand, edges.flick, history);
         }
     }
@@ -320,7 +399,9 @@ impl Tools {
             return;
         };
         match (hold, hover) {
-            (Hold::Platform, _) => {}
+            (Hold::Platform | Hold::Panel { .. } | Hold::Carried { .. } | Hold::Handle(_), _) => {}
+            (Hold::Nothing, Hover::Panel(on)) => self.press(hand, on.id, false),
+            (Hold::Nothing, Hover::Handle { id, .. }) => self.take_handle(hand, id, history),
             (Hold::Node(at), _) => {
                 self.hands[hand].hold = Hold::Nothing;
                 self.apply(
@@ -404,7 +485,8 @@ impl Tools {
     }
 
     fn undo_or_redo(&mut self, hand: usize, flick: i8, history: &mut History) {
-        // What is held belongs to the document that goes away.
+        // What is held or tried belongs to the document that goes away.
+        self.untry();
         self.let_go();
         let (done, nothing) = if flick < 0 {
             (history.undo(), "Nothing to undo.")
@@ -433,6 +515,15 @@ impl Tools {
         }
         self.check_holds(history);
         self.show(history);
+    }
+
+    /// The trigger comes up: presses and turns end.
+    fn let_off(&mut self, hand: usize, history: &mut History) {
+        match self.hands[hand].hold {
+            Hold::Panel { poked: false, .. } => self.hands[hand].hold = Hold::Nothing,
+            Hold::Handle(_) => self.release(hand, history),
+            _ => {}
+        }
     }
 
     pub(super) fn refuse(&mut self, hand: usize, message: String) {
@@ -472,7 +563,8 @@ impl Tools {
         };
         let selected = self.shown.selected;
         let refused = selected == NodeRef::ROOT && !self.shown.sketch.is_apex(selected);
-        if refused || matches!(hover, Hover::Node { .. }) {
+        let draws = matches!(hover, Hover::Nothing | Hover::Rim { .. });
+        if refused || !draws {
             return None;
         }
         let (from, to) = self.next_segment(&sample)?;

@@ -82,7 +82,7 @@ fn the_board_shows_what_egui_painted_upright_and_in_its_colours() {
     );
     for round in 0..3 {
         renderer
-            .paint_panel(&quarters(), &mut textures, [400, 250], 2.0)
+            .paint_panel(0, &quarters(), &mut textures, [400, 250], 2.0)
             .unwrap();
         assert!(textures.is_empty(), "taken over");
         renderer.draw(&scene, &eyes, &offscreen.target()).unwrap();
@@ -125,7 +125,7 @@ fn the_board_shows_what_egui_painted_upright_and_in_its_colours() {
     );
     assert!(
         renderer
-            .paint_panel(&quarters(), &mut textures, [400, 250], 2.0)
+            .paint_panel(0, &quarters(), &mut textures, [400, 250], 2.0)
             .is_err()
     );
     renderer.draw(&scene, &eyes, &offscreen.target()).unwrap();

@@ -17,7 +17,6 @@ use crate::render::{
 pub(super) struct Pass<'a> {
     pub(super) commands: vk::CommandBuffer,
     pub(super) counts: Counts,
-    pub(super) board: bool,
     pub(super) set: vk::DescriptorSet,
     pub(super) hidden: HiddenEyes,
     pub(super) tree: Option<&'a TreeUpload>,
@@ -231,9 +230,7 @@ impl Renderer {
         self.record_caps(pass, report);
         self.record_organs(pass, self.pipelines.organs.handle, report);
         self.record_instances(pass, report);
-        if pass.board {
-            self.record_board(pass, block, report);
-        }
+        self.record_panels(pass, block, report);
         if self.params.backdrop == Backdrop::Stage {
             // Sectors × bands × corners of shaders/ground.wgsl.
             self.record_plain(pass, self.pipelines.ground.handle, 48 * 4 * 6, report);
@@ -416,30 +413,35 @@ impl Renderer {
         );
     }
 
-    fn record_board(&self, pass: &Pass<'_>, block: u64, report: &mut DrawReport) {
+    fn record_panels(&self, pass: &Pass<'_>, block: u64, report: &mut DrawReport) {
         let counts = pass.counts;
-        if counts.board <= counts.right {
+        if counts.panels <= counts.right {
             return;
         }
         let layout = self.pipelines.board_layout.handle;
         self.bind(pass, self.pipelines.board.handle);
         self.bind_frame(pass, layout, block);
-        // SAFETY: the set's layout is the second of the pipeline layout; the board is instance `right`.
-        unsafe {
-            let device = &self.gpu.device;
-            let set = [self.panel.set()];
-            device.cmd_bind_descriptor_sets(
-                pass.commands,
-                vk::PipelineBindPoint::GRAPHICS,
-                layout,
-                1,
-                &set,
-                &[],
-            );
-            device.cmd_draw(pass.commands, 6, 1, 0, counts.right);
+        for (instance, slot) in (counts.right..counts.panels).zip(counts.pictures) {
+            // One that was never painted is an empty slab, which any picture will do for.
+            let Some(panel) = self.panels.get(slot).or(self.panels.first()) else {
+                continue;
+            };
+            // SAFETY: the set's layout is the second of the pipeline layout; `instance` was written.
+            unsafe {
+                let device = &self.gpu.device;
+                device.cmd_bind_descriptor_sets(
+                    pass.commands,
+                    vk::PipelineBindPoint::GRAPHICS,
+                    layout,
+                    1,
+                    &[panel.set()],
+                    &[],
+                );
+                device.cmd_draw(pass.commands, 6, 1, 0, instance);
+            }
+            report.draws += 1;
+            report.triangles += 2;
         }
-        report.draws += 1;
-        report.triangles += 2;
         self.bind_frame(pass, self.pipelines.tree_layout.handle, block);
     }
 

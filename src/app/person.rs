@@ -1,0 +1,218 @@
+//! What Ramus remembers of a person between sessions: what they set, how far they are in the tutorial, their projects.
+//!
+//! It is kept in one small file in the person's own folder for settings, never in a project, so that a project
+//! is the same for everybody. A file that cannot be read is put aside and told; nothing depends on it.
+
+use std::fs::File;
+use std::io::{ErrorKind, Read as _};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::app::workshop::Workshop;
+use crate::tree::file::write_atomically;
+use crate::ui::Settings;
+
+/// Longest file that is read, bytes.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Most projects that are remembered.
+const MOST_RECENT: usize = 12;
+
+/// What is kept.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+struct Kept {
+    settings: Settings,
+    /// Newest first.
+    recent: Vec<PathBuf>,
+}
+
+/// A person, and where they are remembered.
+#[derive(Clone, Debug, Default)]
+pub struct Person {
+    kept: Kept,
+    path: Option<PathBuf>,
+    /// Whether Ramus has not met them.
+    new: bool,
+    message: Option<String>,
+}
+
+/// `RAMUS_CONFIG`, else `ramus` in `XDG_CONFIG_HOME`, else in `~/.config` (XDG Base Directory Specification); none where there is no home.
+fn folder() -> Option<PathBuf> {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+    set("RAMUS_CONFIG")
+        .map(PathBuf::from)
+        .or_else(|| set("XDG_CONFIG_HOME").map(|home| Path::new(&home).join("ramus")))
+        .or_else(|| set("HOME").map(|home| Path::new(&home).join(".config/ramus")))
+}
+
+impl Person {
+    /// Whoever uses this account.
+    #[must_use]
+    pub fn here() -> Self {
+        folder().map_or_else(Self::default, |folder| {
+            Self::from(folder.join("person.json"))
+        })
+    }
+
+    fn from(path: PathBuf) -> Self {
+        let mut person = Self {
+            path: Some(path.clone()),
+            ..Self::default()
+        };
+        match read(&path) {
+            Ok(Some(kept)) => person.kept = kept,
+            Ok(None) => person.new = true,
+            Err(problem) => {
+                let aside = path.with_extension("json.unreadable");
+                let moved = std::fs::rename(&path, &aside).is_ok();
+                let place = if moved { &aside } else { &path };
+                person.message = Some(format!(
+                    "Your settings could not be read ({problem}), so Ramus begins with its own: {}",
+                    place.display()
+                ));
+            }
+        }
+        person
+    }
+
+    /// Projects they worked on, newest first, that are still there.
+    pub fn recent(&self) -> impl Iterator<Item = &Path> {
+        let kept = self.kept.recent.iter().map(PathBuf::as_path);
+        kept.filter(|path| path.exists())
+    }
+
+    /// Brings the person in: the workshop is as they set it, and who is new is shown around.
+    pub fn enter(&mut self, workshop: &mut Workshop) {
+        workshop.set(self.kept.settings);
+        if self.new {
+            workshop.teach(0);
+        }
+        if let Some(message) = self.message.take() {
+            workshop.show_message(message);
+        }
+    }
+
+    /// Remembers them for the next time.
+    ///
+    /// # Errors
+    /// In a sentence, where their file cannot be written; the session's work is not concerned.
+    pub fn leave(mut self, workshop: &Workshop, project: &Path) -> Result<(), String> {
+        self.kept.settings = workshop.settings();
+        let project = std::path::absolute(project).unwrap_or_else(|_| project.to_owned());
+        self.kept.recent.retain(|other| *other != project);
+        self.kept.recent.insert(0, project);
+        self.kept.recent.truncate(MOST_RECENT);
+        let Some(path) = &self.path else {
+            return Ok(());
+        };
+        let write = || -> std::io::Result<()> {
+            if let Some(folder) = path.parent() {
+                std::fs::create_dir_all(folder)?;
+            }
+            let text = serde_json::to_vec_pretty(&self.kept)?;
+            write_atomically(path, &text).map_err(std::io::Error::other)
+        };
+        write().map_err(|error| {
+            format!(
+                "your settings could not be kept ({error}): {}",
+                path.display()
+            )
+        })
+    }
+}
+
+/// What is kept in a file; none where there is no file.
+fn read(path: &Path) -> Result<Option<Kept>, String> {
+    let file = match File::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error.to_string()),
+    };
+    let mut bytes = Vec::new();
+    let read = file.take(MAX_BYTES + 1).read_to_end(&mut bytes);
+    read.map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(format!("it is longer than {MAX_BYTES} bytes"));
+    }
+    serde_json::from_slice(&bytes)
+        .map(Some)
+        .map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+    use crate::ui::words::Language;
+    use crate::world::{World, history::History};
+
+    fn workshop() -> Workshop {
+        Workshop::unsaved(World::new(History::default())).unwrap()
+    }
+
+    #[test]
+    fn a_person_is_remembered() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new/person.json");
+        let mut person = Person::from(path.clone());
+        let mut first = workshop();
+        person.enter(&mut first);
+        assert!(
+            first.world().lesson().is_some(),
+            "who is new is shown around"
+        );
+        let mut settings = first.settings();
+        settings.language = Language::German;
+        settings.room.lift = 0.3;
+        first.set(settings);
+        let project = folder.path().join("oak.ramus");
+        std::fs::write(&project, "").unwrap();
+        person.leave(&first, &project).unwrap();
+
+        let mut person = Person::from(path);
+        assert_eq!(person.recent().collect::<Vec<_>>(), [project.as_path()]);
+        let mut second = workshop();
+        person.enter(&mut second);
+        assert_eq!(second.settings(), settings);
+        assert!(second.world().lesson().is_none());
+        assert_eq!(second.world().room().lift, 0.3);
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_put_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        for bytes in [
+            &b"{"[..],
+            b"[]",
+            b"\xff\xfe",
+            &vec![b' '; (MAX_BYTES + 2) as usize],
+        ] {
+            let path = folder.path().join("person.json");
+            std::fs::write(&path, bytes).unwrap();
+            let person = Person::from(path.clone());
+            assert_eq!(person.kept, Kept::default());
+            assert!(person.message.is_some() && !path.exists());
+        }
+    }
+
+    #[test]
+    fn no_more_projects_than_a_hand_can_choose_from() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("person.json");
+        for n in 0..20 {
+            let person = Person::from(path.clone());
+            person
+                .leave(&workshop(), &folder.path().join(format!("{n}.ramus")))
+                .unwrap();
+        }
+        let person = Person::from(path);
+        assert_eq!(person.kept.recent.len(), MOST_RECENT);
+        assert!(person.kept.recent[0].ends_with("19.ramus"));
+    }
+}

@@ -1,0 +1,100 @@
+//! Files that a person asks for in the workshop: written on a worker, one after the other, told on the board.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use crate::app::take_home;
+use crate::app::worker::Worker;
+use crate::world::document::Document;
+
+/// Writes what was asked for.
+pub(super) struct Takeaway {
+    worker: Worker<(Document, PathBuf), Result<PathBuf, String>>,
+    /// Asked for and not begun: a worker would drop the older of two.
+    waiting: VecDeque<(Document, PathBuf)>,
+    busy: bool,
+}
+
+/// Most files that wait at a time: a person who presses on and on does not fill the memory.
+const MOST_WAITING: usize = 16;
+
+impl Takeaway {
+    /// # Errors
+    /// Where the system gives no thread.
+    pub(super) fn start() -> std::io::Result<Self> {
+        let job = |(document, path): &(Document, PathBuf), _: &AtomicBool| write(document, path);
+        Ok(Self {
+            worker: Worker::start("ramus-takeaway", job)?,
+            waiting: VecDeque::new(),
+            busy: false,
+        })
+    }
+
+    /// Asks for a document's tree (or, as `lsys`, its grammar) beside a project, under a name that is free.
+    pub(super) fn ask(&mut self, document: &Document, project: &Path, ending: &str) {
+        if self.waiting.len() < MOST_WAITING {
+            let path = self.free_name(project, ending);
+            self.waiting.push_back((document.clone(), path));
+        }
+    }
+
+    /// Goes on; gives a sentence when a file was written or could not be.
+    pub(super) fn poll(&mut self) -> Option<String> {
+        let told = if self.busy { self.worker.poll() } else { None };
+        self.busy &= told.is_none();
+        if !self.busy
+            && let Some(next) = self.waiting.pop_front()
+        {
+            self.worker.ask(next);
+            self.busy = true;
+        }
+        told.map(|written| match written {
+            Ok(path) => format!("Written: {}", path.display()),
+            Err(problem) => problem,
+        })
+    }
+
+    /// Waits until everything is written; gives what is to be told.
+    pub(super) fn finish(&mut self) -> Vec<String> {
+        let mut told = Vec::new();
+        loop {
+            if self.busy {
+                let Some(written) = self.worker.wait() else {
+                    return told;
+                };
+                self.busy = false;
+                told.push(match written {
+                    Ok(path) => format!("Written: {}", path.display()),
+                    Err(problem) => problem,
+                });
+            }
+            told.extend(self.poll());
+            if !self.busy {
+                return told;
+            }
+        }
+    }
+
+    /// `name-1.ending`, `name-2.ending`, …: nothing is written over, not by what waits either.
+    fn free_name(&self, project: &Path, ending: &str) -> PathBuf {
+        let stem = project.file_stem().unwrap_or_default().to_string_lossy();
+        let name = |n: u32| project.with_file_name(format!("{stem}-{n}.{ending}"));
+        let taken = |path: &PathBuf| {
+            path.symlink_metadata().is_ok() || self.waiting.iter().any(|(_, other)| other == path)
+        };
+        (1..)
+            .map(name)
+            .find(|path| !taken(path))
+            .unwrap_or_else(|| name(0))
+    }
+}
+
+fn write(document: &Document, path: &Path) -> Result<PathBuf, String> {
+    let written = match path.extension().is_some_and(|ending| ending == "lsys") {
+        true => take_home::grammar(document, path),
+        false => take_home::export(document, path),
+    };
+    let wrong = |error: anyhow::Error| format!("{error:#}: {}", path.display());
+    written.map(|()| path.to_owned()).map_err(wrong)
+}

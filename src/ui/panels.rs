@@ -1,0 +1,347 @@
+//! All panels that are used, together: who is looked at, and what is wanted.
+
+use std::sync::Arc;
+
+use egui::{RichText, Ui};
+
+use super::{
+    LayoutParams, Painted,
+    bench::Bench,
+    keyboard::Keyboard,
+    sheet::{Sheet, Tick},
+    theme::{PAPER, TITLE},
+    words::{Language, Words},
+};
+use crate::{
+    sketch::Sketch,
+    world::{
+        World,
+        board::Buttons,
+        document::{Document, Edit},
+        handles::Says,
+        lesson::Lesson,
+        panels::{PanelId, PanelPointer},
+        room::RoomSettings,
+    },
+};
+
+/// What a person has set about the room; it belongs to the person, not to a project.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Of the panels.
+    pub language: Language,
+    /// In the room.
+    pub room: RoomSettings,
+    /// How far they have come in the tutorial: the number of the next lesson.
+    pub lesson: usize,
+}
+
+/// What a person wants; the application carries it out.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wish {
+    /// Do this.
+    Edit(Edit),
+    /// Show how it would be.
+    TryOut(Edit),
+    /// Make edits of what is shown.
+    Settle,
+    /// Undo the last edit.
+    Undo,
+    /// Redo the last edit undone.
+    Redo,
+    /// Grow by so many steps, or back.
+    Step(i32),
+    /// Start or end playback.
+    Play(bool),
+    /// Steps a second.
+    Speed(f64),
+    /// Show the tree at a moment, steps.
+    Scrub(f64),
+    /// Show or hide a panel.
+    Show(PanelId, bool),
+    /// Set the room.
+    Set(Settings),
+    /// Take the tree home as a file with this ending.
+    Export(&'static str),
+    /// Go to a lesson of the tutorial, or end it.
+    Teach(Option<usize>),
+}
+
+/// What the panels show.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// As it is seen, with what is tried out.
+    pub document: &'a Document,
+    /// How far the tree has grown, steps.
+    pub moment: f64,
+    /// Whether it plays.
+    pub playing: bool,
+    /// Steps a second.
+    pub speed: f64,
+    /// How many edits can be undone and redone.
+    pub undo: [usize; 2],
+    /// Whether the bench is there.
+    pub bench: bool,
+    /// The lesson that is going on, and its number from 0.
+    pub lesson: Option<(usize, Lesson)>,
+    /// What people call the parts of the controllers in hand.
+    pub buttons: &'a Buttons,
+    /// What is said beside a handle.
+    pub says: Option<Says>,
+    /// The person's.
+    pub settings: Settings,
+}
+
+impl<'a> View<'a> {
+    /// What a world shows.
+    #[must_use]
+    pub fn of(world: &'a World, settings: Settings) -> Self {
+        Self {
+            document: world.shown(),
+            moment: world.moment(),
+            playing: world.is_playing(),
+            speed: world.speed(),
+            undo: [world.history().undo_count(), world.history().redo_count()],
+            bench: world.has_panel(PanelId::Bench),
+            lesson: world.lesson(),
+            buttons: world.buttons(),
+            says: world.says(),
+            settings,
+        }
+    }
+
+    fn key(&self) -> Key {
+        // A moment is shown in twentieths: more is not seen, and costs a look each time.
+        const PARTS: f64 = 20.0;
+        Key {
+            sketch: Arc::clone(&self.document.sketch),
+            rest: (
+                self.document.step,
+                (self.moment * PARTS).round(),
+                self.playing,
+                self.speed,
+                self.undo,
+                self.bench,
+                self.lesson,
+                self.settings,
+            ),
+        }
+    }
+}
+
+/// What the panels showed last.
+struct Key {
+    sketch: Arc<Sketch>,
+    rest: (
+        u32,
+        f64,
+        bool,
+        f64,
+        [usize; 2],
+        bool,
+        Option<(usize, Lesson)>,
+        Settings,
+    ),
+}
+
+impl Key {
+    fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.sketch, &other.sketch) && self.rest == other.rest
+    }
+}
+
+/// See the module.
+pub struct Panels {
+    sheets: [Sheet; 5],
+    shown: Option<Key>,
+    said: Option<(Option<Says>, Language)>,
+    buttons: Option<Buttons>,
+    /// Which panels were there when they were looked at last.
+    there: [bool; 5],
+    bench: Bench,
+    keyboard: Keyboard,
+    typed: Vec<egui::Event>,
+    wishes: Vec<Wish>,
+    ticks: Vec<(usize, Tick)>,
+}
+
+impl Panels {
+    /// Panels of a world's sizes.
+    #[must_use]
+    pub fn new(world: &World) -> Self {
+        let sheet = |id| Sheet::new(world.panel_size(id), LayoutParams::default());
+        Self {
+            sheets: PanelId::ALL.map(sheet),
+            shown: None,
+            said: None,
+            buttons: None,
+            there: [false; 5],
+            bench: Bench::default(),
+            keyboard: Keyboard::default(),
+            typed: Vec::new(),
+            wishes: Vec::new(),
+            ticks: Vec::new(),
+        }
+    }
+
+    /// Says that no picture is drawn.
+    pub fn unseen(&mut self) {
+        self.sheets.iter_mut().for_each(Sheet::unseen);
+    }
+
+    /// Looks at every panel that changed; gives what is wanted and what hands should feel.
+    pub fn look(
+        &mut self,
+        world: &World,
+        settings: Settings,
+        seconds: f64,
+    ) -> (&mut Vec<Wish>, &[(usize, Tick)]) {
+        self.wishes.clear();
+        self.ticks.clear();
+        let view = View::of(world, settings);
+        let key = view.key();
+        let mut changed = !self.shown.as_ref().is_some_and(|shown| shown.is(&key));
+        if self.buttons.as_ref() != Some(view.buttons) {
+            self.buttons = Some(view.buttons.clone());
+            changed = true;
+        }
+        self.shown = Some(key);
+        for id in PanelId::ALL {
+            let there = world.has_panel(id);
+            let was_there = std::mem::replace(&mut self.there[id as usize], there);
+            let came = there && !was_there;
+            let pointer = world.pointer(id).filter(|_| there);
+            if there {
+                self.look_at(id, &view, pointer, seconds, changed || came);
+            }
+        }
+        (&mut self.wishes, &self.ticks)
+    }
+
+    fn look_at(
+        &mut self,
+        id: PanelId,
+        view: &View<'_>,
+        pointer: Option<PanelPointer>,
+        seconds: f64,
+        changed: bool,
+    ) {
+        let words = view.settings.language.words();
+        let [bench, wrist, keyboard, label, lesson] = &mut self.sheets;
+        let wishes = &mut self.wishes;
+        let looked = match id {
+            PanelId::Bench => {
+                let keys = world_keys(&mut self.typed);
+                keys.for_each(|key| bench.type_in(key));
+                let looked = bench.look(pointer, seconds, changed, |ui| {
+                    self.bench.show(ui, view, wishes);
+                });
+                if looked.wants_keys != self.there[PanelId::Keyboard as usize] {
+                    wishes.push(Wish::Show(PanelId::Keyboard, looked.wants_keys));
+                }
+                looked
+            }
+            PanelId::Wrist => wrist.look(pointer, seconds, changed, |ui| {
+                show_wrist(ui, view, words, wishes);
+            }),
+            PanelId::Keyboard => {
+                let typed = &mut self.typed;
+                keyboard.look(pointer, seconds, changed, |ui| {
+                    if self.keyboard.show(ui, words, typed) {
+                        typed.push(escape());
+                    }
+                })
+            }
+            PanelId::Label => {
+                let says = Some((view.says, view.settings.language));
+                let other = std::mem::replace(&mut self.said, says) != says;
+                label.look(None, seconds, other, |ui| show_label(ui, view.says, words))
+            }
+            PanelId::Lesson => lesson.look(pointer, seconds, changed, |ui| {
+                super::lesson::show(ui, view, wishes);
+            }),
+        };
+        self.ticks.extend(looked.tick);
+    }
+
+    /// Keeps where texts stand from now on.
+    pub fn keep_texts(&mut self) {
+        self.sheets.iter_mut().for_each(Sheet::keep_texts);
+        self.shown = None;
+    }
+
+    /// Where the n-th text (from 1) that is this one stands on a panel, metres right of and below its upper left corner.
+    #[must_use]
+    pub fn find_text(&self, id: PanelId, text: &str, nth: usize) -> Option<glam::Vec2> {
+        self.sheets[id as usize].find_text(text, nth)
+    }
+
+    /// The texts on a panel, where they are kept.
+    pub fn texts(&self, id: PanelId) -> impl Iterator<Item = &str> {
+        self.sheets[id as usize].texts()
+    }
+
+    /// What is to be painted, with its slot, where it changed since it was taken last.
+    pub fn take_painted(&mut self) -> impl Iterator<Item = (usize, Painted)> {
+        let sheets = PanelId::ALL.into_iter().zip(&mut self.sheets);
+        sheets.filter_map(|(id, sheet)| Some((id.slot(), sheet.take_painted()?)))
+    }
+}
+
+/// What was typed since the last look.
+fn world_keys(typed: &mut Vec<egui::Event>) -> std::vec::Drain<'_, egui::Event> {
+    typed.drain(..)
+}
+
+/// Ends typing.
+fn escape() -> egui::Event {
+    egui::Event::Key {
+        key: egui::Key::Escape,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: egui::Modifiers::NONE,
+    }
+}
+
+/// The few things on the back of a hand.
+fn show_wrist(ui: &mut Ui, view: &View<'_>, words: &Words, wishes: &mut Vec<Wish>) {
+    let frame = egui::Frame::new().fill(PAPER).inner_margin(6.0);
+    egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+        let [undo, redo] = view.undo;
+        let bench = if view.bench { words.hide } else { words.bench };
+        let play = if view.playing {
+            words.pause
+        } else {
+            words.play
+        };
+        let parts = [
+            (bench, true, Wish::Show(PanelId::Bench, !view.bench)),
+            (play, true, Wish::Play(!view.playing)),
+            (words.undo, undo > 0, Wish::Undo),
+            (words.redo, redo > 0, Wish::Redo),
+        ];
+        for (name, can, wish) in parts {
+            let button = egui::Button::new(name).min_size(egui::vec2(86.0, 0.0));
+            if ui.add_enabled(can, button).clicked() {
+                wishes.push(wish);
+            }
+        }
+    });
+}
+
+/// The line beside a handle.
+fn show_label(ui: &mut Ui, says: Option<Says>, words: &Words) {
+    let text = match says {
+        Some(Says::Divergence(degrees)) => format!("{} {degrees:.3}°", words.say_divergence),
+        Some(Says::Moment(moment)) => format!("{} {moment:.1}", words.say_moment),
+        Some(Says::Clear) => words.say_clear.to_owned(),
+        Some(Says::ClearAgain) => words.say_clear_again.to_owned(),
+        None => String::new(),
+    };
+    let frame = egui::Frame::new().fill(PAPER).inner_margin(2.0);
+    egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+        ui.centered_and_justified(|ui| ui.label(RichText::new(text).color(TITLE).size(15.0)));
+    });
+}

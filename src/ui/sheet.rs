@@ -1,0 +1,302 @@
+//! One panel's egui: a pointer in, wishes and painted triangles out.
+//!
+//! A sheet is laid out only when something about it changed: the pointer moved or pressed, a key was typed, what it shows is
+//! another thing, or egui itself asks for another look. A frame in which nothing happens costs a comparison and
+//! allocates nothing. It runs without any device, so a recorded session that is played without a picture does
+//! what it did with one; time comes from the session for the same reason.
+
+use egui::{Event, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, ViewportId};
+
+use super::{LayoutParams, Painted, theme, whole_pixels};
+use crate::world::panels::PanelPointer;
+
+/// Points that the stick scrolls in a second when it is pushed all the way.
+const SCROLL_POINTS: f32 = 600.0;
+
+/// A pointer that moved less than this stays where it was, points: hands tremble.
+const STILL: f32 = 0.25;
+
+/// Longest time between two looks that counts, seconds.
+const LONGEST: f64 = 0.1;
+
+/// Something that the person should feel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tick {
+    /// The pointer came onto something that can be used.
+    Hover,
+    /// Something was pressed.
+    Click,
+}
+
+/// What happened on a sheet in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Looked {
+    /// To be felt, by this hand.
+    pub tick: Option<(usize, Tick)>,
+    /// Something on it takes text.
+    pub wants_keys: bool,
+}
+
+/// See the module.
+pub struct Sheet {
+    context: egui::Context,
+    params: LayoutParams,
+    /// Width and height, metres.
+    size: [f32; 2],
+    pointer: Option<(Pos2, bool)>,
+    /// Typed and not yet taken in.
+    typed: Vec<Event>,
+    hovered: Option<egui::Id>,
+    looked: Looked,
+    again: bool,
+    time: f64,
+    painted: Option<Painted>,
+    /// Whether a picture will take what is painted.
+    seen: bool,
+    /// Texts and the middles of where they stand, points; none: they are not kept.
+    texts: Option<Vec<(String, Pos2)>>,
+}
+
+impl Sheet {
+    /// A sheet of a size in metres.
+    #[must_use]
+    pub fn new(size: [f32; 2], params: LayoutParams) -> Self {
+        let context = egui::Context::default();
+        theme::apply(&context);
+        Self {
+            context,
+            params,
+            size,
+            pointer: None,
+            typed: Vec::new(),
+            hovered: None,
+            looked: Looked::default(),
+            again: true,
+            time: 0.0,
+            painted: None,
+            seen: true,
+            texts: None,
+        }
+    }
+
+    /// Says that no picture is drawn: what is painted is thrown away.
+    pub fn unseen(&mut self) {
+        self.seen = false;
+        self.drop_painted();
+    }
+
+    fn drop_painted(&mut self) {
+        if let Some(mut painted) = self.painted.take() {
+            painted.textures.clear();
+        }
+    }
+
+    /// Keeps where texts stand from the next look on.
+    pub fn keep_texts(&mut self) {
+        self.texts = Some(Vec::new());
+        self.again = true;
+    }
+
+    /// The middle of the n-th text (from 1) that is this one, metres right of and below the upper left corner.
+    #[must_use]
+    pub fn find_text(&self, text: &str, nth: usize) -> Option<glam::Vec2> {
+        let mut texts = self.texts.as_ref()?.iter().filter(|(kept, _)| kept == text);
+        let (_, at) = texts.nth(nth.checked_sub(1)?)?;
+        let LayoutParams {
+            pixels_per_metre,
+            pixels_per_point,
+        } = self.params;
+        Some(glam::Vec2::new(at.x, at.y) * (pixels_per_point / pixels_per_metre))
+    }
+
+    /// The texts on it, where they are kept.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.texts.iter().flatten().map(|(text, _)| text.as_str())
+    }
+
+    /// Types into what has the focus.
+    pub fn type_in(&mut self, event: Event) {
+        self.typed.push(event);
+    }
+
+    /// Looks at the sheet where that is needed. `changed`: what it shows is not what it showed.
+    pub fn look(
+        &mut self,
+        pointer: Option<PanelPointer>,
+        seconds: f64,
+        changed: bool,
+        show: impl FnMut(&mut egui::Ui),
+    ) -> Looked {
+        self.looked.tick = None;
+        let events = self.events(pointer, seconds);
+        if events.is_empty() && !changed && !self.again {
+            return self.looked;
+        }
+        self.time += seconds.clamp(0.0, LONGEST);
+        self.run(events, show);
+        self.feel(pointer);
+        self.looked
+    }
+
+    /// What the pointer and the keys did, as egui wants to hear it.
+    fn events(&mut self, pointer: Option<PanelPointer>, seconds: f64) -> Vec<Event> {
+        let mut events = std::mem::take(&mut self.typed);
+        let now = pointer.map(|pointer| (self.points(pointer.at), pointer.pressed));
+        match (self.pointer, now) {
+            (Some((at, pressed)), None) => {
+                if pressed {
+                    events.push(button(at, false));
+                }
+                events.push(Event::PointerGone);
+                self.pointer = None;
+            }
+            (before, Some((at, pressed))) => {
+                let moved = before.is_none_or(|(old, _)| old.distance(at) > STILL);
+                let was = before.is_some_and(|(_, pressed)| pressed);
+                let at = before
+                    .filter(|_| !moved && pressed == was)
+                    .map_or(at, |(old, _)| old);
+                if moved || pressed != was {
+                    events.push(Event::PointerMoved(at));
+                }
+                if pressed != was {
+                    events.push(button(at, pressed));
+                }
+                self.pointer = Some((at, pressed));
+            }
+            (None, None) => {}
+        }
+        let scroll = pointer.map_or(0.0, |pointer| pointer.scroll);
+        if scroll.abs() > 0.3 {
+            #[expect(clippy::cast_possible_truncation, reason = "a frame's seconds")]
+            let far = scroll * SCROLL_POINTS * seconds.clamp(0.0, LONGEST) as f32;
+            events.push(Event::MouseWheel {
+                unit: MouseWheelUnit::Point,
+                delta: egui::vec2(0.0, far),
+                phase: TouchPhase::Move,
+                modifiers: Modifiers::NONE,
+                source: egui::MouseWheelSource::Unknown,
+            });
+        }
+        events
+    }
+
+    fn points(&self, at: glam::Vec2) -> Pos2 {
+        let LayoutParams {
+            pixels_per_metre,
+            pixels_per_point,
+        } = self.params;
+        let points = at * (pixels_per_metre / pixels_per_point);
+        Pos2::new(points.x, points.y)
+    }
+
+    fn run(&mut self, events: Vec<Event>, show: impl FnMut(&mut egui::Ui)) {
+        let LayoutParams {
+            pixels_per_metre,
+            pixels_per_point,
+        } = self.params;
+        let size_px = self
+            .size
+            .map(|metres| whole_pixels(metres * pixels_per_metre));
+        let side = |pixels: u32| pixels as f32 / pixels_per_point;
+        let size_points = egui::vec2(side(size_px[0]), side(size_px[1]));
+        let mut input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(Pos2::ZERO, size_points)),
+            time: Some(self.time),
+            events,
+            ..Default::default()
+        };
+        if let Some(viewport) = input.viewports.get_mut(&ViewportId::ROOT) {
+            viewport.native_pixels_per_point = Some(pixels_per_point);
+        }
+        let mut output = self.context.run_ui(input, show);
+        let wait = output
+            .viewport_output
+            .get(&ViewportId::ROOT)
+            .map(|viewport| viewport.repaint_delay);
+        self.again = wait.is_some_and(|wait| wait.is_zero());
+        if let Some(texts) = &mut self.texts {
+            texts.clear();
+            output.shapes.iter().for_each(|clipped| {
+                keep(&clipped.shape, clipped.clip_rect, texts);
+            });
+        }
+        if !self.seen {
+            output.textures_delta.clear();
+            return;
+        }
+        let primitives = self
+            .context
+            .tessellate(output.shapes, output.pixels_per_point);
+        let mut textures = output.textures_delta;
+        // Textures that nobody took yet must still come.
+        if let Some(mut before) = self.painted.take() {
+            before.textures.append(textures);
+            textures = std::mem::take(&mut before.textures);
+        }
+        self.painted = Some(Painted {
+            size_px,
+            pixels_per_point: output.pixels_per_point,
+            primitives,
+            textures,
+        });
+    }
+
+    /// Decides what is felt.
+    fn feel(&mut self, pointer: Option<PanelPointer>) {
+        let (used, clicked) = self.context.interaction_snapshot(|snapshot| {
+            let used = snapshot.dragged.or(snapshot.clicked);
+            let hovered =
+                used.or_else(|| snapshot.hovered.iter().min_by_key(|id| id.value()).copied());
+            (
+                hovered,
+                snapshot.clicked.or(snapshot.drag_started).is_some(),
+            )
+        });
+        let came = used.is_some() && used != self.hovered;
+        self.hovered = used;
+        let tick = match (clicked, came) {
+            (true, _) => Some(Tick::Click),
+            (false, true) => Some(Tick::Hover),
+            _ => None,
+        };
+        self.looked = Looked {
+            tick: pointer.map(|pointer| pointer.hand).zip(tick),
+            wants_keys: self.context.egui_wants_keyboard_input(),
+        };
+    }
+
+    /// What is to be painted, where it changed since it was taken last.
+    pub fn take_painted(&mut self) -> Option<Painted> {
+        self.painted.take()
+    }
+}
+
+impl Drop for Sheet {
+    fn drop(&mut self) {
+        self.drop_painted();
+    }
+}
+
+/// Keeps the texts of a shape that are to be seen.
+fn keep(shape: &egui::Shape, clip: egui::Rect, texts: &mut Vec<(String, Pos2)>) {
+    match shape {
+        egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| keep(shape, clip, texts)),
+        egui::Shape::Text(text) => {
+            let at = text.galley.rect.center() + text.pos.to_vec2();
+            if clip.contains(at) {
+                texts.push((text.galley.text().to_owned(), at));
+            }
+        }
+        _ => {}
+    }
+}
+
+fn button(pos: Pos2, pressed: bool) -> Event {
+    Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    }
+}
