@@ -168,7 +168,6 @@ pub fn keep_going<W: Write>(
         |end, wait| {
             let Some(here) = workshop.take() else { return };
             here.let_go();
-            here.show_anew();
             let saved = here.save();
             workshop.set(Some(here));
             let why = match end {

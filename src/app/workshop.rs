@@ -317,8 +317,10 @@ impl Workshop {
         }
     }
 
-    /// The headset is gone: strokes and drags that are under way end where they are, as when the focus goes.
+    /// The headset is gone: strokes and drags that are under way end where they are, as when the focus goes, and the next
+    /// picture is told all that panels show.
     pub fn let_go(&mut self) {
+        self.show_anew();
         if let Some(last) = self.last {
             self.update(&Frame {
                 focused: false,
@@ -328,7 +330,7 @@ impl Workshop {
         }
     }
 
-    /// The picture is made anew: panels are laid out again, so that all of what they show reaches it.
+    /// The picture is made anew: panels are laid out again with the next frame, so that all of what they show reaches it.
     pub fn show_anew(&mut self) {
         self.panels = Panels::new(&self.world);
     }
