@@ -9,15 +9,17 @@
 mod counting;
 mod workshops;
 
+use std::time::Duration;
+
 use counting::allocations;
 use glam::Vec3;
 use ramus::app::picture::Picture;
 use ramus::app::portrait;
-use ramus::app::session::{self, Watcher};
+use ramus::app::session::{self, Nobody, Watcher};
 use ramus::app::workshop::Workshop;
 use ramus::render::Gpu;
 use ramus_xr::simulated::Simulated;
-use ramus_xr::{Frame, Headset};
+use ramus_xr::{Frame, Headset, HeadsetError};
 use workshops::{bushy, tall};
 
 fn segments(workshop: &mut Workshop) -> usize {
@@ -97,6 +99,47 @@ fn a_larger_tree_grows_on_the_worker_while_frames_go_on() {
     }
     assert!(frames > 1, "the loop went on meanwhile");
     assert!(!workshop.is_busy());
+}
+
+/// A runtime that blocks in `xrEndFrame` until the display has shown the frame, as some do.
+struct Blocking {
+    inner: Simulated,
+}
+
+impl Headset for Blocking {
+    ramus_xr::forward_headset!(inner: describe, extent, swapchain, wait, begin, views, vibrate, device, request_exit);
+
+    fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
+        std::thread::sleep(Duration::from_millis(200));
+        self.inner.end(rendered)
+    }
+}
+
+/// While the loop stands in the end of a frame, what is large goes on growing, and is there a few frames later.
+#[test]
+fn a_runtime_that_blocks_at_the_end_of_frames_holds_up_no_growing_tree() {
+    const FRAMES: usize = 20;
+    let mut workshop = bushy(23);
+    let mut frame = Frame::start();
+    frame.hands[1].tracked = true;
+    let frames: Vec<Frame> = (0..FRAMES)
+        .map(|at| {
+            frame.time += 0.011;
+            frame.hands[1].lower = at == 1;
+            frame
+        })
+        .collect();
+    let extent = ash::vk::Extent2D {
+        width: 8,
+        height: 8,
+    };
+    let mut headset = Blocking {
+        inner: Simulated::new(frames, extent),
+    };
+    session::run(&mut headset, &mut workshop, None, &mut Nobody).unwrap();
+    assert_eq!(workshop.document().step, 24);
+    assert_eq!(segments(&mut workshop), 121_392);
+    assert_eq!(headset.inner.waited(), FRAMES);
 }
 
 /// Notes the allocations and the pipelines made so far after each frame.

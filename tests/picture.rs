@@ -15,6 +15,7 @@ mod picture {
     mod board;
     mod eyes;
     mod faults;
+    mod hidden;
     mod older;
     mod organs;
     mod snapshots;

@@ -2,7 +2,7 @@
 
 use ash::vk;
 use image::{RgbaImage, imageops};
-use ramus_xr::{Acquired, Swapchain, View};
+use ramus_xr::{Acquired, Swapchain, View, VisibilityMask};
 
 use crate::app::worker::Worker;
 use crate::render::{
@@ -51,6 +51,8 @@ pub struct Picture {
     behind: bool,
     /// The window did not take the last picture.
     missed: bool,
+    /// Revision of the mask that was taken; 0: none.
+    masked: u64,
     gpu: Gpu,
 }
 
@@ -188,8 +190,25 @@ impl Picture {
             trouble: None,
             behind: false,
             missed: false,
+            masked: 0,
             gpu: gpu.clone(),
         })
+    }
+
+    /// Leaves out what a headset's lenses hide.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device has no room for it.
+    pub fn mask(&mut self, mask: Option<&VisibilityMask>) -> Result<(), RenderError> {
+        let revision = mask.map_or(0, |mask| mask.revision);
+        if self.masked != revision {
+            let [left, right] = mask.map_or([&[][..]; 2], |mask| {
+                mask.hidden.each_ref().map(Vec::as_slice)
+            });
+            self.renderer.set_hidden([left, right])?;
+            self.masked = revision;
+        }
+        Ok(())
     }
 
     /// Takes what a panel shows from the next frame on.

@@ -80,15 +80,32 @@ pub fn run(
     if picture.is_none() {
         workshop.unseen();
     }
+    // Whether somebody was at work since the project was saved last.
+    let mut at_work = false;
     loop {
-        match headset.wait()? {
+        let there = match headset.wait()? {
             Tick::Exit => return Ok(()),
-            Tick::Idle => std::thread::sleep(IDLE_PAUSE),
+            Tick::Idle => {
+                std::thread::sleep(IDLE_PAUSE);
+                false
+            }
             Tick::Frame(frame) => {
                 one_frame(headset, workshop, picture.as_deref_mut(), watcher, &frame)?;
                 watcher.ended(headset);
+                headset.worn()
             }
+        };
+        if at_work && !there {
+            put_aside(workshop);
         }
+        at_work = there;
+    }
+}
+
+/// The headset was taken off or put aside: what was made is saved, since nobody knows who comes back, and when.
+fn put_aside(workshop: &mut Workshop) {
+    if let Err(error) = workshop.save() {
+        workshop.show_message(format!("{error}. Your work is kept in the journal."));
     }
 }
 
@@ -128,6 +145,7 @@ fn draw(
     if !picture.fit(headset.extent())? {
         return Ok(false);
     }
+    picture.mask(headset.visibility_mask())?;
     let views = workshop.on_stage(headset.views()?);
     for (slot, painted) in workshop.take_painted() {
         picture.paint(slot, painted)?;
@@ -150,4 +168,101 @@ fn draw(
     }
     picture.present()?;
     Ok(true)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "tests say what they expect by their names"
+    )]
+
+    use std::ops::Range;
+    use std::path::PathBuf;
+
+    use ash::vk;
+    use ramus_xr::simulated::Simulated;
+
+    use super::*;
+    use crate::app::demonstration;
+    use crate::app::store::Store;
+    use crate::app::workshop::WorkshopParams;
+    use crate::world::project;
+
+    /// A headset that lies on the table for some frames, or puts the session aside before them, and looks at the
+    /// project's file before each.
+    struct Left {
+        inner: Simulated,
+        off: Range<usize>,
+        aside: bool,
+        seen: usize,
+        file: PathBuf,
+        found: Vec<Option<Vec<u8>>>,
+    }
+
+    impl Headset for Left {
+        ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, request_exit);
+
+        fn wait(&mut self) -> Result<Tick, HeadsetError> {
+            self.found.push(std::fs::read(&self.file).ok());
+            if std::mem::take(&mut self.aside) {
+                return Ok(Tick::Idle);
+            }
+            self.aside = self.seen + 1 == self.off.end && self.off.is_empty();
+            self.seen += 1;
+            self.inner.wait()
+        }
+
+        fn worn(&self) -> bool {
+            !self.off.contains(&self.seen)
+        }
+    }
+
+    /// Plays the recorded session to its 230th frame; what the project's file held before each wait.
+    fn played(off: Range<usize>) -> (Vec<Option<Vec<u8>>>, Vec<u8>) {
+        let frames = demonstration::first_tree().unwrap()[..230].to_vec();
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("kept.ramus");
+        let opened = Store::open(&file).unwrap();
+        let mut workshop = Workshop::new(opened, WorkshopParams::default()).unwrap();
+        let extent = vk::Extent2D {
+            width: 8,
+            height: 8,
+        };
+        let mut headset = Left {
+            inner: Simulated::new(frames, extent),
+            off,
+            aside: false,
+            seen: 0,
+            file,
+            found: Vec::new(),
+        };
+        run(&mut headset, &mut workshop, None, &mut Nobody).unwrap();
+        assert!(workshop.edits() > 1);
+        (headset.found, project::to_bytes(workshop.document()))
+    }
+
+    #[test]
+    fn the_project_is_saved_when_the_headset_is_taken_off() {
+        let (found, end) = played(220..225);
+        assert!(found[..220].iter().all(Option::is_none), "not before");
+        // With the 220th frame somebody took it off.
+        assert!(found[220].is_some());
+        assert_eq!(found[220], found[229], "and once");
+        assert_eq!(
+            found[220].as_deref(),
+            Some(&*end),
+            "all of it, since nothing was drawn behind"
+        );
+        let (never, _) = played(500..500);
+        assert!(never.iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn the_project_is_saved_when_the_session_is_put_aside() {
+        let (found, _) = played(200..200);
+        assert!(found[..201].iter().all(Option::is_none));
+        assert!(found[201..].iter().all(Option::is_some));
+    }
 }

@@ -465,11 +465,15 @@ impl Store {
         })
     }
 
-    /// Saves the project whole. The journal goes on: undo may reach back behind a save.
+    /// Saves the project whole. The journal goes on: undo may reach back behind a save. A session that began whatever lay
+    /// there ([`Self::begin`]) leaves the older file alone until it is closed: its work is in the journal.
     ///
     /// # Errors
     /// Where the project cannot be written; project and journal are as they were then.
     pub fn save(&mut self, document: &Document) -> Result<(), StoreError> {
+        if self.begun {
+            return Ok(());
+        }
         Ok(write_atomically(
             &self.project,
             &project::to_bytes(document),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use ramus_xr::profiles::Profile;
-use ramus_xr::{Frame, Pulse, View};
+use ramus_xr::{Frame, Hand, Pulse, View};
 
 use crate::app::convert::{buttons, input_from_frame};
 use crate::app::store::{Opened, Store, StoreError};
@@ -68,6 +68,10 @@ pub struct Workshop {
     pulses: Vec<Pulse>,
     /// Paths of what both hands hold.
     held: [Option<&'static str>; 2],
+    /// The last frame.
+    last: Option<Frame>,
+    /// The actions up to the last save.
+    saved: u64,
 }
 
 fn grow(grower: &mut Grower, (id, sketch, step): &Wanted, cancel: &AtomicBool) -> Ready {
@@ -119,6 +123,8 @@ impl Workshop {
             scene: Scene::default(),
             pulses: Vec::new(),
             held: [None; 2],
+            last: None,
+            saved: 0,
         })
     }
 
@@ -138,6 +144,7 @@ impl Workshop {
 
     /// Takes one frame of input and brings everything up to it; gives the vibrations to send.
     pub fn update(&mut self, frame: &Frame) -> &[Pulse] {
+        self.last = Some(*frame);
         self.pulses.clear();
         let haptics = self.world.update(&input_from_frame(frame));
         self.pulses.extend(haptics.iter().map(|haptic| Pulse {
@@ -317,6 +324,36 @@ impl Workshop {
         }
     }
 
+    /// The headset is gone: strokes and drags that are under way end where they are, as when the focus goes, and the next
+    /// picture is told all that panels show.
+    pub fn let_go(&mut self) {
+        self.show_anew();
+        if let Some(last) = self.last {
+            self.update(&Frame {
+                focused: false,
+                hands: [Hand::ABSENT; 2],
+                ..last
+            });
+        }
+    }
+
+    /// The picture is made anew: panels are laid out again with the next frame, so that all of what they show reaches it.
+    pub fn show_anew(&mut self) {
+        self.panels = Panels::new(&self.world);
+    }
+
+    /// Saves the project as it is, if there was an edit since it was saved last; the session goes on.
+    ///
+    /// # Errors
+    /// Where the project cannot be written; the journal still holds everything.
+    pub fn save(&mut self) -> Result<(), StoreError> {
+        if let Some(store) = self.store.as_mut().filter(|_| self.saved != self.edits) {
+            store.save(self.world.document())?;
+            self.saved = self.edits;
+        }
+        Ok(())
+    }
+
     /// Saves the project and ends the session; gives the world back for exports.
     ///
     /// # Errors
@@ -381,5 +418,89 @@ impl Workshop {
             self.growing = Some(wanted.0);
             self.worker.ask(wanted);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "tests say what they expect by their names"
+    )]
+
+    use super::*;
+    use crate::app::demonstration;
+    use crate::world::history::History;
+    use crate::world::project;
+
+    fn made(frames: &[Frame], mut before_each: impl FnMut(usize, &mut Workshop)) -> Vec<u8> {
+        let mut workshop = Workshop::unsaved(World::new(History::default())).unwrap();
+        for (at, frame) in frames.iter().enumerate() {
+            before_each(at, &mut workshop);
+            workshop.update(frame);
+        }
+        project::to_bytes(workshop.document())
+    }
+
+    #[test]
+    fn a_headset_that_is_gone_ends_a_drag_as_a_lost_focus_does() {
+        let frames = demonstration::first_tree().unwrap();
+        // The left hand grips the platform, moves it and lets it go.
+        let squeezed = |frame: &Frame| frame.hands[0].squeeze > 0.9;
+        let gripped = frames.iter().position(squeezed).unwrap();
+        let last = frames.iter().rposition(squeezed).unwrap();
+        let middle = gripped.midpoint(last);
+        let frames = &frames[..last + 20];
+        let project = |made: Vec<u8>| String::from_utf8(made).unwrap();
+        let whole = project(made(frames, |_, _| {}));
+        let let_go = project(made(frames, |at, workshop| {
+            if at == middle {
+                workshop.let_go();
+            }
+        }));
+        let unfocused = project(made(frames, |at, workshop| {
+            if at == middle {
+                workshop.update(&Frame {
+                    focused: false,
+                    hands: [Hand::ABSENT; 2],
+                    ..frames[middle - 1]
+                });
+            }
+        }));
+        assert_eq!(let_go, unfocused);
+        assert_ne!(let_go, whole, "the drag ended there");
+        // Before the first frame there is nothing to let go.
+        Workshop::unsaved(World::new(History::default()))
+            .unwrap()
+            .let_go();
+    }
+
+    #[test]
+    fn a_picture_that_is_made_anew_gets_all_that_panels_show() {
+        let mut workshop = Workshop::unsaved(World::new(History::default())).unwrap();
+        workshop.carry_out(Wish::Show(PanelId::Bench, true));
+        let mut frame = Frame::start();
+        // The slots that are painted with a frame, those with a font among them.
+        let mut painted = |workshop: &mut Workshop| {
+            frame.time += 0.011;
+            workshop.update(&frame);
+            let mut slots = Vec::new();
+            for (slot, mut painted) in workshop.take_painted() {
+                if !painted.textures.set.is_empty() {
+                    slots.push(slot);
+                }
+                painted.textures.clear();
+            }
+            slots
+        };
+        let first = painted(&mut workshop);
+        assert!(first.contains(&PanelId::Bench.slot()), "{first:?}");
+        for _ in 0..20 {
+            painted(&mut workshop);
+        }
+        assert!(painted(&mut workshop).is_empty(), "nothing changes");
+        workshop.show_anew();
+        assert_eq!(painted(&mut workshop), first);
     }
 }

@@ -4,19 +4,22 @@
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use clap::{Args as ClapArgs, ValueEnum};
 use ramus_xr::Headset;
-use ramus_xr::record::Recorder;
+use ramus_xr::record::Tape;
 use ramus_xr::session::SessionError;
 use ramus_xr::simulated::Simulated;
 
 use super::outputs::{both, check_places, not_over_each_other, set_aside};
 use super::progress::Progress;
 use super::replay::EXTENT;
+use crate::app::again::Patience;
 use crate::app::album::Album;
-use crate::app::headset;
+use crate::app::headset::{self, News};
+use crate::app::person::Person;
 use crate::app::picture::Picture;
 use crate::app::session::{self, Nobody, SessionEnd};
 use crate::app::store::{Store, keep_older, older_one, read_project};
@@ -38,6 +41,9 @@ pub(super) struct Args {
     /// Which headset to use, or a window instead
     #[arg(long, value_enum, default_value_t = Which::Auto, value_name = "WHICH")]
     headset: Which,
+    /// How long to wait for a runtime that is lost in the middle of the work, which is saved first; 0: not at all
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(..=86_400))]
+    patience: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -67,6 +73,9 @@ pub(super) struct RecordArgs {
     /// Which headset to use, or a window instead
     #[arg(long, value_enum, default_value_t = Which::Auto, value_name = "WHICH")]
     headset: Which,
+    /// How long to wait for a runtime that is lost in the middle of the work, which is saved first; 0: not at all
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(..=86_400))]
+    patience: u64,
 }
 
 pub(super) fn record(args: RecordArgs) -> Result<()> {
@@ -75,6 +84,7 @@ pub(super) fn record(args: RecordArgs) -> Result<()> {
         out: args.out,
         record: Some(args.session),
         headset: args.headset,
+        patience: args.patience,
     })
 }
 
@@ -201,17 +211,20 @@ fn at_work(door: Door, args: &Args) -> Result<()> {
         tell!("{message}");
     }
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
-    let (outcome, recorded) = match &args.record {
-        None => (door.run(|headset| headset, &mut workshop).1, Ok(())),
-        Some(path) => {
-            let output = recording(path)?;
-            let record = |headset| Recorder::new(headset, output);
-            let (recorder, outcome) = door.run(record, &mut workshop);
-            (outcome, end_recording(recorder, path))
-        }
+    let mut person = Person::here();
+    person.enter(&mut workshop);
+    let mut tape = args.record.as_deref().map(recording).transpose()?;
+    let patience = Patience::of(Duration::from_secs(args.patience));
+    let outcome = door.run(&mut tape, &mut workshop, &project, &patience);
+    let recorded = match (tape, &args.record) {
+        (Some(tape), Some(path)) => end_recording(tape.finish(), path),
+        _ => Ok(()),
     };
     // However the session and its recording ended, the work is saved first.
     workshop.finish_tree();
+    if let Err(problem) = person.leave(&workshop, &project) {
+        tell!("{problem}");
+    }
     let kept = take_home_all(workshop, &project);
     let outcome = outcome.map_err(|error| match kept {
         Ok(()) => anyhow!("{error}; your work is saved in {}", project.display()),
@@ -221,22 +234,45 @@ fn at_work(door: Door, args: &Args) -> Result<()> {
 }
 
 impl Door {
-    /// Runs a session to its end; `wrap` may put a recorder around the headset or the window.
-    fn run<Outer: Headset + 'static>(
+    /// Runs a session to its end, whatever comes and goes meanwhile.
+    fn run(
         self,
-        wrap: impl FnOnce(Box<dyn Headset>) -> Outer,
+        tape: &mut Option<Tape<Recording>>,
         workshop: &mut Workshop,
-    ) -> (Outer, Result<(), SessionEnd>) {
+        project: &Path,
+        patience: &Patience,
+    ) -> Result<(), SessionEnd> {
         match self {
             Self::Headset(opened) => {
-                opened.run(|headset| wrap(Box::new(headset)), workshop, &mut Nobody)
+                let told = |news| tell_news(&news, project);
+                headset::keep_going(*opened, tape, workshop, patience, told)
             }
             Self::Window(opened) => {
                 window::Opened::welcome(workshop);
-                opened.run(|window| wrap(Box::new(window)), workshop, &mut Nobody)
+                let Some(rolling) = tape.take() else {
+                    return opened.run(|window| window, workshop, &mut Nobody).1;
+                };
+                let around = |window| rolling.around(window);
+                let (recorder, outcome) = opened.run(around, workshop, &mut Nobody);
+                *tape = Some(recorder.take_off().1);
+                outcome
             }
         }
     }
+}
+
+fn tell_news(news: &News, project: &Path) {
+    let (why, saved, wait) = match news {
+        News::Back(headset) => return tell!("In the headset again: {headset}."),
+        News::Lost { why, saved, wait } => (why, saved, wait.as_secs()),
+    };
+    let kept = match saved {
+        Ok(()) => format!("your work is saved in {}", project.display()),
+        Err(error) => format!("your work is in the journal ({error})"),
+    };
+    tell!(
+        "Lost: {why}; {kept}. Ramus goes on when the runtime is back within {wait} s (Ctrl-C ends it)."
+    );
 }
 
 fn take_home_all(workshop: Workshop, project: &Path) -> Result<()> {
@@ -270,15 +306,14 @@ fn check_recording(path: Option<&Path>) -> Result<()> {
     check_places([&path.to_owned()])
 }
 
-fn recording(path: &Path) -> Result<Recording> {
+fn recording(path: &Path) -> Result<Tape<Recording>> {
     let file = File::create_new(path)
         .with_context(|| format!("cannot record the session into {}", path.display()))?;
-    Ok(BufWriter::new(file))
+    Ok(Tape::new(BufWriter::new(file)))
 }
 
 /// Ends a recording. Its failure touches nothing else that the session makes, so it is told at the end.
-fn end_recording<H: Headset>(recorder: Recorder<H, Recording>, path: &Path) -> Result<()> {
-    let (_headset, written) = recorder.finish();
+fn end_recording(written: Result<Recording, SessionError>, path: &Path) -> Result<()> {
     if let Err(error) = written {
         let room = match error {
             SessionError::Io(_) => "free some space or choose another disk, and ",
@@ -320,10 +355,10 @@ fn demonstrate(out: &Path, record: Option<&Path>) -> Result<()> {
     let (outcome, recorded) = match record.map(|path| (path, recording(path))) {
         None => (play(&mut headset), Ok(())),
         Some((_, Err(error))) => (Err(error), Ok(())),
-        Some((path, Ok(output))) => {
-            let mut recorder = Recorder::new(headset, output);
+        Some((path, Ok(tape))) => {
+            let mut recorder = tape.around(headset);
             let outcome = play(&mut recorder);
-            (outcome, end_recording(recorder, path))
+            (outcome, end_recording(recorder.finish().1, path))
         }
     };
     let steps = album.steps().clone();

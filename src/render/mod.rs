@@ -16,6 +16,7 @@ mod error;
 mod eye;
 mod frame;
 mod gpu;
+mod hidden;
 mod host;
 mod memory;
 mod meshes;

@@ -17,6 +17,7 @@ use super::{
     eye::Eye,
     frame::{Pool, SLOTS, Slot, block_stride, depth_was_resolved, full_barrier},
     gpu::Gpu,
+    hidden::{Hidden, HiddenEyes},
     memory::Buffer,
     meshes::Meshes,
     offscreen::{COLOR_FORMAT, DEPTH_FORMAT, check_extent},
@@ -140,6 +141,7 @@ pub struct Renderer {
     shadow: Shadow,
     /// By slot; the board's is always there.
     panels: Vec<Panel>,
+    hidden: Hidden,
     tree: Option<TreeUpload>,
     coming: Option<TreeUpload>,
     scratch: Scratch,
@@ -200,6 +202,7 @@ impl Renderer {
                 own_eyes,
             )?,
             panels: vec![Panel::new(gpu, &pipelines.board_layout)?],
+            hidden: Hidden::new(gpu, &formats)?,
             params,
             pipelines,
             slots,
@@ -243,6 +246,18 @@ impl Renderer {
         if let Some(old) = self.coming.replace(upload) {
             self.garbage.push((self.frame, Garbage::Tree(old)));
         }
+    }
+
+    /// Takes what nobody can see of the left and the right eye's picture, as triangles of three corners each, at the
+    /// tangents (x right, y up) of the angles at which the eye sees them: those pixels stay black and are not shaded.
+    ///
+    /// # Errors
+    /// [`RenderError`] when there is no room for them; what was hidden before stays hidden then.
+    pub fn set_hidden(&mut self, hidden: [&[[f32; 2]]; 2]) -> Result<(), RenderError> {
+        if let Some(old) = self.hidden.set(&self.gpu, hidden)? {
+            self.garbage.push((self.frame, Garbage::Buffer(old)));
+        }
+        Ok(())
     }
 
     /// Paints egui's output into a panel's picture, of `size_px` pixels, with the next draw; `textures` is cleared. Slot 0 is the
@@ -323,6 +338,7 @@ impl Renderer {
             commands,
             counts,
             set: self.slots[at].set,
+            hidden: HiddenEyes::new(eyes),
             tree: self.tree.as_ref().filter(|_| placed.is_some()),
         };
         let key = self.shadow_key(placed, &numbers);

@@ -34,10 +34,15 @@ pub(crate) fn in_the_headset(
         .unwrap();
     let mut output = BufReader::new(child.stdout.take().unwrap());
     let mut said = String::new();
-    while !said.contains("In the headset") {
-        assert!(output.read_line(&mut said).unwrap() > 0, "it ended: {said}");
-    }
+    said_until(&mut output, &mut said, "In the headset: ");
     (child, output, said)
+}
+
+/// Reads on until the program says `words`.
+pub(crate) fn said_until(output: &mut BufReader<ChildStdout>, said: &mut String, words: &str) {
+    while !said.contains(words) {
+        assert!(output.read_line(said).unwrap() > 0, "it ended: {said}");
+    }
 }
 
 /// A program that cannot go on ends with exit code 1 and one sentence that holds `words`.

@@ -76,7 +76,7 @@ impl<'a, H: Headset> Robbed<'a, H> {
 }
 
 impl<H: Headset> Headset for Robbed<'_, H> {
-    ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, request_exit);
+    ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, device, request_exit);
 
     fn wait(&mut self) -> Result<Tick, HeadsetError> {
         loop {

@@ -26,7 +26,7 @@ impl<H: Headset> Seen<H> {
 }
 
 impl<H: Headset> Headset for Seen<H> {
-    ramus_xr::forward_headset!(inner: describe, extent, swapchain, wait, begin, end, vibrate, request_exit);
+    ramus_xr::forward_headset!(inner: describe, extent, swapchain, wait, begin, end, vibrate, device, request_exit);
 
     fn views(&mut self) -> Result<[View; 2], HeadsetError> {
         let views = self.inner.views()?;
@@ -40,6 +40,7 @@ pub(crate) struct Sight {
     views: Views,
     frames: usize,
     newest: Option<([RgbaImage; 2], [View; 2])>,
+    last: Frame,
 }
 
 impl Sight {
@@ -48,6 +49,7 @@ impl Sight {
             views,
             frames: 0,
             newest: None,
+            last: Frame::start(),
         }
     }
 
@@ -61,9 +63,15 @@ impl Sight {
     pub(crate) fn shows_the_tree_to_both_eyes(&self, workshop: &mut Workshop) {
         let (seen, views) = self.newest.as_ref().unwrap();
         let (width, height) = seen[0].dimensions();
+        // The panels were painted for the runtime's picture; ours wants them too.
+        workshop.show_anew();
+        workshop.update(&self.last);
         let mut scene = workshop.scene().clone();
         let gpu = portrait::open_gpu().unwrap();
         let mut picture = Picture::offscreen(&gpu, width, height).unwrap();
+        for (slot, painted) in workshop.take_painted() {
+            picture.paint(slot, painted).unwrap();
+        }
         picture.draw_whole(&scene, views, None).unwrap();
         let expected = picture.read(None).unwrap();
         let placed = scene.tree.take().unwrap();
@@ -137,7 +145,8 @@ impl Watcher for Sight {
         self.frames += 1;
     }
 
-    fn wants(&mut self, _workshop: &Workshop, _frame: &Frame) -> bool {
+    fn wants(&mut self, _workshop: &Workshop, frame: &Frame) -> bool {
+        self.last = *frame;
         true
     }
 }

@@ -3,7 +3,9 @@
 use ash::vk;
 
 use crate::frame::{Frame, Pulse, View};
+use crate::mask::VisibilityMask;
 use crate::profiles::Profile;
+use crate::quad::{QuadId, QuadImages, QuadPlace};
 use crate::session::SessionError;
 use crate::vulkan::Swapchain;
 
@@ -77,12 +79,43 @@ pub trait Headset {
     fn controllers(&self) -> [Option<&'static Profile>; 2] {
         [None; 2]
     }
+    /// Whether somebody wears the headset, as far as the device knows. While nobody does, its frames have neither focus
+    /// nor hands; what was made should be saved when it is taken off.
+    fn worn(&self) -> bool {
+        true
+    }
+    /// What the eyes cannot see of their pictures; none where all is seen or nothing is known.
+    fn visibility_mask(&self) -> Option<&VisibilityMask> {
+        None
+    }
+    /// Makes a flat picture of so many pixels that the runtime shows by itself (see [`crate::quad`]); none where the
+    /// headset has no room for one: then the application draws it into the scene.
+    ///
+    /// # Errors
+    /// [`HeadsetError`] when the session cannot go on.
+    fn make_quad(&mut self, _extent: vk::Extent2D) -> Result<Option<QuadId>, HeadsetError> {
+        Ok(None)
+    }
+    /// The images of a quad; none for a quad of another headset.
+    fn quad_images(&self, _quad: QuadId) -> Option<&QuadImages> {
+        None
+    }
+    /// Acquires a quad's next image, between `begin` and `end`, and says which it is; `end` releases it.
+    ///
+    /// # Errors
+    /// [`HeadsetError`] when the session cannot go on.
+    fn acquire_quad(&mut self, _quad: QuadId) -> Result<Option<usize>, HeadsetError> {
+        Ok(None)
+    }
+    /// Where a quad is from the next `end` on; none hides it. One whose place is not sane is hidden too.
+    fn place_quad(&mut self, _quad: QuadId, _place: Option<QuadPlace>) {}
     /// Asks the session to end in good order; [`Tick::Exit`] follows.
     fn request_exit(&mut self);
 }
 
 /// Writes those methods of [`Headset`] that a headset around a headset leaves to the one inside, which is its field
-/// `$inner`. What it does itself stands beside them:
+/// `$inner`; `device` stands for all that only a device knows: controllers, whether it is worn, mask and quads. What it
+/// does itself stands beside them:
 ///
 /// ```
 /// use ramus_xr::{Frame, Headset, HeadsetError, Tick};
@@ -93,7 +126,7 @@ pub trait Headset {
 /// }
 ///
 /// impl<H: Headset> Headset for Counted<H> {
-///     ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, controllers, request_exit);
+///     ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, device, request_exit);
 ///
 ///     fn wait(&mut self) -> Result<Tick, HeadsetError> {
 ///         let tick = self.inner.wait()?;
@@ -144,9 +177,33 @@ macro_rules! forward_headset {
             $crate::Headset::vibrate(&mut self.$inner, pulse);
         }
     };
-    (@ $inner:ident controllers) => {
+    (@ $inner:ident device) => {
         fn controllers(&self) -> [Option<&'static $crate::profiles::Profile>; 2] {
             $crate::Headset::controllers(&self.$inner)
+        }
+        fn worn(&self) -> bool {
+            $crate::Headset::worn(&self.$inner)
+        }
+        fn visibility_mask(&self) -> Option<&$crate::VisibilityMask> {
+            $crate::Headset::visibility_mask(&self.$inner)
+        }
+        fn make_quad(
+            &mut self,
+            extent: $crate::ash::vk::Extent2D,
+        ) -> Result<Option<$crate::quad::QuadId>, $crate::HeadsetError> {
+            $crate::Headset::make_quad(&mut self.$inner, extent)
+        }
+        fn quad_images(&self, quad: $crate::quad::QuadId) -> Option<&$crate::quad::QuadImages> {
+            $crate::Headset::quad_images(&self.$inner, quad)
+        }
+        fn acquire_quad(
+            &mut self,
+            quad: $crate::quad::QuadId,
+        ) -> Result<Option<usize>, $crate::HeadsetError> {
+            $crate::Headset::acquire_quad(&mut self.$inner, quad)
+        }
+        fn place_quad(&mut self, quad: $crate::quad::QuadId, place: Option<$crate::quad::QuadPlace>) {
+            $crate::Headset::place_quad(&mut self.$inner, quad, place);
         }
     };
     (@ $inner:ident request_exit) => {
@@ -195,6 +252,30 @@ impl<H: Headset + ?Sized> Headset for Box<H> {
 
     fn controllers(&self) -> [Option<&'static Profile>; 2] {
         (**self).controllers()
+    }
+
+    fn worn(&self) -> bool {
+        (**self).worn()
+    }
+
+    fn visibility_mask(&self) -> Option<&VisibilityMask> {
+        (**self).visibility_mask()
+    }
+
+    fn make_quad(&mut self, extent: vk::Extent2D) -> Result<Option<QuadId>, HeadsetError> {
+        (**self).make_quad(extent)
+    }
+
+    fn quad_images(&self, quad: QuadId) -> Option<&QuadImages> {
+        (**self).quad_images(quad)
+    }
+
+    fn acquire_quad(&mut self, quad: QuadId) -> Result<Option<usize>, HeadsetError> {
+        (**self).acquire_quad(quad)
+    }
+
+    fn place_quad(&mut self, quad: QuadId, place: Option<QuadPlace>) {
+        (**self).place_quad(quad, place);
     }
 
     fn request_exit(&mut self) {

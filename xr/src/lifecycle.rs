@@ -185,6 +185,12 @@ pub struct FrameClock {
 }
 
 impl FrameClock {
+    /// The same clock for a session after this one: it goes on where it stands, whatever time the runtime begins with.
+    #[must_use]
+    pub fn resumed(self) -> Self {
+        Self { last: None, ..self }
+    }
+
     /// The time in seconds of a frame that is shown at `predicted` nanoseconds.
     pub fn advance(&mut self, predicted: i64) -> f64 {
         const SECOND: f64 = 1e9;

@@ -25,8 +25,12 @@ mod events;
 #[cfg(test)]
 mod fake;
 mod frames;
+mod hands;
 mod headset;
 mod input;
+mod mask;
+mod quads;
+mod refresh;
 mod space;
 mod swapchain;
 mod system;

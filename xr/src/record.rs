@@ -17,45 +17,48 @@ use crate::session::{SessionError, SessionWriter};
 /// readable, and [`Recorder::fault`] says why.
 pub struct Recorder<H, W: Write> {
     inner: H,
+    tape: Tape<W>,
+}
+
+/// A recording by itself, between one headset and the next: where a headset is lost, the recording goes on with the one
+/// that comes back.
+pub struct Tape<W: Write> {
     writer: Option<SessionWriter<W>>,
     fault: Option<SessionError>,
     /// The frame under way; written when it ends, with the views that were drawn.
     pending: Option<Frame>,
 }
 
-impl<H: Headset, W: Write> Recorder<H, W> {
-    /// Records `inner` into `output` (buffer it: a frame is a few hundred bytes).
-    pub fn new(inner: H, output: W) -> Self {
+impl<W: Write> Tape<W> {
+    /// A recording into `output` (buffer it: a frame is a few hundred bytes).
+    pub fn new(output: W) -> Self {
         let (writer, fault) = match SessionWriter::new(output) {
             Ok(writer) => (Some(writer), None),
             Err(fault) => (None, Some(fault)),
         };
         Self {
-            inner,
             writer,
             fault,
             pending: None,
         }
     }
 
-    /// Why recording stopped, if it did.
-    #[must_use]
-    pub fn fault(&self) -> Option<&SessionError> {
-        self.fault.as_ref()
+    /// Goes on with a headset, whose time goes on where the last one's stopped.
+    pub fn around<H: Headset>(self, inner: H) -> Recorder<H, W> {
+        Recorder { inner, tape: self }
     }
 
-    /// Ends the recording; gives back the headset, and the output once all is written.
+    /// Ends the recording; gives back the output once all is written.
     ///
     /// # Errors
     /// The [`SessionError`] that stopped the recording, or the one of writing out the rest.
-    pub fn finish(mut self) -> (H, Result<W, SessionError>) {
+    pub fn finish(mut self) -> Result<W, SessionError> {
         self.flush();
-        let written = match (self.fault, self.writer) {
+        match (self.fault, self.writer) {
             (Some(fault), _) => Err(fault),
             (None, Some(writer)) => writer.finish(),
             (None, None) => Err(SessionError::TooLong),
-        };
-        (self.inner, written)
+        }
     }
 
     fn flush(&mut self) {
@@ -71,25 +74,53 @@ impl<H: Headset, W: Write> Recorder<H, W> {
     }
 }
 
+impl<H: Headset, W: Write> Recorder<H, W> {
+    /// Records `inner` into `output` (buffer it: a frame is a few hundred bytes).
+    pub fn new(inner: H, output: W) -> Self {
+        Tape::new(output).around(inner)
+    }
+
+    /// Why recording stopped, if it did.
+    #[must_use]
+    pub fn fault(&self) -> Option<&SessionError> {
+        self.tape.fault.as_ref()
+    }
+
+    /// Takes the recording off its headset, which has come to its end.
+    pub fn take_off(mut self) -> (H, Tape<W>) {
+        self.tape.flush();
+        (self.inner, self.tape)
+    }
+
+    /// Ends the recording; gives back the headset, and the output once all is written.
+    ///
+    /// # Errors
+    /// As [`Tape::finish`].
+    pub fn finish(self) -> (H, Result<W, SessionError>) {
+        let (headset, tape) = self.take_off();
+        (headset, tape.finish())
+    }
+}
+
 impl<H: Headset, W: Write> Headset for Recorder<H, W> {
-    crate::forward_headset!(inner: extent, swapchain, begin, vibrate, controllers, request_exit);
+    crate::forward_headset!(inner: extent, swapchain, begin, vibrate, device, request_exit);
 
     fn describe(&self) -> String {
         format!("{}, recording", self.inner.describe())
     }
 
     fn wait(&mut self) -> Result<Tick, HeadsetError> {
-        self.flush();
+        self.tape.flush();
         let tick = self.inner.wait()?;
         if let Tick::Frame(frame) = tick {
-            self.pending = Some(frame);
+            self.tape.pending = Some(frame);
         }
         Ok(tick)
     }
 
     fn views(&mut self) -> Result<[View; 2], HeadsetError> {
         let views = self.inner.views()?;
-        if let Some(frame) = &mut self.pending {
+        if let Some(frame) = &mut self.tape.pending {
             frame.views = views;
         }
         Ok(views)
@@ -97,7 +128,7 @@ impl<H: Headset, W: Write> Headset for Recorder<H, W> {
 
     fn end(&mut self, rendered: bool) -> Result<(), HeadsetError> {
         self.inner.end(rendered)?;
-        self.flush();
+        self.tape.flush();
         Ok(())
     }
 }
@@ -149,7 +180,7 @@ impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Player<H, I> {
 }
 
 impl<H: Headset, I: Iterator<Item = Result<Frame, SessionError>>> Headset for Player<H, I> {
-    crate::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, controllers, request_exit);
+    crate::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, device, request_exit);
 
     fn describe(&self) -> String {
         format!("{}, playing a session", self.inner.describe())

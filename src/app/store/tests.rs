@@ -257,8 +257,10 @@ fn a_replaced_project_stays_until_the_new_one_is_whole() {
     let old = finished(&path, 0.7);
     let mut opened = Store::begin(&path).unwrap();
     draw(&mut opened, &[0.1, 0.2]);
-    assert_eq!(read_project(&path).unwrap(), old);
     let new = opened.history.committed().clone();
+    // Nor does a save on the way touch it: the new one's work is in the journal.
+    opened.store.save(&new).unwrap();
+    assert_eq!(read_project(&path).unwrap(), old);
     opened.store.close(&new).unwrap();
     assert_eq!(read_project(&path).unwrap(), new);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);

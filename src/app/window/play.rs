@@ -46,7 +46,7 @@ impl<H> Paced<H> {
 }
 
 impl<H: Headset> Headset for Paced<H> {
-    ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, vibrate, controllers, request_exit);
+    ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, vibrate, device, request_exit);
 
     fn wait(&mut self) -> Result<Tick, HeadsetError> {
         let tick = self.inner.wait()?;

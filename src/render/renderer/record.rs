@@ -6,6 +6,7 @@ use super::{Backdrop, DrawReport, Renderer};
 use crate::render::{
     data::Counts,
     frame::{block_stride, full_barrier, transition},
+    hidden::HiddenEyes,
     memory::Buffer,
     meshes::Run,
     target::{Resolved, StereoImage, Target, aspects, discard},
@@ -17,6 +18,7 @@ pub(super) struct Pass<'a> {
     pub(super) commands: vk::CommandBuffer,
     pub(super) counts: Counts,
     pub(super) set: vk::DescriptorSet,
+    pub(super) hidden: HiddenEyes,
     pub(super) tree: Option<&'a TreeUpload>,
 }
 
@@ -223,6 +225,7 @@ impl Renderer {
             .color_attachments(&many_color)
             .depth_attachment(&many_depth);
         self.begin(pass, &info, extent, block);
+        self.record_hidden(pass, block, report);
         self.record_tubes(pass, self.pipelines.tubes.handle, report);
         self.record_caps(pass, report);
         self.record_organs(pass, self.pipelines.organs.handle, report);
@@ -268,6 +271,14 @@ impl Renderer {
         }
         self.bind_indices(pass, &self.meshes.indices, vk::IndexType::UINT16);
         self.bind_frame(pass, self.pipelines.tree_layout.handle, block);
+    }
+
+    /// Covers what nobody sees. The block of an eye's own pass says which eye it is: the first block is the left one's.
+    fn record_hidden(&self, pass: &Pass<'_>, block: u64, report: &mut DrawReport) {
+        let eyes = pass.hidden.of_eye(u32::from(block > 0));
+        let triangles = self.hidden.record(&self.gpu, pass.commands, &eyes);
+        report.draws += u32::from(triangles > 0);
+        report.triangles += u64::from(triangles);
     }
 
     fn bind_frame(&self, pass: &Pass<'_>, layout: vk::PipelineLayout, block: u64) {

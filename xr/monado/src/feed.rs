@@ -6,6 +6,7 @@
 //! whatever the runtime's rate and however long a packet takes. Frames that come too early (the driver copies packets
 //! without a lock, so they can even be half old) are ended empty and never shown to the application.
 
+use ramus_xr::frame::LONGEST_STEP;
 use ramus_xr::{Frame, Hand, Headset, HeadsetError, Pose, Tick};
 
 use crate::remote::{Packet, Remote};
@@ -23,6 +24,8 @@ pub struct Fed<H, I> {
     remote: Remote,
     frames: I,
     over: bool,
+    /// The runtime's time and the application's of the last frame: frames that are passed over on a busy machine are no leap.
+    times: Option<(f64, f64)>,
 }
 
 impl<H: Headset, I: Iterator<Item = Frame>> Fed<H, I> {
@@ -33,6 +36,7 @@ impl<H: Headset, I: Iterator<Item = Frame>> Fed<H, I> {
             remote,
             frames,
             over: false,
+            times: None,
         }
     }
 
@@ -76,7 +80,7 @@ pub fn arrived(seen: &Frame, sent: &Frame) -> bool {
 }
 
 impl<H: Headset, I: Iterator<Item = Frame>> Headset for Fed<H, I> {
-    ramus_xr::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, request_exit);
+    ramus_xr::forward_headset!(inner: extent, swapchain, begin, views, end, vibrate, device, request_exit);
 
     fn describe(&self) -> String {
         format!("{}, fed by the remote driver", self.inner.describe())
@@ -106,7 +110,11 @@ impl<H: Headset, I: Iterator<Item = Frame>> Headset for Fed<H, I> {
                     } else {
                         [Hand::ABSENT; 2]
                     };
+                    let (before, given) = self.times.unwrap_or((seen.time, seen.time));
+                    let time = given + (seen.time - before).clamp(0.0, LONGEST_STEP);
+                    self.times = Some((seen.time, time));
                     return Ok(Tick::Frame(Frame {
+                        time,
                         focused: sent.focused,
                         hands,
                         ..seen

@@ -100,30 +100,11 @@ impl Service {
     pub fn start(params: ServiceParams) -> Result<Self, ServiceError> {
         let folder = tempfile::Builder::new().prefix("ramus-monado-").tempdir()?;
         let runtime = folder.path().join("runtime");
-        let config = folder.path().join("config/monado");
         fs::create_dir_all(&runtime)?;
         fs::set_permissions(&runtime, Permissions::from_mode(0o700))?;
-        fs::create_dir_all(&config)?;
-        // The port stays free until the service takes it: inside the stage nobody else is on this network.
-        let port = TcpListener::bind(("127.0.0.1", 0))?.local_addr()?.port();
-        fs::write(
-            config.join("config_v0.json"),
-            format!(
-                r#"{{"active":"remote","remote":{{"version":0,"port":{port},"view_count":2}}}}"#
-            ),
-        )?;
-        let log = File::create(folder.path().join("service.log"))?;
-        let child = Command::new("monado-service")
-            .env("XRT_NO_STDIN", "1")
-            .env("XRT_COMPOSITOR_NULL", "1")
-            .env("XDG_RUNTIME_DIR", &runtime)
-            .env("XDG_CONFIG_HOME", folder.path().join("config"))
-            .envs(params.environment.iter().map(|(name, value)| (name, value)))
-            .stdin(Stdio::null())
-            .stdout(log.try_clone()?)
-            .stderr(log)
-            .spawn()
-            .map_err(ServiceError::Start)?;
+        fs::create_dir_all(folder.path().join(CONFIG))?;
+        let port = configure(folder.path())?;
+        let child = spawn(folder.path(), &params)?;
         let mut service = Self {
             child,
             folder,
@@ -243,6 +224,20 @@ impl Service {
         Ok(())
     }
 
+    /// Starts the runtime again after it was killed, for the programs that found it where it was. Its remote driver has another
+    /// port: the old one may not be free yet.
+    ///
+    /// # Errors
+    /// As [`Service::start`].
+    pub fn start_again(&mut self) -> Result<(), ServiceError> {
+        self.kill()?;
+        // What a killed service leaves behind says that it is ready.
+        let _ = fs::remove_file(self.runtime_folder().join(SOCKET));
+        self.port = configure(self.folder.path())?;
+        self.child = spawn(self.folder.path(), &self.params)?;
+        self.wait_until_ready()
+    }
+
     /// Asks the runtime to end, as the system does when a person logs out, and waits until it has.
     ///
     /// # Errors
@@ -281,6 +276,39 @@ impl Service {
             Err(ServiceError::Complaints { complaints })
         }
     }
+}
+
+/// The folder of the runtime's own settings.
+const CONFIG: &str = "config/monado";
+
+/// Writes the settings, with a port that is free; gives it.
+fn configure(folder: &Path) -> io::Result<u16> {
+    // The port stays free until the service takes it: inside the stage nobody else is on this network.
+    let port = TcpListener::bind(("127.0.0.1", 0))?.local_addr()?.port();
+    fs::write(
+        folder.join(CONFIG).join("config_v0.json"),
+        format!(r#"{{"active":"remote","remote":{{"version":0,"port":{port},"view_count":2}}}}"#),
+    )?;
+    Ok(port)
+}
+
+/// Starts the process; its output goes on in the log.
+fn spawn(folder: &Path, params: &ServiceParams) -> Result<Child, ServiceError> {
+    let log = File::options()
+        .create(true)
+        .append(true)
+        .open(folder.join("service.log"))?;
+    Command::new("monado-service")
+        .env("XRT_NO_STDIN", "1")
+        .env("XRT_COMPOSITOR_NULL", "1")
+        .env("XDG_RUNTIME_DIR", folder.join("runtime"))
+        .env("XDG_CONFIG_HOME", folder.join("config"))
+        .envs(params.environment.iter().map(|(name, value)| (name, value)))
+        .stdin(Stdio::null())
+        .stdout(log.try_clone()?)
+        .stderr(log)
+        .spawn()
+        .map_err(ServiceError::Start)
 }
 
 impl Drop for Service {

@@ -18,6 +18,7 @@ use ramus_monado::{
 use ramus_xr::{
     Frame, Hand, Headset, HeadsetError, Pose, Pulse, Tick, View,
     openxr::{OpenXrHeadset, StartParams, connect},
+    quad::QuadPlace,
     vulkan::VulkanHandles,
 };
 
@@ -80,7 +81,7 @@ impl Device {
                 queue_index: 0,
             };
             let device = ash::Device::load(instance.fp_v1_0(), device);
-            let headset = system.start(handles, StartParams { near: 0.05 }).unwrap();
+            let headset = system.start(handles, StartParams::new(0.05)).unwrap();
             Self {
                 headset: Some(headset),
                 device,
@@ -349,6 +350,56 @@ fn a_recentring_moves_the_person_and_hides_the_hands_for_a_frame() {
             service.stop().unwrap();
         },
     );
+}
+
+#[test]
+fn mask_rate_and_quads_are_as_the_runtime_has_them() {
+    staged("mask_rate_and_quads_are_as_the_runtime_has_them", || {
+        let service = Service::start(ServiceParams::default()).unwrap();
+        let mut device = Device::new(&service);
+        device.focus();
+        let headset = device.headset();
+        let hidden = headset.visibility_mask().map(|mask| &mask.hidden);
+        println!("hidden: {hidden:?}, {:?} Hz", headset.refresh_rate());
+        if let Some(hidden) = hidden {
+            // Triangles near what is seen: tangents, not pixels nor angles in degrees.
+            let corners = hidden.iter().flatten().flatten();
+            assert!(hidden.iter().all(|triangles| triangles.len() % 3 == 0));
+            assert!(corners.copied().all(|tangent| tangent.abs() < 20.0));
+        }
+        // The null compositor has a display of 20 Hz.
+        let rate = headset.refresh_rate().unwrap();
+        assert!((10.0..=120.0).contains(&rate), "{rate}");
+        let extent = vk::Extent2D {
+            width: 64,
+            height: 32,
+        };
+        let quad = headset.make_quad(extent).unwrap().unwrap();
+        let images = headset.quad_images(quad).unwrap().color().len();
+        headset.place_quad(
+            quad,
+            Some(QuadPlace {
+                pose: Pose {
+                    position: Vec3::new(0.0, 1.4, -1.0),
+                    ..Pose::IDENTITY
+                },
+                size: [0.8, 0.4],
+            }),
+        );
+        for painted in [false, true, true, false, false] {
+            let headset = device.headset();
+            assert!(matches!(headset.wait().unwrap(), Tick::Frame(_)));
+            let acquired = headset.begin().unwrap();
+            if painted {
+                assert!(headset.acquire_quad(quad).unwrap().unwrap() < images);
+            }
+            headset.end(acquired.is_some()).unwrap();
+        }
+        device.exit();
+        drop(device);
+        // It fails on whatever the validation layer or the runtime said of the layers.
+        service.stop().unwrap();
+    });
 }
 
 #[test]

@@ -95,6 +95,12 @@ pub(super) fn connect_through(entry: &xr::Entry, version: u32) -> Result<System,
     extensions.khr_vulkan_enable2 = offered.khr_vulkan_enable2;
     extensions.khr_composition_layer_depth = offered.khr_composition_layer_depth;
     extensions.ext_local_floor = offered.ext_local_floor;
+    extensions.khr_visibility_mask = offered.khr_visibility_mask;
+    extensions.fb_display_refresh_rate = offered.fb_display_refresh_rate;
+    extensions.ext_user_presence = offered.ext_user_presence;
+    extensions.ext_palm_pose = offered.ext_palm_pose;
+    // Gestures of bare hands are the runtime's to see where it can.
+    extensions.ext_hand_tracking = offered.ext_hand_tracking && !offered.ext_hand_interaction;
     let vulkan = offered.khr_vulkan_enable2;
     controllers::ask_for(&mut extensions, offered);
     if !vulkan {
@@ -136,16 +142,29 @@ pub(super) fn connect_through(entry: &xr::Entry, version: u32) -> Result<System,
             }
             code => refused("xrGetSystem", code),
         })?;
+    let joints = extensions.ext_hand_tracking && tracks_hands(&instance, system);
     System::new(
         instance,
         system,
         runtime,
         Offer {
+            mask: extensions.khr_visibility_mask,
+            refresh: extensions.fb_display_refresh_rate,
+            joints,
+            palm: extensions.ext_palm_pose,
             local_floor: core_1_1 || extensions.ext_local_floor,
             depth: extensions.khr_composition_layer_depth,
             profiles: controllers::known(core_1_1, extensions),
         },
     )
+}
+
+/// Whether the device has eyes for hands; where it cannot say, it has none.
+fn tracks_hands(instance: &xr::Instance, system: xr::SystemId) -> bool {
+    instance
+        .supports_hand_tracking(system)
+        .inspect_err(|code| tracing::warn!("no bare hands: xrGetSystemProperties gave {code:?}"))
+        .unwrap_or(false)
 }
 
 /// What it means that the runtime refused a call made before there was a session.

@@ -30,26 +30,42 @@ pub(super) fn loss(code: xr::sys::Result) -> xr::Result<()> {
     }
 }
 
+/// What a hand holds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Held {
+    /// Whether the runtime has bound a profile to it, be it one that is not known here.
+    pub(super) bound: bool,
+    /// The profile, where it is known.
+    pub(super) profile: Option<&'static Profile>,
+}
+
 /// The controllers that are used now; the log says what they are.
-pub(super) fn controllers(session: &xr::Session<xr::Vulkan>) -> [Option<&'static Profile>; 2] {
+pub(super) fn controllers(session: &xr::Session<xr::Vulkan>) -> [Held; 2] {
     let instance = session.instance();
     HANDS.map(|hand| {
         let current = instance
             .string_to_path(hand)
             .and_then(|hand| session.current_interaction_profile(hand));
         let path = match current {
-            Ok(xr::Path::NULL) => Ok(String::from("none")),
+            Ok(xr::Path::NULL) => {
+                tracing::info!("{hand}: none");
+                return Held::default();
+            }
             Ok(path) => instance.path_to_string(path),
             Err(code) => Err(code),
         };
         match path {
             Ok(path) => {
                 tracing::info!("{hand}: {path}");
-                PROFILES.iter().find(|profile| profile.path == path)
+                let profile = PROFILES.iter().find(|profile| profile.path == path);
+                Held {
+                    bound: true,
+                    profile,
+                }
             }
             Err(code) => {
                 tracing::warn!("{hand}: the controller is not known ({code:?})");
-                None
+                Held::default()
             }
         }
     })

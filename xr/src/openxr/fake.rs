@@ -14,17 +14,13 @@ use xr::sys::{self, Handle as _, Result as Code, pfn};
 use super::connect::{ConnectError, connect_through};
 use super::system::System;
 
+mod events;
+
+pub(super) use self::events::FakeEvent;
+pub(super) use self::extensions::More;
+
 /// Nanoseconds between two frames, unless a test says when they are shown.
 const PERIOD: i64 = 11_000_000;
-
-/// What `xrPollEvent` gives.
-#[derive(Clone, Copy)]
-pub(super) enum FakeEvent {
-    State(xr::SessionState),
-    Recentre(xr::ReferenceSpaceType, i64),
-    InstanceLoss,
-    Profile,
-}
 
 /// What came with `xrEndFrame`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +28,8 @@ pub(super) struct Ended {
     pub(super) layers: u32,
     /// nearZ and farZ of the left eye's depth.
     pub(super) depth: Option<[f32; 2]>,
+    /// Of the quad on top: x of its middle, and its width.
+    pub(super) quad: Option<[f32; 2]>,
 }
 
 pub(super) struct Fake {
@@ -49,6 +47,9 @@ pub(super) struct Fake {
     pub(super) should_render: bool,
     pub(super) views_known: xr::ViewStateFlags,
     pub(super) hands_known: xr::SpaceLocationFlags,
+    /// Whether what is held cannot be seen; the action alone whose pose is not known.
+    pub(super) controllers_lost: bool,
+    pub(super) unknown: &'static str,
     /// What every number, and every axis of a stick, is.
     pub(super) number: f32,
     pub(super) button: bool,
@@ -58,11 +59,15 @@ pub(super) struct Fake {
     pub(super) objections: Vec<String>,
     pub(super) ended: Vec<Ended>,
     pub(super) haptics: usize,
+    /// How far the head had moved (z, in metres) in the views that were submitted: it moves with each time that it is located.
+    pub(super) submitted: Vec<[f32; 2]>,
     /// Reference spaces that were made.
     pub(super) made: Vec<(xr::ReferenceSpaceType, f32)>,
     pub(super) api: Option<xr::Version>,
     /// By profile: actions and the paths that they were bound to.
     pub(super) bound: HashMap<String, Vec<(u64, String)>>,
+    /// What the extensions say.
+    pub(super) more: More,
     /// The profile of what is held in both hands,
     pub(super) held: &'static str,
     /// and what its parts say, by the end of their path, where that is not `number` or `button`.
@@ -74,6 +79,9 @@ pub(super) struct Fake {
     stage: u8,
     synced: bool,
     acquired: HashMap<u64, u8>,
+    /// Names of the actions, and the actions of the spaces of controllers.
+    actions: HashMap<u64, String>,
+    of_controllers: HashMap<u64, String>,
     located: [sys::View; 2],
 }
 
@@ -107,6 +115,8 @@ impl Default for Fake {
             views_known: xr::ViewStateFlags::ORIENTATION_VALID | xr::ViewStateFlags::POSITION_VALID,
             hands_known: xr::SpaceLocationFlags::ORIENTATION_VALID
                 | xr::SpaceLocationFlags::POSITION_VALID,
+            controllers_lost: false,
+            unknown: "",
             number: 0.5,
             button: true,
             orientation: [0.0, 0.0, 0.0, 1.0],
@@ -119,9 +129,11 @@ impl Default for Fake {
             objections: Vec::new(),
             ended: Vec::new(),
             haptics: 0,
+            submitted: Vec::new(),
             made: Vec::new(),
             api: None,
             bound: HashMap::new(),
+            more: More::default(),
             held: "/interaction_profiles/oculus/touch_controller",
             parts: HashMap::new(),
             paths: Vec::new(),
@@ -131,6 +143,8 @@ impl Default for Fake {
             stage: 0,
             synced: false,
             acquired: HashMap::new(),
+            actions: HashMap::new(),
+            of_controllers: HashMap::new(),
             located: [view; 2],
         }
     }
@@ -150,6 +164,7 @@ impl Fake {
         const CALLS: usize = 64;
         self.calls.reserve(frames * CALLS);
         self.ended.reserve(frames);
+        self.submitted.reserve(frames);
     }
 
     /// What the part of the held controller says that an action is bound to, on one of its axes; none where it is bound to none.
@@ -248,22 +263,26 @@ macro_rules! functions {
             }
         )*
 
-        /// The function of that name; one that gives an error for what Ramus does not use.
-        fn find(name: &CStr) -> pfn::VoidFunction {
-            unsafe extern "system" fn unused() -> Code {
-                Code::ERROR_FUNCTION_UNSUPPORTED
-            }
+        /// The function of that name.
+        pub(super) fn find(name: &CStr) -> Option<pfn::VoidFunction> {
             $(
                 if name.to_bytes() == $name.as_bytes() {
                     let function: pfn::$type = $function;
                     // SAFETY: only the pointer's type is forgotten; the crate gives it back.
-                    return unsafe { std::mem::transmute::<pfn::$type, pfn::VoidFunction>(function) };
+                    return Some(unsafe { std::mem::transmute::<pfn::$type, pfn::VoidFunction>(function) });
                 }
             )*
-            // SAFETY: as above; the C calling convention lets a function ignore its arguments.
-            unsafe { std::mem::transmute::<unsafe extern "system" fn() -> Code, pfn::VoidFunction>(unused) }
+            None
         }
     };
+}
+
+// Here, since it writes functions by the macro above.
+mod extensions;
+
+/// What Ramus does not use gives an error.
+unsafe extern "system" fn unused() -> Code {
+    Code::ERROR_FUNCTION_UNSUPPORTED
 }
 
 unsafe extern "system" fn get_instance_proc_addr(
@@ -271,8 +290,17 @@ unsafe extern "system" fn get_instance_proc_addr(
     name: *const c_char,
     function: *mut Option<pfn::VoidFunction>,
 ) -> Code {
+    // SAFETY: only the pointer's type is forgotten; the C calling convention lets a function ignore its arguments.
+    let unused = unsafe {
+        std::mem::transmute::<unsafe extern "system" fn() -> Code, pfn::VoidFunction>(unused)
+    };
     // SAFETY: the crate gives a C string and a place for the pointer.
-    unsafe { *function = Some(find(CStr::from_ptr(name))) };
+    unsafe {
+        let name = CStr::from_ptr(name);
+        *function = find(name)
+            .or_else(|| extensions::find(name))
+            .or(Some(unused));
+    }
     Code::SUCCESS
 }
 
@@ -308,8 +336,12 @@ functions! {
     }
     "xrGetSystemProperties" system_properties: GetSystemProperties(
         _i: sys::Instance, _s: sys::SystemId, out: *mut sys::SystemProperties,
-    ) |_fake| {
+    ) |fake| {
         (*out).system_name = text(c"Cardboard");
+        let hands = (*out).next.cast::<sys::SystemHandTrackingPropertiesEXT>();
+        if !hands.is_null() {
+            (*hands).supports_hand_tracking = fake.more.sees_hands.into();
+        }
         (*out).graphics_properties =
             sys::SystemGraphicsProperties { max_swapchain_image_height: 4096, max_swapchain_image_width: 4096, max_layer_count: 16 };
         Code::SUCCESS
@@ -362,9 +394,12 @@ functions! {
         Code::SUCCESS
     }
     "xrCreateActionSpace" action_space: CreateActionSpace(
-        _s: sys::Session, _info: *const sys::ActionSpaceCreateInfo, out: *mut sys::Space,
+        _s: sys::Session, info: *const sys::ActionSpaceCreateInfo, out: *mut sys::Space,
     ) |fake| {
-        *out = sys::Space::from_raw(fake.handle());
+        let space = fake.handle();
+        let action = fake.actions.get(&(*info).action.into_raw()).cloned().unwrap_or_default();
+        fake.of_controllers.insert(space, action);
+        *out = sys::Space::from_raw(space);
         Code::SUCCESS
     }
     "xrStringToPath" string_to_path: StringToPath(_i: sys::Instance, string: *const c_char, out: *mut sys::Path) |fake| {
@@ -393,7 +428,10 @@ functions! {
         _s: sys::ActionSet, info: *const sys::ActionCreateInfo, out: *mut sys::Action,
     ) |fake| {
         fake.expect((*info).count_subaction_paths == 2, "an action without both hands");
-        *out = sys::Action::from_raw(fake.handle());
+        let action = fake.handle();
+        let name = CStr::from_ptr((*info).action_name.as_ptr()).to_string_lossy().into_owned();
+        fake.actions.insert(action, name);
+        *out = sys::Action::from_raw(action);
         Code::SUCCESS
     }
     "xrSuggestInteractionProfileBindings" suggest: SuggestInteractionProfileBindings(
@@ -403,7 +441,13 @@ functions! {
         let bindings = std::slice::from_raw_parts(info.suggested_bindings, info.count_suggested_bindings as usize);
         let path = |path: sys::Path| fake.paths[usize::try_from(path.into_raw()).unwrap_or_default() - 1].clone();
         let profile = path(info.interaction_profile);
-        let bound = bindings.iter().map(|binding| (binding.action.into_raw(), path(binding.binding))).collect();
+        let bound: Vec<_> = bindings.iter().map(|binding| (binding.action.into_raw(), path(binding.binding))).collect();
+        let palm = bound.iter().any(|(_, path)| path.contains("palm_ext"));
+        if palm && fake.more.refuses_palms {
+            return Code::ERROR_PATH_UNSUPPORTED;
+        }
+        let offered = fake.extensions.contains(&c"XR_EXT_palm_pose");
+        fake.expect(!palm || offered, "a pose of an extension that is not there");
         fake.bound.insert(profile, bound);
         Code::SUCCESS
     }
@@ -424,7 +468,7 @@ functions! {
         _s: sys::Session, info: *const sys::SwapchainCreateInfo, out: *mut sys::Swapchain,
     ) |fake| {
         let info = &*info;
-        fake.expect(info.array_size == 2 && info.face_count == 1 && info.mip_count == 1 && info.sample_count == 1, "shape");
+        fake.expect(matches!(info.array_size, 1 | 2) && info.face_count == 1 && info.mip_count == 1 && info.sample_count == 1, "shape");
         fake.expect(fake.formats.contains(&info.format), "a format that was not offered");
         *out = sys::Swapchain::from_raw(fake.handle());
         Code::SUCCESS
@@ -483,40 +527,8 @@ functions! {
         Code::SUCCESS
     }
     "xrPollEvent" poll: PollEvent(_i: sys::Instance, out: *mut sys::EventDataBuffer) |fake| {
-        let session = sys::Session::from_raw(2);
         let Some(event) = fake.events.pop_front() else { return Code::EVENT_UNAVAILABLE };
-        match event {
-            FakeEvent::State(state) => out.cast::<sys::EventDataSessionStateChanged>().write(sys::EventDataSessionStateChanged {
-                ty: sys::EventDataSessionStateChanged::TYPE,
-                next: ptr::null(),
-                session,
-                state,
-                time: sys::Time::from_nanos(fake.time),
-            }),
-            FakeEvent::Recentre(kind, at) => {
-                out.cast::<sys::EventDataReferenceSpaceChangePending>().write(sys::EventDataReferenceSpaceChangePending {
-                    ty: sys::EventDataReferenceSpaceChangePending::TYPE,
-                    next: ptr::null(),
-                    session,
-                    reference_space_type: kind,
-                    change_time: sys::Time::from_nanos(at),
-                    pose_valid: sys::FALSE,
-                    pose_in_previous_space: xr::Posef::IDENTITY,
-                });
-            }
-            FakeEvent::InstanceLoss => out.cast::<sys::EventDataInstanceLossPending>().write(sys::EventDataInstanceLossPending {
-                ty: sys::EventDataInstanceLossPending::TYPE,
-                next: ptr::null(),
-                loss_time: sys::Time::from_nanos(fake.time),
-            }),
-            FakeEvent::Profile => {
-                out.cast::<sys::EventDataInteractionProfileChanged>().write(sys::EventDataInteractionProfileChanged {
-                    ty: sys::EventDataInteractionProfileChanged::TYPE,
-                    next: ptr::null(),
-                    session,
-                });
-            }
-        }
+        event.write(fake.time, out);
         Code::SUCCESS
     }
     "xrWaitFrame" wait_frame: WaitFrame(
@@ -549,23 +561,30 @@ functions! {
         (*state).view_state_flags = fake.views_known;
         let [x, y, z, w] = fake.orientation;
         for (view, side) in fake.located.iter_mut().zip([-0.03, 0.03]) {
+            let moved = view.pose.position.z + 0.001;
             view.pose = xr::Posef {
                 orientation: xr::Quaternionf { x, y, z, w },
-                position: xr::Vector3f { x: side, y: 1.7, z: 0.0 },
+                position: xr::Vector3f { x: side, y: 1.7, z: moved },
             };
             view.fov = fake.fov;
         }
         fill(&fake.located, capacity, count, out)
     }
     "xrLocateSpace" locate_space: LocateSpace(
-        _s: sys::Space, _base: sys::Space, time: sys::Time, out: *mut sys::SpaceLocation,
+        space: sys::Space, _base: sys::Space, time: sys::Time, out: *mut sys::SpaceLocation,
     ) |fake| {
         fake.expect(time.as_nanos() == fake.time && fake.stage > 0, "with another time than the frame's");
-        (*out).location_flags = fake.hands_known;
+        let of = fake.of_controllers.get(&space.into_raw()).map(String::as_str);
+        let lost = of.is_some_and(|action| fake.held.is_empty() || fake.controllers_lost || action == fake.unknown);
+        let palm = of == Some("palm");
+        let bound = fake.bound.get(fake.held).is_some_and(|bound| bound.iter().any(|(_, path)| path.contains("palm_ext")));
+        let lost = lost || palm && !bound;
+        let height = if palm { 1.25 } else { 1.0 };
+        (*out).location_flags = if lost { xr::SpaceLocationFlags::EMPTY } else { fake.hands_known };
         let [x, y, z, w] = fake.orientation;
         (*out).pose = xr::Posef {
             orientation: xr::Quaternionf { x, y, z, w },
-            position: xr::Vector3f { x: 0.1, y: 1.0, z: -0.3 },
+            position: xr::Vector3f { x: 0.1, y: height, z: -0.3 },
         };
         Code::SUCCESS
     }
@@ -612,8 +631,8 @@ functions! {
         fake.expect(info.environment_blend_mode == xr::EnvironmentBlendMode::OPAQUE, "blend mode");
         fake.expect(fake.acquired.values().all(|stage| *stage == 0), "an image was not released");
         fake.stage = 0;
-        let mut ended = Ended { layers: info.layer_count, depth: None };
-        if info.layer_count == 1 {
+        let mut ended = Ended { layers: info.layer_count, ..Ended::default() };
+        if info.layer_count > 0 {
             let layer = &*(*info.layers).cast::<sys::CompositionLayerProjection>();
             fake.expect(layer.ty == sys::CompositionLayerProjection::TYPE && layer.view_count == 2, "not a projection");
             let views = std::slice::from_raw_parts(layer.views, 2);
@@ -623,10 +642,17 @@ functions! {
                 fake.expect(same, "another pose or field of view than located");
                 fake.expect(view.sub_image.image_array_index == u32::from(at == 1), "the other eye's layer");
             }
+            fake.submitted.push([0, 1].map(|eye| views[eye].pose.position.z));
             if !views[0].next.is_null() {
                 let depth = &*views[0].next.cast::<sys::CompositionLayerDepthInfoKHR>();
                 ended.depth = Some([depth.near_z, depth.far_z]);
             }
+        }
+        for at in 1..info.layer_count as usize {
+            let quad = &*(*info.layers.add(at)).cast::<sys::CompositionLayerQuad>();
+            fake.expect(quad.ty == sys::CompositionLayerQuad::TYPE && quad.space.into_raw() != 0, "not a quad");
+            fake.expect(quad.sub_image.image_array_index == 0, "a layer that a quad has not");
+            ended.quad = Some([quad.pose.position.x, quad.size.width]);
         }
         fake.ended.push(ended);
         Code::SUCCESS

@@ -6,11 +6,13 @@ use ::openxr as xr;
 use ash::vk;
 
 use super::call::check;
+use super::quads::QuadLayers;
 use super::space::raw_from_pose;
 use super::swapchain::Chain;
 use super::view::raw_from_fov;
 use crate::frame::View;
 use crate::headset::HeadsetError;
+use crate::quad::MOST_QUADS;
 
 /// Waits until the runtime wants the next frame; gives when it is shown and whether it is worth drawing.
 pub(super) fn wait(session: &xr::Session<xr::Vulkan>) -> Result<(xr::Time, bool), HeadsetError> {
@@ -47,9 +49,11 @@ pub(super) struct Picture<'a> {
     pub(super) extent: vk::Extent2D,
     /// Distance of the near plane in metres.
     pub(super) near: f32,
+    /// Flat pictures above it.
+    pub(super) quads: QuadLayers,
 }
 
-/// Ends the frame with the picture as one projection layer, or with nothing. `display_time` is the very one that the
+/// Ends the frame with the picture as a projection layer and the quads behind it in the list, which lie above it; or with nothing. `display_time` is the very one that the
 /// runtime told for this frame.
 pub(super) fn end(
     session: &xr::Session<xr::Vulkan>,
@@ -90,12 +94,16 @@ pub(super) fn end(
         view_count: 2,
         views: views.as_ptr(),
     };
-    submit(
-        session,
-        display_time,
-        blend,
-        &[ptr::from_ref(&projection).cast()],
-    )
+    let mut layers = [ptr::null::<xr::sys::CompositionLayerBaseHeader>(); 1 + MOST_QUADS];
+    let shown = std::iter::once(ptr::from_ref(&projection).cast())
+        .chain((picture.quads.iter().flatten()).map(|quad| ptr::from_ref(quad).cast()));
+    let mut count = 0;
+    for (layer, pointer) in layers.iter_mut().zip(shown) {
+        *layer = pointer;
+        count += 1;
+    }
+    let layers = layers.get(..count).unwrap_or_default();
+    submit(session, display_time, blend, layers)
 }
 
 /// Each eye's place in our arrays and its layer in the images.

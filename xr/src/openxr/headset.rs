@@ -1,5 +1,9 @@
 //! The running session: events, frames, layers.
 
+mod poll;
+
+use std::cell::Cell;
+use std::rc::Rc;
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -8,16 +12,21 @@ use ash::vk::{self, Handle as _};
 
 use super::call::Called as _;
 use super::connect::{ConnectError, refused};
+use super::events::Held;
+use super::hands::Hands;
 use super::input::Input;
+use super::quads::Quads;
 use super::space::{Stage, locate, raw_from_pose};
-use super::swapchain::{Chain, choose_formats};
-use super::system::{STEREO, StartParams, System};
+use super::swapchain::{BOTH_EYES, Chain, choose_formats};
+use super::system::{StartParams, System};
 use super::view::locate_views;
-use super::{events, frames};
+use super::{frames, mask, refresh};
 use crate::frame::{Frame, Hand, Pose, Pulse, View};
 use crate::headset::{Acquired, Headset, HeadsetError, Tick};
-use crate::lifecycle::{Demand, FrameCall, FrameClock, Lifecycle, Stage as FrameStage, State};
+use crate::lifecycle::{FrameCall, FrameClock, Lifecycle, Stage as FrameStage};
+use crate::mask::VisibilityMask;
 use crate::profiles::Profile;
+use crate::quad::{QuadId, QuadImages, QuadPlace};
 use crate::vulkan::{Swapchain, VulkanDevice, VulkanHandles};
 
 /// How long `wait` rests while no session runs, so that a loop around it does not spin.
@@ -31,7 +40,9 @@ pub struct OpenXrHeadset {
     color: Chain,
     depth: Option<Chain>,
     images: Swapchain,
+    quads: Quads,
     input: Input,
+    bare: Option<Hands>,
     stage: Stage,
     head: xr::Space,
     session: xr::Session<xr::Vulkan>,
@@ -41,7 +52,7 @@ pub struct OpenXrHeadset {
     blend: xr::EnvironmentBlendMode,
     near: f32,
     lifecycle: Lifecycle,
-    clock: FrameClock,
+    clock: Rc<Cell<FrameClock>>,
     /// Predicted display time of the present frame, as the runtime told it.
     display_time: xr::Time,
     should_render: bool,
@@ -50,7 +61,11 @@ pub struct OpenXrHeadset {
     /// Whether `views` are the present frame's.
     located: bool,
     head_pose: Pose,
-    controllers: [Option<&'static Profile>; 2],
+    held: [Held; 2],
+    mask: VisibilityMask,
+    /// Hertz, as far as the runtime tells.
+    refresh_rate: Option<f32>,
+    worn: bool,
     /// When the stage's origin will move.
     recentred_at: Option<xr::Time>,
     exit: bool,
@@ -101,7 +116,7 @@ impl OpenXrHeadset {
         let head = session
             .create_reference_space(xr::ReferenceSpaceType::VIEW, raw_from_pose(Pose::IDENTITY))
             .called("xrCreateReferenceSpace")?;
-        let input = Input::new(&session, &offer.profiles)?;
+        let input = Input::new(&session, &offer.profiles, offer.palm)?;
         let (color_format, depth_format) = choose_formats(&session, offer.depth)?;
         let color = Chain::new(
             &session,
@@ -111,13 +126,14 @@ impl OpenXrHeadset {
                 | xr::SwapchainUsageFlags::TRANSFER_DST
                 | xr::SwapchainUsageFlags::SAMPLED,
             extent,
+            BOTH_EYES,
         )?;
         let depth = depth_format.and_then(|format| {
             let usage = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT
                 | xr::SwapchainUsageFlags::TRANSFER_SRC
                 | xr::SwapchainUsageFlags::TRANSFER_DST;
             // A picture without depth is better than none.
-            Chain::new(&session, format, usage, extent)
+            Chain::new(&session, format, usage, extent, BOTH_EYES)
                 .inspect_err(|error| tracing::warn!("no depth layer: {error}"))
                 .ok()
         });
@@ -134,12 +150,29 @@ impl OpenXrHeadset {
                 .unwrap_or(vk::Format::UNDEFINED),
             extent,
         };
+        let bare = if offer.joints {
+            Hands::new(&session)?
+        } else {
+            None
+        };
+        let mut mask = VisibilityMask::default();
+        for view in 0..if offer.mask { 2 } else { 0 } {
+            mask::update(&session, view, &mut mask)?;
+        }
+        let refresh_rate = if offer.refresh {
+            refresh::request(&session, params.refresh)?
+        } else {
+            None
+        };
+        params.clock.set(params.clock.get().resumed());
         let start = Frame::start();
         Ok(Self {
             color,
             depth,
             images,
+            quads: Quads::default(),
             input,
+            bare,
             stage,
             head,
             session,
@@ -149,81 +182,20 @@ impl OpenXrHeadset {
             blend,
             near: params.near,
             lifecycle: Lifecycle::default(),
-            clock: FrameClock::default(),
+            clock: params.clock,
             display_time: xr::Time::from_nanos(0),
             should_render: false,
             views: start.views,
             located: false,
             head_pose: start.head,
-            controllers: [None; 2],
+            held: [Held::default(); 2],
+            mask,
+            refresh_rate,
+            worn: true,
             recentred_at: None,
             exit: false,
             device: None,
         })
-    }
-
-    /// Deals with everything that happened since the last frame.
-    fn poll(&mut self) -> Result<(), HeadsetError> {
-        loop {
-            let event = match self
-                .instance
-                .poll_event(&mut self.events)
-                .called("xrPollEvent")?
-            {
-                None => return Ok(()),
-                Some(event) => event,
-            };
-            match event {
-                xr::Event::SessionStateChanged(change) => {
-                    if let Some(state) = events::state_from_raw(change.state()) {
-                        tracing::debug!("the session is {state:?}");
-                        self.enter(state)?;
-                    }
-                }
-                xr::Event::InstanceLossPending(_) => {
-                    return Err(HeadsetError::Lost(String::from("it is shutting down")));
-                }
-                xr::Event::ReferenceSpaceChangePending(change)
-                    if change.reference_space_type() == self.stage.kind =>
-                {
-                    self.recentred_at = Some(change.change_time());
-                }
-                xr::Event::InteractionProfileChanged(_) => {
-                    self.controllers = events::controllers(&self.session);
-                }
-                xr::Event::EventsLost(lost) => {
-                    tracing::warn!("the runtime dropped {} events", lost.lost_event_count());
-                }
-                _ => {}
-            }
-        }
-    }
-
-    fn enter(&mut self, state: State) -> Result<(), HeadsetError> {
-        match self.lifecycle.enter(state) {
-            Demand::Nothing => {}
-            Demand::Begin => {
-                self.session
-                    .begin(STEREO)
-                    .and_then(events::loss)
-                    .called("xrBeginSession")?;
-                self.lifecycle.begun();
-            }
-            Demand::End => {
-                self.session
-                    .end()
-                    .and_then(events::loss)
-                    .called("xrEndSession")?;
-                self.lifecycle.ended();
-            }
-            Demand::Exit => self.exit = true,
-            Demand::Lose => {
-                return Err(HeadsetError::Lost(String::from(
-                    "it announced the loss of the session",
-                )));
-            }
-        }
-        Ok(())
     }
 
     /// Ends a frame that the application left open, without a picture: each wait needs its begin and end.
@@ -263,6 +235,7 @@ impl OpenXrHeadset {
             depth: self.depth.as_ref(),
             extent: self.images.extent,
             near: self.near,
+            quads: self.quads.layers(&self.stage.space),
         });
         let ended = frames::end(
             &self.session,
@@ -290,6 +263,34 @@ impl OpenXrHeadset {
             self.located = true;
         }
         Ok(())
+    }
+
+    /// Both hands: with what they hold, or bare where nothing is bound to them.
+    fn hands(&mut self) -> Result<[Hand; 2], HeadsetError> {
+        let mut hands = self
+            .input
+            .hands(&self.session, &self.stage, self.display_time)?;
+        if let Some(bare) = &mut self.bare {
+            for (side, (hand, held)) in hands.iter_mut().zip(self.held).enumerate() {
+                if !hand.tracked && !held.bound {
+                    *hand = bare.hand(&self.stage, self.display_time, side)?;
+                }
+            }
+        }
+        Ok(hands)
+    }
+
+    /// The hands are hidden for a frame: a gesture that was under way is over.
+    fn rest(&mut self) {
+        if let Some(bare) = &mut self.bare {
+            bare.rest();
+        }
+    }
+
+    /// Pictures a second in hertz, where the runtime tells.
+    #[must_use]
+    pub fn refresh_rate(&self) -> Option<f32> {
+        self.refresh_rate
     }
 
     /// Whether the stage's origin moves with this frame. The hands are then hidden for one frame, so that a stroke or
@@ -335,15 +336,19 @@ impl Headset for OpenXrHeadset {
             self.head_pose = head;
         }
         let recentred = self.recentred();
-        let focused = self.lifecycle.focused();
+        // A headset that lies on the table takes no input, whatever its controllers do.
+        let focused = self.lifecycle.focused() && self.worn;
         let hands = if focused && !recentred {
-            self.input
-                .hands(&self.session, &self.stage, self.display_time)?
+            self.hands()?
         } else {
+            self.rest();
             [Hand::ABSENT; 2]
         };
+        let mut clock = self.clock.get();
+        let time = clock.advance(self.display_time.as_nanos());
+        self.clock.set(clock);
         Ok(Tick::Frame(Frame {
-            time: self.clock.advance(self.display_time.as_nanos()),
+            time,
             focused,
             should_render: self.should_render && self.located,
             head: self.head_pose,
@@ -372,8 +377,10 @@ impl Headset for OpenXrHeadset {
         self.allow(FrameCall::End)?;
         let color = self.color.release()?;
         let depth = self.depth.as_mut().map_or(Ok(true), Chain::release)?;
+        self.quads.release()?;
         self.end_frame(rendered && self.located && color && depth)?;
-        self.input.vibrate(&self.session, self.lifecycle.focused())
+        self.input
+            .vibrate(&self.session, self.lifecycle.focused() && self.worn)
     }
 
     fn vibrate(&mut self, pulse: Pulse) {
@@ -381,7 +388,33 @@ impl Headset for OpenXrHeadset {
     }
 
     fn controllers(&self) -> [Option<&'static Profile>; 2] {
-        self.controllers
+        self.held.map(|held| held.profile)
+    }
+
+    fn worn(&self) -> bool {
+        self.worn
+    }
+
+    fn visibility_mask(&self) -> Option<&VisibilityMask> {
+        (self.mask.revision > 0).then_some(&self.mask)
+    }
+
+    fn make_quad(&mut self, extent: vk::Extent2D) -> Result<Option<QuadId>, HeadsetError> {
+        self.quads
+            .make(&self.session, self.images.color_format, extent)
+    }
+
+    fn quad_images(&self, quad: QuadId) -> Option<&QuadImages> {
+        self.quads.images(quad)
+    }
+
+    fn acquire_quad(&mut self, quad: QuadId) -> Result<Option<usize>, HeadsetError> {
+        self.allow(FrameCall::End)?;
+        self.quads.acquire(quad)
+    }
+
+    fn place_quad(&mut self, quad: QuadId, place: Option<QuadPlace>) {
+        self.quads.place(quad, place);
     }
 
     fn request_exit(&mut self) {

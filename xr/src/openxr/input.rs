@@ -19,6 +19,9 @@ const MAX_PULSES: usize = 8;
 /// Longest vibration in seconds: whatever asks for more is wrong.
 const LONGEST_PULSE: f32 = 2.0;
 
+/// The pose that XR_EXT_palm_pose gives to every profile.
+const PALM: &str = "/input/palm_ext/pose";
+
 /// Everything that the hands do.
 pub(super) struct Input {
     set: xr::ActionSet,
@@ -32,6 +35,8 @@ pub(super) struct Input {
     haptic: xr::Action<xr::Haptic>,
     /// Aim and grip of each hand.
     spaces: [[xr::Space; 2]; 2],
+    /// The palm of each hand, where the runtime has poses there.
+    palms: Option<[xr::Space; 2]>,
     hands: [xr::Path; 2],
     directions: [Directions; 2],
     pulses: Vec<Pulse>,
@@ -42,6 +47,7 @@ impl Input {
     pub(super) fn new(
         session: &xr::Session<xr::Vulkan>,
         profiles: &[&Profile],
+        palms: bool,
     ) -> Result<Self, HeadsetError> {
         let instance = session.instance();
         let [left, right] =
@@ -72,9 +78,22 @@ impl Input {
             Action::Grip => xr::Binding::new(&grip, path),
             Action::Haptic => xr::Binding::new(&haptic, path),
         };
+        // Every profile has it with the extension, so it is in no table of ours.
+        let palm = if palms {
+            let action = set.create_action::<xr::Posef>("palm", "Palm", &hands);
+            Some(action.called("xrCreateAction")?)
+        } else {
+            None
+        };
         let mut taken = 0;
         for profile in profiles {
-            match suggest(instance, profile, bind) {
+            let with_palm = suggest(instance, profile, bind, palm.as_ref());
+            let suggested = match with_palm {
+                // The profile without it is better than none.
+                Err(_) if palm.is_some() => suggest(instance, profile, bind, None),
+                suggested => suggested,
+            };
+            match suggested {
                 Ok(()) => taken += 1,
                 Err(code) => tracing::warn!(
                     "the runtime takes no bindings for the {} ({code:?})",
@@ -99,7 +118,12 @@ impl Input {
             [space(&aim, hands[0])?, space(&grip, hands[0])?],
             [space(&aim, hands[1])?, space(&grip, hands[1])?],
         ];
+        let palms = match &palm {
+            Some(palm) => Some([space(palm, hands[0])?, space(palm, hands[1])?]),
+            None => None,
+        };
         Ok(Self {
+            palms,
             set,
             draw,
             grab,
@@ -158,7 +182,11 @@ impl Input {
             self.directions[side] = Directions::default();
             return Ok(Hand::ABSENT);
         };
-        let grip = locate(grip, stage, time)?.unwrap_or(aim);
+        let grip = match (locate(grip, stage, time)?, &self.palms) {
+            (None, Some(palms)) => locate(&palms[side], stage, time)?,
+            (grip, _) => grip,
+        };
+        let grip = grip.unwrap_or(aim);
         let path = self.hands[side];
         // An action that no button is bound to is not active; its value is then 0.
         let number = |action: &xr::Action<f32>, from| {
@@ -247,6 +275,7 @@ fn suggest<'a>(
     instance: &xr::Instance,
     profile: &Profile,
     bind: impl Fn(Action, xr::Path) -> xr::Binding<'a>,
+    palm: Option<&'a xr::Action<xr::Posef>>,
 ) -> xr::Result<()> {
     let mut bindings = Vec::with_capacity(profile.bindings.len() * HANDS.len());
     for binding in profile.bindings {
@@ -257,6 +286,12 @@ fn suggest<'a>(
                     instance.string_to_path(&format!("{hand}{path}"))?,
                 ));
             }
+        }
+    }
+    if let Some(palm) = palm {
+        for hand in HANDS {
+            let path = instance.string_to_path(&format!("{hand}{PALM}"))?;
+            bindings.push(xr::Binding::new(palm, path));
         }
     }
     instance.suggest_interaction_profile_bindings(instance.string_to_path(profile.path)?, &bindings)

@@ -1,4 +1,4 @@
-//! The runtime's images: one array of two layers for colour, one for depth.
+//! The runtime's images: one array of two layers for colour, one for depth, and one layer for each quad.
 
 use std::ptr;
 
@@ -10,7 +10,7 @@ use super::connect::ConnectError;
 use crate::headset::HeadsetError;
 
 /// Left and right eye.
-const LAYERS: u32 = 2;
+pub(super) const BOTH_EYES: u32 = 2;
 
 /// One wait for an image, in nanoseconds, and how many are tried before the runtime counts as lost.
 const WAIT: i64 = 1_000_000_000;
@@ -59,6 +59,7 @@ impl Chain {
         format: vk::Format,
         usage: xr::SwapchainUsageFlags,
         extent: vk::Extent2D,
+        layers: u32,
     ) -> Result<Self, HeadsetError> {
         let swapchain = session
             .create_swapchain(&xr::SwapchainCreateInfo {
@@ -69,7 +70,7 @@ impl Chain {
                 width: extent.width,
                 height: extent.height,
                 face_count: 1,
-                array_size: LAYERS,
+                array_size: layers,
                 mip_count: 1,
             })
             .called("xrCreateSwapchain")?;
@@ -135,7 +136,7 @@ impl Chain {
         Ok(acquired)
     }
 
-    /// One eye's part, for a layer.
+    /// One eye's part, for a layer; of a quad's images all.
     pub(super) fn part(&self, eye: u32, extent: vk::Extent2D) -> xr::sys::SwapchainSubImage {
         xr::sys::SwapchainSubImage {
             swapchain: self.swapchain.as_raw(),

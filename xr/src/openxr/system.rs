@@ -1,13 +1,17 @@
 //! The headset before its session: what it is, and its say in making Vulkan's objects.
 
+use std::cell::Cell;
 use std::mem::transmute;
+use std::rc::Rc;
 
 use ::openxr as xr;
 use ash::vk::{self, Handle as _};
 
 use super::connect::{ConnectError, refused};
 use super::headset::OpenXrHeadset;
+use crate::lifecycle::FrameClock;
 use crate::profiles::Profile;
+use crate::refresh::RefreshWish;
 use crate::vulkan::{VulkanDevice, VulkanHandles};
 
 /// The one view configuration that Ramus draws.
@@ -30,15 +34,40 @@ pub(super) struct Offer {
     pub(super) local_floor: bool,
     /// Depth can be submitted beside colour.
     pub(super) depth: bool,
+    /// It says what the lenses hide.
+    pub(super) mask: bool,
+    /// The refresh rate can be chosen.
+    pub(super) refresh: bool,
+    /// Joints of bare hands are tracked, and the gestures in them are ours to see.
+    pub(super) joints: bool,
+    /// Each controller has a pose in the palm of the hand.
+    pub(super) palm: bool,
     /// The controllers that it knows.
     pub(super) profiles: Vec<&'static Profile>,
 }
 
-/// What the runtime must know of our pictures.
-#[derive(Clone, Copy, Debug)]
+/// How to start a session.
+#[derive(Clone, Debug)]
 pub struct StartParams {
     /// Distance of the near plane in metres: depth 1. Depth is reversed, infinity is 0.
     pub near: f32,
+    /// Pictures a second, where the runtime lets an application choose.
+    pub refresh: RefreshWish,
+    /// Tells the frames' times. A session that takes the place of one that was lost is given the same, so that time
+    /// goes on and never back.
+    pub clock: Rc<Cell<FrameClock>>,
+}
+
+impl StartParams {
+    /// With the usual refresh rate and a clock of its own.
+    #[must_use]
+    pub fn new(near: f32) -> Self {
+        Self {
+            near,
+            refresh: RefreshWish::default(),
+            clock: Rc::default(),
+        }
+    }
 }
 
 impl System {

@@ -5,8 +5,11 @@
     reason = "tests say what they expect by their names"
 )]
 
+mod again;
 #[path = "../../../tests/counting/mod.rs"]
 mod counting;
+mod extensions;
+mod quads;
 
 use ::openxr as xr;
 use ash::vk;
@@ -22,6 +25,10 @@ use crate::vulkan::VulkanHandles;
 const NEAR: f32 = 0.05;
 
 fn start() -> Result<OpenXrHeadset, ConnectError> {
+    start_with(StartParams::new(NEAR))
+}
+
+fn start_with(params: StartParams) -> Result<OpenXrHeadset, ConnectError> {
     let handles = VulkanHandles {
         instance: vk::Instance::null(),
         physical_device: vk::PhysicalDevice::null(),
@@ -30,7 +37,7 @@ fn start() -> Result<OpenXrHeadset, ConnectError> {
         queue_index: 0,
     };
     // SAFETY: the fake runtime looks at none of the handles.
-    unsafe { fake::connect()?.start(handles, StartParams { near: NEAR }) }
+    unsafe { fake::connect()?.start(handles, params) }
 }
 
 fn states(states: &[S]) {
@@ -113,6 +120,7 @@ fn a_whole_session_breaks_no_rule() {
         let picture = Ended {
             layers: 1,
             depth: Some([f32::INFINITY, NEAR]),
+            quad: None,
         };
         assert_eq!(fake.ended, [picture; 2]);
         assert_eq!(fake.haptics, 2);
@@ -160,27 +168,29 @@ fn a_session_put_aside_is_taken_up_again_with_the_same_images() {
     no_objections();
 }
 
+/// Every call of a running session.
+const RUNNING: [&str; 16] = [
+    "xrPollEvent",
+    "xrWaitFrame",
+    "xrSyncActions",
+    "xrLocateViews",
+    "xrLocateSpace",
+    "xrGetActionStateFloat",
+    "xrGetActionStateVector2f",
+    "xrGetActionStateBoolean",
+    "xrBeginFrame",
+    "xrAcquireSwapchainImage",
+    "xrWaitSwapchainImage",
+    "xrReleaseSwapchainImage",
+    "xrEndFrame",
+    "xrApplyHapticFeedback",
+    "xrBeginSession",
+    "xrEndSession",
+];
+
 #[test]
 fn a_loss_at_any_call_is_an_error_and_never_a_panic() {
-    let calls = [
-        "xrPollEvent",
-        "xrWaitFrame",
-        "xrSyncActions",
-        "xrLocateViews",
-        "xrLocateSpace",
-        "xrGetActionStateFloat",
-        "xrGetActionStateVector2f",
-        "xrGetActionStateBoolean",
-        "xrBeginFrame",
-        "xrAcquireSwapchainImage",
-        "xrWaitSwapchainImage",
-        "xrReleaseSwapchainImage",
-        "xrEndFrame",
-        "xrApplyHapticFeedback",
-        "xrBeginSession",
-        "xrEndSession",
-    ];
-    for call in calls {
+    for call in RUNNING {
         for code in [Code::ERROR_SESSION_LOST, Code::ERROR_INSTANCE_LOST] {
             with(|fake| *fake = fake::Fake::default());
             let mut headset = focused();
@@ -430,7 +440,7 @@ fn without_depth_the_picture_goes_alone() {
                 fake.ended,
                 [Ended {
                     layers: 1,
-                    depth: None
+                    ..Ended::default()
                 }]
             )
         });
@@ -496,6 +506,28 @@ fn what_is_missing_is_said() {
             "{said:?}: {error:?}"
         );
     }
+}
+
+#[test]
+fn the_views_that_are_submitted_are_the_ones_that_were_drawn() {
+    let mut headset = focused();
+    for located_late in [true, false, true] {
+        let Tick::Frame(early) = headset.wait().unwrap() else {
+            panic!("no frame");
+        };
+        headset.begin().unwrap();
+        let drawn = if located_late {
+            headset.views().unwrap()
+        } else {
+            early.views
+        };
+        // The head has moved on between the two.
+        assert_eq!(drawn != early.views, located_late);
+        headset.end(true).unwrap();
+        let submitted = with(|fake| *fake.submitted.last().unwrap());
+        assert_eq!(submitted, drawn.map(|view| view.pose.position.z));
+    }
+    no_objections();
 }
 
 #[test]

@@ -1,0 +1,104 @@
+//! Flat pictures that the runtime itself puts before the eyes, at its own resolution: text in them stays sharper than in a picture that
+//! is drawn into the scene, since it is sampled once and not twice.
+//!
+//! ```text
+//! make_quad(pixels) ─▶ QuadId ─ quad_images ─▶ images to draw into
+//! each frame: begin ─ acquire_quad ─▶ which image ─ draw ─ place_quad ─ end (releases it, shows all placed quads)
+//! ```
+//!
+//! A quad shows its newest picture for as long as it is placed: it need be acquired only when the picture changes. Quads lie above the
+//! scene in the order in which they were made, and nothing of the scene hides them: they are for panels, not for things.
+
+use ash::vk;
+
+use crate::frame::Pose;
+
+/// A quad of a headset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct QuadId(pub(crate) usize);
+
+/// Most quads that a headset shows.
+pub const MOST_QUADS: usize = 8;
+
+/// Where a quad is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuadPlace {
+    /// Its middle, in the stage's frame; the picture faces along +Z and its upper edge is at +Y.
+    pub pose: Pose,
+    /// Width and height in metres.
+    pub size: [f32; 2],
+}
+
+/// A quad larger than this many metres is a mistake.
+const LARGEST: f32 = 100.0;
+
+impl QuadPlace {
+    /// A sane pose, and a size above 0 that is not absurd.
+    #[must_use]
+    pub fn is_sane(&self) -> bool {
+        let sized = |length: &f32| *length > 0.0 && *length <= LARGEST;
+        self.pose.is_sane() && self.size.iter().all(sized)
+    }
+}
+
+/// The images of a quad: one layer each. Only a headset makes them, and they live as long as it.
+#[derive(Debug)]
+pub struct QuadImages {
+    pub(crate) color: Vec<vk::Image>,
+    pub(crate) format: vk::Format,
+    pub(crate) extent: vk::Extent2D,
+}
+
+impl QuadImages {
+    /// Colour images (colour attachment, transfer source and destination, sampled). Draw premultiplied alpha, and leave an
+    /// image in `COLOR_ATTACHMENT_OPTIMAL`.
+    #[must_use]
+    pub fn color(&self) -> &[vk::Image] {
+        &self.color
+    }
+
+    /// Their format, an 8-bit sRGB one.
+    #[must_use]
+    pub fn format(&self) -> vk::Format {
+        self.format
+    }
+
+    /// Width and height in pixels.
+    pub fn extent(&self) -> vk::Extent2D {
+        self.extent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::missing_assert_message,
+        reason = "the table says what it expects"
+    )]
+
+    use glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn sizes_and_poses_are_sane_or_not() {
+        let far = Pose {
+            position: Vec3::splat(f32::NAN),
+            ..Pose::IDENTITY
+        };
+        for (pose, size, sane) in [
+            (Pose::IDENTITY, [0.8, 0.5], true),
+            (Pose::IDENTITY, [0.0, 0.5], false),
+            (Pose::IDENTITY, [0.8, -0.5], false),
+            (Pose::IDENTITY, [f32::NAN, 0.5], false),
+            (Pose::IDENTITY, [0.8, f32::INFINITY], false),
+            (far, [0.8, 0.5], false),
+        ] {
+            assert_eq!(
+                QuadPlace { pose, size }.is_sane(),
+                sane,
+                "{pose:?} {size:?}"
+            );
+        }
+    }
+}
