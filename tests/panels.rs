@@ -9,6 +9,7 @@
 mod panels {
     mod lessons;
     pub(crate) mod pictures;
+    mod recorded;
     pub(crate) mod visitor;
 }
 

@@ -39,8 +39,9 @@ impl Dice {
         z ^ (z >> 31)
     }
 
-    fn below(&mut self, most: u64) -> u64 {
-        self.roll() % most
+    /// A number below one that is small.
+    fn below(&mut self, most: u32) -> u32 {
+        u32::try_from(self.roll() % u64::from(most)).unwrap()
     }
 
     /// 0 to 1.
@@ -80,7 +81,7 @@ fn plan(dice: &mut Dice, from: Vec3) -> Plan {
         from,
         to: dice.near(PLATFORM + Vec3::Y * 0.12, 0.16),
         looks: Vec3::NEG_Z,
-        frames: 4 + dice.below(30) as u32,
+        frames: 4 + dice.below(30),
         done: 0,
         trigger: [false; 2],
         squeeze: [false; 2],
@@ -113,7 +114,7 @@ fn plan(dice: &mut Dice, from: Vec3) -> Plan {
         }
         // At the lever, the wheel or the stump.
         20..=22 => {
-            let x = [-0.24, 0.0, 0.24][dice.below(3) as usize];
+            let x = f32::from(i8::try_from(dice.below(3)).unwrap() - 1) * 0.24;
             plan.to = dice.near(Vec3::new(x, 0.86, -0.25), 0.06);
             plan.squeeze = [dice.below(2) == 0, true];
             plan.trigger = [false, dice.below(2) == 0];

@@ -191,7 +191,7 @@ mod tests {
             &b"{"[..],
             b"[1]",
             b"\xff\xfe",
-            &vec![b' '; (MAX_BYTES + 2) as usize],
+            &vec![b' '; usize::try_from(MAX_BYTES).unwrap() + 2],
         ] {
             let path = folder.path().join("person.json");
             std::fs::write(&path, bytes).unwrap();

@@ -121,17 +121,17 @@ impl<'a> View<'a> {
         const PARTS: f64 = 20.0;
         Key {
             sketch: Arc::clone(&self.document.sketch),
-            rest: (
-                self.document.step,
-                (self.moment * PARTS).round(),
-                self.playing,
-                self.speed,
-                self.undo,
-                self.bench,
-                self.lesson,
-                self.draw,
-                self.settings,
-            ),
+            seen: Seen {
+                step: self.document.step,
+                moment: (self.moment * PARTS).round(),
+                playing: self.playing,
+                speed: self.speed,
+                undo: self.undo,
+                bench: self.bench,
+                lesson: self.lesson,
+                draw: self.draw,
+                settings: self.settings,
+            },
         }
     }
 }
@@ -139,22 +139,26 @@ impl<'a> View<'a> {
 /// What the panels showed last.
 struct Key {
     sketch: Arc<Sketch>,
-    rest: (
-        u32,
-        f64,
-        bool,
-        f64,
-        [usize; 2],
-        bool,
-        Option<(usize, Lesson)>,
-        DrawSettings,
-        Settings,
-    ),
+    seen: Seen,
+}
+
+/// What they showed besides the sketch.
+#[derive(PartialEq)]
+struct Seen {
+    step: u32,
+    moment: f64,
+    playing: bool,
+    speed: f64,
+    undo: [usize; 2],
+    bench: bool,
+    lesson: Option<(usize, Lesson)>,
+    draw: DrawSettings,
+    settings: Settings,
 }
 
 impl Key {
     fn is(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.sketch, &other.sketch) && self.rest == other.rest
+        Arc::ptr_eq(&self.sketch, &other.sketch) && self.seen == other.seen
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A panel is a flat sheet that `ui` writes on; the world knows its place and turns hands into pointers on
 //! it. A hand means a panel by its ray or by poking it with its tip; the trigger presses. What a hand
-//! does on a panel, it does nowhere else: a press is a hold ([`Hold::Panel`]), so nothing is
+//! does on a panel, it does nowhere else: a press is a hold, so nothing is
 //! drawn, gripped or undone by it, wherever the hand goes until it lets go. One hand at a time has
 //! a panel: the one that presses, else the one that came last. A hand that is not tracked points at nothing.
 //!
@@ -360,10 +360,10 @@ impl Tools {
                     let faces = head.map_or(self.stage.board_faces, |head| head.position);
                     self.panels.put(id, at, faces);
                 }
-                (Hold::Panel { id, poked: true }, Some(sample)) => {
-                    if !self.panels.is_poked(id, sample.tip) {
-                        self.hands[hand].hold = Hold::Nothing;
-                    }
+                (Hold::Panel { id, poked: true }, Some(sample))
+                    if !self.panels.is_poked(id, sample.tip) =>
+                {
+                    self.hands[hand].hold = Hold::Nothing;
                 }
                 _ => {}
             }

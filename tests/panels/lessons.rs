@@ -17,7 +17,7 @@ fn draw(visitor: &mut Visitor, tip: Vec3) {
     visitor.pull(RIGHT, false);
 }
 
-fn rest(visitor: &mut Visitor) {
+pub(crate) fn rest(visitor: &mut Visitor) {
     for hand in [LEFT, RIGHT] {
         visitor.rest(hand);
     }
@@ -25,7 +25,7 @@ fn rest(visitor: &mut Visitor) {
 }
 
 /// Does what a lesson teaches.
-fn does(visitor: &mut Visitor, lesson: Lesson) {
+pub(crate) fn does(visitor: &mut Visitor, lesson: Lesson) {
     let step = |visitor: &mut Visitor, press: fn(&mut Visitor, bool)| {
         press(visitor, true);
         visitor.frame();

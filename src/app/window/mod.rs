@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A window is one more [`Headset`]: it gives the same frames, so world, journal, recorder and replay know nothing of it. What a mouse
-//! lacks against a hand, a place in the room, it gets from the stage: after each frame [`Stagehand`] tells over the [`Wire`] what lies under
+//! lacks against a hand, a place in the room, it gets from the stage: after each frame the stagehand tells over the wire what lies under
 //! the cursor and where the selected node is. The window draws while something moves and rests else: an idle window wakes once a second.
 
 pub mod camera;
