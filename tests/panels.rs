@@ -384,3 +384,54 @@ fn drawing_is_set_on_the_bench() {
     visitor.click(RIGHT, PanelId::Bench, "snap to angles");
     assert_eq!(settings(&visitor).snap_angle_deg, None);
 }
+
+#[test]
+fn another_project_is_taken_up_and_nothing_is_lost() {
+    use ramus::app::{
+        store::{Store, read_project},
+        workshop::{Workshop, WorkshopParams},
+    };
+    use ramus::ui::Recent;
+    let folder = tempfile::tempdir().unwrap();
+    let [oak, elm] = ["oak", "elm"].map(|name| folder.path().join(format!("{name}.ramus")));
+    let open = |project: &std::path::Path| {
+        Workshop::new(Store::open(project).unwrap(), WorkshopParams::default()).unwrap()
+    };
+    let mut drawn = Visitor::at(open(&elm));
+    drawn.draw_tree();
+    drawn.workshop.close().unwrap();
+    let mut visitor = Visitor::at(open(&oak));
+    visitor.draw_tree();
+    visitor.click(RIGHT, PanelId::Bench, "Draw");
+    let made = visitor.document().clone();
+    let recent = |project: &std::path::Path| Recent {
+        project: project.to_owned(),
+        picture: None,
+    };
+    visitor.workshop.offer(vec![
+        recent(&folder.path().join("none.ramus/none")),
+        recent(&elm),
+        recent(&oak),
+    ]);
+    visitor.click(RIGHT, PanelId::Bench, "File");
+    visitor.click(RIGHT, PanelId::Bench, "Go on with it");
+    assert_eq!(
+        visitor.workshop.project(),
+        Some(&*oak),
+        "that one cannot be opened"
+    );
+    assert_eq!(visitor.document(), &made);
+    visitor.click_nth(LEFT, PanelId::Bench, "Go on with it", 3);
+    assert_eq!(visitor.workshop.project(), Some(&*oak), "it is the one");
+    visitor.click_nth(LEFT, PanelId::Bench, "Go on with it", 2);
+    assert_eq!(visitor.workshop.project(), Some(&*elm));
+    assert_eq!(read_project(&oak).unwrap(), made);
+    assert!(!Store::has_journal(&oak), "it was closed");
+    assert_eq!(visitor.document().sketch.strokes.len(), 2);
+    assert_eq!(visitor.workshop.world().history().undo_count(), 0);
+    visitor.click_nth(RIGHT, PanelId::Bench, "Grow", 1);
+    visitor.click_nth(RIGHT, PanelId::Bench, "Grow", 2);
+    assert_eq!(visitor.document().step, 1);
+    visitor.workshop.close().unwrap();
+    assert_eq!(read_project(&elm).unwrap().step, 1);
+}

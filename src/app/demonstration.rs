@@ -13,6 +13,7 @@ use crate::app::workshop::Workshop;
 use crate::sketch::predict_segments_within;
 use crate::world::document::Document;
 use crate::world::history::History;
+use crate::world::panels::PanelId;
 use crate::world::{GrowthParams, World};
 
 /// `assets/sessions/first-tree.session`, built in so that the program works from any folder.
@@ -80,6 +81,8 @@ pub fn every_step(
         // Nobody is there, and the newest step has grown whole at once: one frame is enough.
         workshop.update(&Frame::start());
         workshop.finish_tree();
+        // Nobody is there to use it.
+        workshop.show_panel(PanelId::Bench, false);
         let scene = workshop.scene();
         let views = views.get_or_insert_with(|| portrait::of_stage(scene));
         picture.draw_whole(scene, views, None)?;

@@ -6,18 +6,25 @@
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
 use crate::app::workshop::Workshop;
+use crate::app::{export, portrait};
+use crate::sketch;
 use crate::tree::file::write_atomically;
-use crate::ui::Settings;
+use crate::tree::{Drawing, Organs};
+use crate::ui::{Recent, Settings, Thumbnail};
 
 /// Longest file that is read, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Most projects that are remembered.
 const MOST_RECENT: usize = 12;
+
+/// Width and height of a project's picture, pixels.
+const PICTURE: u32 = 128;
 
 /// What is kept.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -26,6 +33,53 @@ struct Kept {
     settings: Settings,
     /// Newest first.
     recent: Vec<PathBuf>,
+}
+
+/// How the workshop stands when a recording begins: panels lie differently in another language, so a recording says it in a comment, and
+/// replaying begins there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Opening {
+    settings: Settings,
+    /// The lesson that is going on.
+    teaching: Option<usize>,
+}
+
+/// How a comment begins that has an [`Opening`].
+const OPENING: &str = "ramus: ";
+
+impl Opening {
+    /// As a workshop stands now.
+    #[must_use]
+    pub fn of(workshop: &Workshop) -> Self {
+        Self {
+            settings: workshop.settings(),
+            teaching: workshop.world().lesson().map(|(number, _)| number),
+        }
+    }
+
+    /// Of a recorded session; none where it says nothing.
+    #[must_use]
+    pub fn of_session(session: &Path) -> Option<Self> {
+        let comments = ramus_xr::session::first_comments(session);
+        comments
+            .iter()
+            .find_map(|comment| serde_json::from_str(comment.strip_prefix(OPENING)?).ok())
+    }
+
+    /// The comment that says it.
+    #[must_use]
+    pub fn comment(&self) -> String {
+        let said = serde_json::to_string(self).unwrap_or_default();
+        format!("{OPENING}{said}")
+    }
+
+    /// Brings a workshop there.
+    pub fn apply(&self, workshop: &mut Workshop) {
+        workshop.set(self.settings);
+        if let Some(lesson) = self.teaching {
+            workshop.teach(lesson);
+        }
+    }
 }
 
 /// A person, and where they are remembered.
@@ -77,15 +131,35 @@ impl Person {
         person
     }
 
-    /// Projects they worked on, newest first, that are still there.
-    pub fn recent(&self) -> impl Iterator<Item = &Path> {
-        let kept = self.kept.recent.iter().map(PathBuf::as_path);
-        kept.filter(|path| path.exists())
+    /// Projects they worked on, newest first, that are still there, with their pictures.
+    pub fn recent(&self) -> impl Iterator<Item = Recent> {
+        let there = self.kept.recent.iter().filter(|path| path.is_file());
+        there.map(|project| Recent {
+            project: project.clone(),
+            picture: self
+                .picture_of(project)
+                .and_then(|path| small_picture(&path)),
+        })
+    }
+
+    /// Where the picture of a project is kept: beside the person's file, under a name that its path gives.
+    fn picture_of(&self, project: &Path) -> Option<PathBuf> {
+        // FNV-1a: two projects with one name in different folders have two pictures.
+        let hash = project.as_os_str().as_encoded_bytes().iter();
+        let hash = hash.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+            (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+        });
+        Some(
+            self.path
+                .as_ref()?
+                .with_file_name(format!("{hash:016x}.png")),
+        )
     }
 
     /// Brings the person in: the workshop is as they set it, and who is new is shown around.
     pub fn enter(&mut self, workshop: &mut Workshop) {
         workshop.set(self.kept.settings);
+        workshop.offer(self.recent().collect());
         if self.new {
             workshop.teach(0);
         }
@@ -101,6 +175,9 @@ impl Person {
     pub fn leave(mut self, workshop: &Workshop, project: &Path) -> Result<(), String> {
         self.kept.settings = workshop.settings();
         let project = std::path::absolute(project).unwrap_or_else(|_| project.to_owned());
+        if let Some(path) = self.picture_of(&project) {
+            keep_picture(workshop, &path);
+        }
         self.kept.recent.retain(|other| *other != project);
         self.kept.recent.insert(0, project);
         self.kept.recent.truncate(MOST_RECENT);
@@ -121,6 +198,46 @@ impl Person {
             )
         })
     }
+}
+
+/// Draws the full-size tree for the list of projects. Without a tree or a device there is none: nothing depends on it.
+fn keep_picture(workshop: &Workshop, path: &Path) {
+    let document = workshop.document();
+    if document.step == 0 || document.sketch.is_empty() {
+        return;
+    }
+    let drawn = || -> anyhow::Result<()> {
+        let grown = sketch::grow(&document.sketch, document.step, &AtomicBool::new(false))?;
+        let drawing = Drawing {
+            tree: grown.tree,
+            organs: Organs::default(),
+        };
+        let picture = portrait::of_drawing(drawing, PICTURE, true, portrait::PAPER)?;
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        export::png(&picture, path)?;
+        Ok(())
+    };
+    if let Err(error) = drawn() {
+        tracing::debug!("no picture of the project: {error:#}");
+    }
+}
+
+/// A picture that this program drew; none where it is anything else.
+fn small_picture(path: &Path) -> Option<Thumbnail> {
+    let mut reader = image::ImageReader::open(path).ok()?;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(PICTURE);
+    limits.max_image_height = Some(PICTURE);
+    reader.limits(limits);
+    reader.set_format(image::ImageFormat::Png);
+    let picture = reader.decode().ok()?.into_rgba8();
+    let whole = picture.width() == PICTURE && picture.height() == PICTURE;
+    whole.then(|| Thumbnail {
+        side: PICTURE as usize,
+        rgba: picture.into_raw(),
+    })
 }
 
 /// What is kept in a file; none where there is no file.
@@ -176,12 +293,44 @@ mod tests {
         person.leave(&first, &project).unwrap();
 
         let mut person = Person::from(path);
-        assert_eq!(person.recent().collect::<Vec<_>>(), [project.as_path()]);
+        let recent: Vec<_> = person.recent().map(|recent| recent.project).collect();
+        assert_eq!(recent, [project]);
         let mut second = workshop();
         person.enter(&mut second);
         assert_eq!(second.settings(), settings);
         assert!(second.world().lesson().is_none());
         assert_eq!(second.world().room().lift, 0.3);
+    }
+
+    #[test]
+    fn a_recording_says_how_the_workshop_stood() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.session");
+        let mut first = workshop();
+        let mut settings = first.settings();
+        settings.language = Language::German;
+        settings.room.turning = true;
+        first.set(settings);
+        first.teach(4);
+        let tape = ramus_xr::record::Tape::new(Vec::new());
+        let written = tape
+            .with_comment(&Opening::of(&first).comment())
+            .finish()
+            .unwrap();
+        std::fs::write(&path, &written).unwrap();
+        let opening = Opening::of_session(&path).unwrap();
+        let mut second = workshop();
+        opening.apply(&mut second);
+        assert_eq!(Opening::of(&second), Opening::of(&first));
+        for other in [
+            "ramus-session 1\n",
+            "",
+            "ramus-session 1\n# ramus: {\n",
+            "\u{0}",
+        ] {
+            std::fs::write(&path, other).unwrap();
+            assert_eq!(Opening::of_session(&path), None);
+        }
     }
 
     #[test]

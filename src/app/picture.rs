@@ -9,6 +9,7 @@ use crate::render::{
     Backdrop, DrawReport, Eye, Fov, Gpu, Offscreen, Pose, RenderError, Renderer, RendererParams,
     StereoImage, StereoMode, Surface, Target, TreeState, TreeUpload, probe,
 };
+use crate::ui::words::Language;
 use crate::ui::{BoardUi, Painted};
 use crate::world::scene::{PlacedTree, Scene};
 
@@ -40,6 +41,7 @@ pub struct Picture {
     images: Images,
     renderer: Renderer,
     board: BoardUi,
+    language: Language,
     uploads: Worker<(Gpu, PlacedTree), Upload>,
     /// Revision of the tree that is being prepared on the worker.
     preparing: Option<u64>,
@@ -184,6 +186,7 @@ impl Picture {
             images,
             renderer: Renderer::new(gpu, &params)?,
             board: BoardUi::default(),
+            language: Language::default(),
             uploads,
             preparing: None,
             refused: None,
@@ -209,6 +212,11 @@ impl Picture {
             self.masked = revision;
         }
         Ok(())
+    }
+
+    /// Says in which language the board speaks.
+    pub fn speak(&mut self, language: Language) {
+        self.language = language;
     }
 
     /// Takes what a panel shows from the next frame on.
@@ -239,7 +247,7 @@ impl Picture {
             self.take_upload(upload);
         }
         if let Some(board) = &scene.board
-            && let Some(painted) = self.board.lay_out(board)
+            && let Some(painted) = self.board.lay_out(board, self.language)
         {
             self.paint(0, painted)?;
         }

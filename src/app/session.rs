@@ -147,6 +147,7 @@ fn draw(
     }
     picture.mask(headset.visibility_mask())?;
     let views = workshop.on_stage(headset.views()?);
+    picture.speak(workshop.settings().language);
     for (slot, painted) in workshop.take_painted() {
         picture.paint(slot, painted)?;
     }

@@ -4,7 +4,7 @@
 //! journal, its request for a tree to [`Grower`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -17,7 +17,7 @@ use crate::app::takeaway::Takeaway;
 use crate::app::worker::Worker;
 use crate::sketch::{Grower, Grown, Sketch};
 use crate::ui::sheet::Tick;
-use crate::ui::{Painted, Panels, Settings, Wish};
+use crate::ui::{Painted, Panels, Recent, Settings, Wish};
 use crate::world::World;
 use crate::world::board::Buttons;
 use crate::world::document::Document;
@@ -79,6 +79,14 @@ fn grow(grower: &mut Grower, (id, sketch, step): &Wanted, cancel: &AtomicBool) -
     (*id, grown.map_err(|error| error.to_string()))
 }
 
+/// The thread that grows what does not grow within a frame.
+fn grow_worker() -> std::io::Result<Worker<Wanted, Ready>> {
+    let mut grower = Grower::default();
+    Worker::start("ramus-grow", move |wanted: &Wanted, cancel: &AtomicBool| {
+        grow(&mut grower, wanted, cancel)
+    })
+}
+
 impl Workshop {
     /// A session on an opened project.
     ///
@@ -113,10 +121,7 @@ impl Workshop {
             world,
             store,
             params,
-            worker: Worker::start("ramus-grow", {
-                let mut grower = Grower::default();
-                move |wanted: &Wanted, cancel: &AtomicBool| grow(&mut grower, wanted, cancel)
-            })?,
+            worker: grow_worker()?,
             grower: Grower::default(),
             growing: None,
             edits: 0,
@@ -200,6 +205,7 @@ impl Workshop {
             Wish::Show(panel, shown) => world.show_panel(panel, shown),
             Wish::Set(settings) => self.set(settings),
             Wish::Export(ending) => self.take_home(ending),
+            Wish::Open(project) => self.go_on_with(&project),
             Wish::Draw(settings) => world.set_settings(settings),
             Wish::Teach(lesson) => world.teach(lesson),
         }
@@ -223,6 +229,60 @@ impl Workshop {
     #[must_use]
     pub fn settings(&self) -> Settings {
         self.settings
+    }
+
+    /// The project that is worked on.
+    #[must_use]
+    pub fn project(&self) -> Option<&Path> {
+        self.store.as_ref().map(Store::project)
+    }
+
+    /// Shows a panel or hides it.
+    pub fn show_panel(&mut self, panel: PanelId, shown: bool) {
+        self.world.show_panel(panel, shown);
+    }
+
+    /// Offers projects to go on with.
+    pub fn offer(&mut self, recent: Vec<Recent>) {
+        self.panels.offer(recent);
+    }
+
+    /// Saves the project and goes on with another one; where either cannot be done, this one stays.
+    fn go_on_with(&mut self, project: &Path) {
+        let there = std::path::absolute(project).ok();
+        let here = self.project().map(std::path::absolute);
+        if here.is_some_and(|here| here.ok() == there) {
+            return self.world.show_message("You are in it.".into());
+        }
+        let told = match self.exchange(project) {
+            Ok(told) => told,
+            Err(error) => format!("{error:#}"),
+        };
+        self.world.show_message(told);
+    }
+
+    fn exchange(&mut self, project: &Path) -> anyhow::Result<String> {
+        self.keep_journal();
+        self.save()?;
+        // Trees that are on their way belong to this world, and the next one's wishes have the same numbers.
+        let worker = grow_worker()?;
+        let opened = Store::open(project)?;
+        if let Some(store) = self.store.replace(opened.store) {
+            // Everything is in the file already; what is left is the journal's end.
+            store.close(self.world.document())?;
+        }
+        let mut world = World::new(opened.history);
+        world.set_room(self.settings.room);
+        world.set_settings(self.world.settings());
+        world.take_buttons(self.world.buttons().clone());
+        self.world = world;
+        self.worker = worker;
+        self.growing = None;
+        (self.grower, self.saved) = (Grower::default(), self.edits);
+        let name = project.file_name().unwrap_or_default().to_string_lossy();
+        Ok(opened
+            .message
+            .unwrap_or_else(|| format!("Going on with {name}.")))
     }
 
     /// Writes the tree, or its grammar, beside the project.

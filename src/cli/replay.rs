@@ -13,6 +13,7 @@ use super::progress::Progress;
 use crate::app::album::{Album, OnFrame};
 use crate::app::film::Film;
 use crate::app::headset::{self, Opened};
+use crate::app::person::Opening;
 use crate::app::picture::Picture;
 use crate::app::session::{SessionEnd, Watcher};
 use crate::app::store::Store;
@@ -82,6 +83,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
     // Behind the pictures' folder, which is made and may hold them.
     check_places(args.glb.iter().chain(&args.lsys))?;
     let mut workshop = open(args.project.as_deref())?;
+    if let Some(opening) = Opening::of_session(&args.session) {
+        opening.apply(&mut workshop);
+    }
     let outcome = match stage {
         Stage::Simulated(mut picture, extent) => {
             let mut simulated = Simulated::new(frames, extent);

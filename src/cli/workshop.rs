@@ -19,7 +19,7 @@ use super::replay::EXTENT;
 use crate::app::again::Patience;
 use crate::app::album::Album;
 use crate::app::headset::{self, News};
-use crate::app::person::Person;
+use crate::app::person::{Opening, Person};
 use crate::app::picture::Picture;
 use crate::app::session::{self, Nobody, SessionEnd};
 use crate::app::store::{Store, keep_older, older_one, read_project};
@@ -213,7 +213,8 @@ fn at_work(door: Door, args: &Args) -> Result<()> {
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
     let mut person = Person::here();
     person.enter(&mut workshop);
-    let mut tape = args.record.as_deref().map(recording).transpose()?;
+    let tape = args.record.as_deref().map(recording).transpose()?;
+    let mut tape = tape.map(|tape| tape.with_comment(&Opening::of(&workshop).comment()));
     let patience = Patience::of(Duration::from_secs(args.patience));
     let outcome = door.run(&mut tape, &mut workshop, &project, &patience);
     let recorded = match (tape, &args.record) {
@@ -222,6 +223,8 @@ fn at_work(door: Door, args: &Args) -> Result<()> {
     };
     // However the session and its recording ended, the work is saved first.
     workshop.finish_tree();
+    // Another one may have been taken up meanwhile.
+    let project = workshop.project().map_or(project, Path::to_owned);
     if let Err(problem) = person.leave(&workshop, &project) {
         tell!("{problem}");
     }

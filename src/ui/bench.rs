@@ -3,7 +3,8 @@
 use egui::{Button, DragValue, RichText, ScrollArea, Slider, SliderClamping, Ui};
 
 use super::{
-    panels::{View, Wish},
+    panels::{Recent, View, Wish},
+    projects::Projects,
     rules::Rules,
     theme::{MESSAGE, PAPER, TITLE},
     words::{Language, Words},
@@ -27,12 +28,13 @@ enum Tab {
 }
 
 /// What the bench remembers between looks.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub(super) struct Bench {
     tab: Tab,
     /// It asks whether the sketch is really to be cleared.
     asks: bool,
     rules: Rules,
+    projects: Projects,
 }
 
 /// The files that a tree can be taken home as, by their endings.
@@ -52,6 +54,11 @@ struct Page<'a> {
 }
 
 impl Bench {
+    /// Offers projects to go on with.
+    pub(super) fn offer(&mut self, recent: Vec<Recent>) {
+        self.projects = Projects::of(recent);
+    }
+
     /// Lays the bench out.
     pub(super) fn show(&mut self, ui: &mut Ui, view: &View<'_>, wishes: &mut Vec<Wish>) {
         let words = view.settings.language.words();
@@ -89,7 +96,11 @@ impl Bench {
                     Tab::Letters => page.letters(ui),
                     Tab::Rules => self.rules.show(ui, page.view, page.wishes),
                     Tab::Room => page.room(ui),
-                    Tab::File => page.file(ui),
+                    Tab::File => {
+                        page.file(ui);
+                        ui.separator();
+                        self.projects.show(ui, page.words, page.wishes);
+                    }
                 });
         });
     }

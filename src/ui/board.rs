@@ -8,6 +8,7 @@ use super::{
     LayoutParams, Painted,
     theme::{INK, MESSAGE, PAPER, TITLE},
     whole_pixels,
+    words::Language,
 };
 use crate::world::scene::{Board, BoardContent};
 
@@ -16,7 +17,7 @@ use crate::world::scene::{Board, BoardContent};
 pub struct BoardUi {
     context: egui::Context,
     params: LayoutParams,
-    shown: Option<(u64, [f32; 2])>,
+    shown: Option<(u64, [f32; 2], Language)>,
 }
 
 impl BoardUi {
@@ -31,8 +32,8 @@ impl BoardUi {
     }
 
     /// Lays the board out, or gives `None` where what was given last still holds.
-    pub fn lay_out(&mut self, board: &Board) -> Option<Painted> {
-        let key = (board.revision, board.size);
+    pub fn lay_out(&mut self, board: &Board, language: Language) -> Option<Painted> {
+        let key = (board.revision, board.size, language);
         if self.shown == Some(key) {
             return None;
         }
@@ -57,7 +58,7 @@ impl BoardUi {
         }
         let output = self
             .context
-            .run_ui(input, |ui| show_board(ui, &board.content));
+            .run_ui(input, |ui| show_board(ui, &board.content, language));
         let primitives = self
             .context
             .tessellate(output.shapes, output.pixels_per_point);
@@ -70,7 +71,7 @@ impl BoardUi {
     }
 }
 
-fn show_board(ui: &mut egui::Ui, content: &BoardContent) {
+fn show_board(ui: &mut egui::Ui, content: &BoardContent, language: Language) {
     let frame = egui::Frame::new()
         .fill(PAPER)
         .inner_margin(14.0)
@@ -83,12 +84,21 @@ fn show_board(ui: &mut egui::Ui, content: &BoardContent) {
                 .strong(),
         );
         if let Some(message) = &content.message {
-            ui.label(RichText::new(message).color(MESSAGE).size(17.0));
+            ui.label(
+                RichText::new(language.say(message))
+                    .color(MESSAGE)
+                    .size(17.0),
+            );
         }
         ui.separator();
         ScrollArea::vertical().show(ui, |ui| {
             for line in &content.lines {
-                ui.label(RichText::new(line).color(INK).monospace().size(14.0));
+                ui.label(
+                    RichText::new(language.say(line))
+                        .color(INK)
+                        .monospace()
+                        .size(14.0),
+                );
             }
         });
     });
@@ -123,7 +133,10 @@ mod tests {
     #[test]
     fn a_board_is_laid_out_once_for_each_revision() {
         let mut ui = BoardUi::default();
-        let mut first = ui.lay_out(&board(1, 3)).into_iter().collect::<Vec<_>>();
+        let mut first = ui
+            .lay_out(&board(1, 3), Language::English)
+            .into_iter()
+            .collect::<Vec<_>>();
         assert_eq!(first.len(), 1);
         assert_eq!(first[0].size_px, [1024, 640]);
         assert!(!first[0].primitives.is_empty());
@@ -132,17 +145,20 @@ mod tests {
             "the glyphs come with the first layout"
         );
         first[0].textures.clear();
-        assert!(ui.lay_out(&board(1, 3)).is_none());
-        assert!(ui.lay_out(&board(2, 3)).is_some_and(|mut painted| {
-            painted.textures.clear();
-            true
-        }));
+        assert!(ui.lay_out(&board(1, 3), Language::English).is_none());
+        assert!(
+            ui.lay_out(&board(2, 3), Language::English)
+                .is_some_and(|mut painted| {
+                    painted.textures.clear();
+                    true
+                })
+        );
     }
 
     #[test]
     fn text_stays_within_the_panel() {
         let mut ui = BoardUi::default();
-        let Some(mut painted) = ui.lay_out(&board(1, 500)) else {
+        let Some(mut painted) = ui.lay_out(&board(1, 500), Language::English) else {
             panic!("nothing laid out")
         };
         painted.textures.clear();

@@ -13,13 +13,14 @@ pub mod board;
 mod keyboard;
 mod lesson;
 mod panels;
+mod projects;
 mod rules;
 pub mod sheet;
 mod theme;
 pub mod words;
 
 pub use board::BoardUi;
-pub use panels::{Panels, Settings, View, Wish};
+pub use panels::{Panels, Recent, Settings, Thumbnail, View, Wish};
 
 /// How densely boards are laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,6 @@
 //! All panels that are used, together: who is looked at, and what is wanted.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{RichText, Ui};
@@ -37,6 +38,24 @@ pub struct Settings {
     pub lesson: usize,
 }
 
+/// A small picture, as many pixels wide as high.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Thumbnail {
+    /// Pixels of a side.
+    pub side: usize,
+    /// Red, green, blue, alpha of each pixel, row by row.
+    pub rgba: Vec<u8>,
+}
+
+/// A project that was worked on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Recent {
+    /// Its file.
+    pub project: PathBuf,
+    /// What it looked like.
+    pub picture: Option<Thumbnail>,
+}
+
 /// What a person wants; the application carries it out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
@@ -64,6 +83,8 @@ pub enum Wish {
     Set(Settings),
     /// Take the tree home as a file with this ending.
     Export(&'static str),
+    /// Save this project and go on with that one.
+    Open(PathBuf),
     /// Draw like this.
     Draw(DrawSettings),
     /// Go to a lesson of the tutorial, or end it.
@@ -199,6 +220,12 @@ impl Panels {
     /// Says that no picture is drawn.
     pub fn unseen(&mut self) {
         self.sheets.iter_mut().for_each(Sheet::unseen);
+    }
+
+    /// Offers projects to go on with.
+    pub fn offer(&mut self, recent: Vec<Recent>) {
+        self.bench.offer(recent);
+        self.shown = None;
     }
 
     /// Looks at every panel that changed; gives what is wanted and what hands should feel.

@@ -37,7 +37,18 @@ fn resting(hand: usize) -> Hand {
 impl Visitor {
     /// Nobody has done anything yet, not even come in.
     pub(crate) fn blank() -> Self {
-        let mut workshop = Workshop::unsaved(World::new(History::default())).unwrap();
+        Self::coming(Workshop::unsaved(World::new(History::default())).unwrap())
+    }
+
+    /// In a workshop of one's own.
+    pub(crate) fn at(workshop: Workshop) -> Self {
+        let mut visitor = Self::coming(workshop);
+        visitor.frame();
+        visitor.frame();
+        visitor
+    }
+
+    fn coming(mut workshop: Workshop) -> Self {
         workshop.keep_texts();
         Self {
             workshop,
@@ -51,15 +62,18 @@ impl Visitor {
     }
 
     pub(crate) fn new() -> Self {
-        let mut visitor = Self::blank();
-        visitor.frame();
-        visitor.frame();
-        visitor
+        Self::at(Workshop::unsaved(World::new(History::default())).unwrap())
     }
 
     /// With a trunk of two segments and a branch.
     pub(crate) fn with_tree() -> Self {
         let mut visitor = Self::new();
+        visitor.draw_tree();
+        visitor
+    }
+
+    pub(crate) fn draw_tree(&mut self) {
+        let visitor = self;
         let root = Vec3::new(0.0, 0.9, -0.55);
         for tip in [Vec3::Y * 0.08, Vec3::new(0.01, 0.16, 0.0)] {
             visitor.tip_to(RIGHT, root + tip);
@@ -75,7 +89,6 @@ impl Visitor {
         visitor.frame.hands[RIGHT] = resting(RIGHT);
         visitor.frame();
         assert_eq!(visitor.document().sketch.strokes.len(), 2);
-        visitor
     }
 
     pub(crate) fn document(&self) -> &Document {

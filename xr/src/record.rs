@@ -43,6 +43,18 @@ impl<W: Write> Tape<W> {
         }
     }
 
+    /// Writes a comment into the recording.
+    #[must_use]
+    pub fn with_comment(mut self, text: &str) -> Self {
+        if let Some(writer) = &mut self.writer
+            && let Err(fault) = writer.comment(text)
+        {
+            self.fault = Some(fault);
+            self.writer = None;
+        }
+        self
+    }
+
     /// Goes on with a headset, whose time goes on where the last one's stopped.
     pub fn around<H: Headset>(self, inner: H) -> Recorder<H, W> {
         Recorder { inner, tape: self }

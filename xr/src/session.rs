@@ -18,7 +18,7 @@ mod reader;
 mod writer;
 
 use std::fs::File;
-use std::io::{self, BufReader};
+use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
 pub use reader::SessionReader;
@@ -99,6 +99,22 @@ pub fn read_file(path: &Path) -> Result<Vec<Frame>, SessionError> {
         source,
     })?;
     SessionReader::new(BufReader::new(file))?.collect()
+}
+
+/// The comments of a session file before its first frame, without their sign; what cannot be read ends them.
+#[must_use]
+pub fn first_comments(path: &Path) -> Vec<String> {
+    const MOST: usize = 16;
+    let Ok(file) = File::open(path) else {
+        return Vec::new();
+    };
+    let bytes = (MOST * MAX_LINE) as u64;
+    let lines = BufReader::new(file.take(bytes)).lines().skip(1).take(MOST);
+    lines
+        .map_while(Result::ok)
+        .take_while(|line| !line.starts_with("frame"))
+        .filter_map(|line| Some(line.strip_prefix('#')?.trim().to_owned()))
+        .collect()
 }
 
 /// Reads a whole session from memory.

@@ -116,6 +116,8 @@ pub(super) const WORDS: Words = Words {
     symmetry: "Zweige rund um den Stamm",
     learn_free_hand: "Freihand zeichnen",
     do_free_hand: "{draw} halten, die Hand in einem Bogen bewegen, dann loslassen.",
+    recent: "Projekte",
+    go_on: "Damit weitermachen",
 };
 
 /// Parts of controllers, word by word.
@@ -145,3 +147,141 @@ pub(super) fn part(name: &str) -> String {
     });
     words.collect::<Vec<_>>().join(" ")
 }
+
+/// What the world says, English and German; `{}` stands for what is said in between, which stays in its order.
+pub(super) const SAID: &[(&str, &str)] = &[
+    // The board.
+    (
+        "step {}   growing…   {} lines   undo {} redo {}",
+        "Schritt {}   wächst…   {} Linien   zurück {} vor {}",
+    ),
+    (
+        "step {}   growing…   1 line   undo {} redo {}",
+        "Schritt {}   wächst…   1 Linie   zurück {} vor {}",
+    ),
+    (
+        "step {}   {} segments   {} lines   undo {} redo {}",
+        "Schritt {}   {} Segmente   {} Linien   zurück {} vor {}",
+    ),
+    (
+        "step {}   {} segments   1 line   undo {} redo {}",
+        "Schritt {}   {} Segmente   1 Linie   zurück {} vor {}",
+    ),
+    (
+        "drawing on line {}, from node {}",
+        "gezeichnet wird an Linie {}, ab Knoten {}",
+    ),
+    (
+        "a branch starts at node {} of line {}",
+        "ein Zweig beginnt an Knoten {} der Linie {}",
+    ),
+    ("(nothing has grown yet)", "(noch ist nichts gewachsen)"),
+    ("… and {} more", "… und {} mehr"),
+    (
+        "{}draw; on a node: choose it, branch there",
+        "{}zeichnen; an einem Knoten: wählen, verzweigen",
+    ),
+    (
+        "{}move a node; with the {}: delete it",
+        "{}Knoten bewegen; mit {}: löschen",
+    ),
+    ("{}move a node", "{}Knoten bewegen"),
+    (
+        "{}move and turn the platform; both: scale",
+        "{}Plattform bewegen, drehen; beide: Größe",
+    ),
+    ("{}grow one step", "{}einen Schritt wachsen"),
+    ("{}step back", "{}einen Schritt zurück"),
+    (
+        "{}left: undo   right: redo",
+        "{}links: zurück   rechts: wieder vor",
+    ),
+    // Messages.
+    ("There is nothing to clear.", "Es gibt nichts zu leeren."),
+    (
+        "At step {} this sketch has more than {} segments: the tree shown is an earlier one; step back to see it again.",
+        "Bei Schritt {} hat diese Skizze mehr als {} Segmente: zu sehen ist ein früherer Baum; einen Schritt zurückgehen.",
+    ),
+    (
+        "This tree is full-grown: playback ends here.",
+        "Dieser Baum ist ausgewachsen: das Abspielen endet hier.",
+    ),
+    (
+        "One more step would be too large to be shown: this tree is full-grown.",
+        "Ein Schritt mehr wäre zu groß, um gezeigt zu werden: dieser Baum ist ausgewachsen.",
+    ),
+    (
+        "A stroke holds no more nodes: it ends where it was full. Let go and draw on from there.",
+        "Ein Strich fasst nicht mehr Knoten: er endet, wo er voll war. Loslassen und von dort weiterzeichnen.",
+    ),
+    (
+        "Too far from the selected node to draw: come within {} m of it, or select another.",
+        "Zu weit vom gewählten Knoten zum Zeichnen: näher als {} m herangehen oder einen anderen wählen.",
+    ),
+    (
+        "Nothing to grow yet: pull the trigger to draw the trunk.",
+        "Noch nichts zum Wachsen: mit dem Trigger den Stamm zeichnen.",
+    ),
+    (
+        "Step {} would have more than {} segments: this tree is full-grown.",
+        "Schritt {} hätte mehr als {} Segmente: dieser Baum ist ausgewachsen.",
+    ),
+    (
+        "This is step 0, the root alone.",
+        "Das ist Schritt 0, nur die Wurzel.",
+    ),
+    ("Nothing to undo.", "Nichts rückgängig zu machen."),
+    ("Nothing to redo.", "Nichts zu wiederholen."),
+    ("You are in it.", "Es ist schon offen."),
+    ("Going on with {}.", "Weiter geht es mit {}."),
+    ("Written: {}", "Geschrieben: {}"),
+    (
+        "There is no project to write beside: start Ramus with --project.",
+        "Es gibt kein Projekt, neben das geschrieben werden könnte: Ramus mit --project starten.",
+    ),
+    // What an edit is refused for.
+    (
+        "no branch can start at the root: draw the trunk's first segment and branch above it",
+        "an der Wurzel kann kein Zweig beginnen: das erste Segment des Stamms zeichnen und darüber verzweigen",
+    ),
+    (
+        "the root stays where it is: move the platform, or clear the sketch",
+        "die Wurzel bleibt, wo sie ist: die Plattform bewegen oder die Skizze leeren",
+    ),
+    (
+        "the start of `{}` is node {} of `{}`: point at that node instead",
+        "der Anfang von `{}` ist Knoten {} von `{}`: auf diesen zeigen",
+    ),
+    (
+        "{} must lie between {} and {}, not {}",
+        "{} muss zwischen {} und {} liegen, nicht bei {}",
+    ),
+    (
+        "segment {} of `{}` would be shorter than 1 mm: put its end farther from its start",
+        "Segment {} von `{}` wäre kürzer als 1 mm: sein Ende weiter weg setzen",
+    ),
+    (
+        "a sketch holds at most {}: delete some before drawing more",
+        "eine Skizze fasst höchstens {}: erst etwas löschen, dann weiterzeichnen",
+    ),
+    (
+        "growth ends at step {}: step {} is too far",
+        "das Wachstum endet bei Schritt {}: Schritt {} ist zu weit",
+    ),
+    (
+        "step {} would have more than {} segments, and no more are grown: step back, or thin the branches out",
+        "Schritt {} hätte mehr als {} Segmente, und mehr wachsen nicht: zurückgehen oder die Zweige auslichten",
+    ),
+    (
+        "the sketch cannot be grown: {}",
+        "die Skizze kann nicht wachsen: {}",
+    ),
+    (
+        "the platform cannot stand there: its place must be finite and within {} m of the room's middle",
+        "die Plattform kann dort nicht stehen: höchstens {} m von der Mitte des Raums",
+    ),
+    (
+        "the platform's scale must lie between {} and {}",
+        "die Größe der Plattform muss zwischen {} und {} liegen",
+    ),
+];

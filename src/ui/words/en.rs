@@ -116,4 +116,6 @@ pub(super) const WORDS: Words = Words {
     symmetry: "branches around the trunk",
     learn_free_hand: "Draw free-hand",
     do_free_hand: "Hold the {draw} and move your hand in a curve, then let go.",
+    recent: "Projects",
+    go_on: "Go on with it",
 };

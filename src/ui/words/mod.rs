@@ -20,6 +20,20 @@ impl Language {
     /// All of them.
     pub const ALL: [Self; 2] = [Self::English, Self::German];
 
+    /// A line of the board or a message in this language. The world speaks English; a sentence that is not in the
+    /// language's table stays as it is.
+    #[must_use]
+    pub fn say(self, english: &str) -> String {
+        let table: &[(&str, &str)] = match self {
+            Self::English => &[],
+            Self::German => de::SAID,
+        };
+        let said = table
+            .iter()
+            .find_map(|(from, to)| Some(filled(to, &holes(english, from)?)));
+        said.unwrap_or_else(|| english.to_owned())
+    }
+
     /// What people call a part of a controller; the names come in English.
     #[must_use]
     pub fn part(self, name: &str) -> String {
@@ -37,6 +51,40 @@ impl Language {
             Self::German => &de::WORDS,
         }
     }
+}
+
+/// What stands in a text where a pattern has `{}`; none where it is no text of the pattern. A hole ends where the pattern goes on for the
+/// first time.
+fn holes<'a>(text: &'a str, pattern: &str) -> Option<Vec<&'a str>> {
+    let mut parts = pattern.split("{}");
+    let mut rest = text.strip_prefix(parts.next()?)?;
+    let mut found = Vec::new();
+    let mut parts = parts.peekable();
+    while let Some(part) = parts.next() {
+        let end = match parts.peek() {
+            None if part.is_empty() => rest.len(),
+            None => rest
+                .len()
+                .checked_sub(part.len())
+                .filter(|_| rest.ends_with(part))?,
+            Some(_) => rest.find(part)?,
+        };
+        let (hole, after) = rest.split_at_checked(end)?;
+        found.push(hole);
+        rest = after.get(part.len()..)?;
+    }
+    rest.is_empty().then_some(found)
+}
+
+/// A pattern with its holes filled, in order.
+fn filled(pattern: &str, holes: &[&str]) -> String {
+    let mut parts = pattern.split("{}");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for (number, part) in parts.enumerate() {
+        text.push_str(holes.get(number).copied().unwrap_or_default());
+        text.push_str(part);
+    }
+    text
 }
 
 /// Makes the struct of all strings.
@@ -75,6 +123,7 @@ words! {
     tab_draw, pen, eraser, spacing, tolerance,
     smoothing, snap_angle, snap_mirror, mirror_symmetry, symmetry,
     learn_free_hand, do_free_hand,
+    recent, go_on,
     tab_rules, rules_hint, own, edit, apply, generated, cancel, further, further_hint,
     export, exported_to, save, delete, enter, space, close,
 }
@@ -102,5 +151,71 @@ mod tests {
         let same = english.all().zip(german.all()).filter(|(a, b)| a.1 == b.1);
         let same: Vec<_> = same.map(|(a, _)| a.1).collect();
         assert!(same.len() <= 4, "not translated? {same:?}");
+    }
+
+    #[test]
+    fn patterns_find_their_holes() {
+        for (text, pattern, expected) in [
+            ("step 3", "step {}", Some(vec!["3"])),
+            ("step 3 of 4", "step {} of {}", Some(vec!["3", "4"])),
+            ("a", "a", Some(vec![])),
+            ("ab", "a", None),
+            ("", "{}", Some(vec![""])),
+            ("1, 2", "{}, {}", Some(vec!["1", "2"])),
+            ("ende", "{}e", Some(vec!["end"])),
+            ("e", "{}ee", None),
+            ("größer als 3 m", "größer als {} m", Some(vec!["3"])),
+        ] {
+            assert_eq!(holes(text, pattern), expected, "{text} {pattern}");
+        }
+        assert_eq!(filled("{} und {}", &["1"]), "1 und ");
+    }
+
+    #[test]
+    fn each_sentence_of_the_table_has_its_holes() {
+        for (from, to) in de::SAID {
+            let count = |text: &str| text.matches("{}").count();
+            assert_eq!(count(from), count(to), "{from}");
+            let text = from.replace("{}", "7");
+            assert_ne!(
+                Language::German.say(&text),
+                text,
+                "another one comes before it"
+            );
+        }
+    }
+
+    /// Every sentence that the rooms below say to a person, as it stands in their sources.
+    #[test]
+    fn every_message_of_the_world_is_in_the_table() {
+        let sources = [
+            include_str!("../../world/tools.rs"),
+            include_str!("../../world/handles.rs"),
+            include_str!("../../world/play.rs"),
+            include_str!("../../world/stroke.rs"),
+            include_str!("../../world/mod.rs"),
+        ];
+        let mut found = 0;
+        for source in sources {
+            let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+            // Sentences are the strings that begin with a capital and end with a full stop.
+            for text in code.split('"').skip(1).step_by(2) {
+                let sentence = text.starts_with(|c: char| c.is_ascii_uppercase())
+                    && text.ends_with('.')
+                    && text.contains(' ');
+                if !sentence {
+                    continue;
+                }
+                found += 1;
+                // Named holes are numbers when they are said.
+                let said = text
+                    .split(['{', '}'])
+                    .enumerate()
+                    .map(|(at, part)| if at % 2 == 1 { "7" } else { part })
+                    .collect::<String>();
+                assert_ne!(Language::German.say(&said), said, "not in German: {text}");
+            }
+        }
+        assert!(found >= 8, "only {found} sentences found");
     }
 }

@@ -5,7 +5,7 @@ use std::io::Write;
 
 use glam::{Quat, Vec3};
 
-use super::{Eye, MAGIC, MAX_FRAMES, SIDES, SessionError, VERSION, follows};
+use super::{Eye, MAGIC, MAX_FRAMES, MAX_LINE, SIDES, SessionError, VERSION, follows};
 use crate::frame::{Frame, Hand, Pose, View};
 
 /// Writes a session frame by frame: only what changed.
@@ -32,6 +32,19 @@ impl<W: Write> SessionWriter<W> {
             eyes: Frame::eyes().map(Eye::Relative),
             frames: 0,
         })
+    }
+
+    /// Writes a comment: the first line of `text`, as much of it as a line holds. Readers leave it out.
+    ///
+    /// # Errors
+    /// [`SessionError::Io`] where the output takes nothing.
+    pub fn comment(&mut self, text: &str) -> Result<(), SessionError> {
+        let line = text.lines().next().unwrap_or_default();
+        let most = line.len().min(MAX_LINE - "# ".len());
+        let end = (0..=most).rev().find(|&end| line.is_char_boundary(end));
+        let fits = line.get(..end.unwrap_or(0)).unwrap_or_default();
+        writeln!(self.output, "# {fits}")?;
+        Ok(())
     }
 
     /// Writes one frame. A frame that is refused leaves the session as it was.
