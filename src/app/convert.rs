@@ -33,6 +33,8 @@ pub fn buttons(controllers: [Option<&Profile>; 2]) -> Buttons {
         grow: told.part(Action::Lower),
         back: told.part(Action::Upper),
         undo: told.part(Action::Stick),
+        redo: None,
+        desk: false,
         others: Vec::new(),
     }
 }

@@ -98,8 +98,16 @@ fn told(lesson: Lesson, buttons: &Buttons, language: Language) -> String {
     let draw = part_name(Part::Draw, buttons, language);
     let grab = part_name(Part::Grab, buttons, language);
     let part = part_name(lesson.part(), buttons, language);
-    let (_, text) = texts(lesson, words);
-    text.replace("{draw}", &draw)
+    let text = match (lesson, &buttons.redo) {
+        (Lesson::Undo, Some(_)) => words.do_undo_key,
+        (Lesson::Redo, Some(_)) => words.do_redo_key,
+        (Lesson::Draw, _) if buttons.desk => words.do_draw_desk,
+        (Lesson::Panel, _) if buttons.desk => words.do_panel_desk,
+        (Lesson::Platform, _) if buttons.desk => words.do_platform_desk,
+        _ => texts(lesson, words).1,
+    };
+    text.replace("{redo}", buttons.redo.as_deref().unwrap_or_default())
+        .replace("{draw}", &draw)
         .replace("{grab}", &grab)
         .replace("{part}", &part)
 }
@@ -129,6 +137,8 @@ enum Kind {
     Hand,
     /// A pen.
     Pen,
+    /// A mouse beside a keyboard.
+    Mouse,
 }
 
 fn kind(buttons: &Buttons) -> Kind {
@@ -136,7 +146,9 @@ fn kind(buttons: &Buttons) -> Kind {
         name.as_ref()
             .is_some_and(|name| name.to_lowercase().contains(part))
     };
-    if has(&buttons.draw, "pinch") {
+    if buttons.desk {
+        Kind::Mouse
+    } else if has(&buttons.draw, "pinch") {
         Kind::Hand
     } else if has(&buttons.draw, "middle") {
         Kind::Pen
@@ -203,6 +215,7 @@ impl<'a> Drawing<'a> {
             Kind::Wand => self.wand(part),
             Kind::Hand => self.hand(part),
             Kind::Pen => self.pen(part),
+            Kind::Mouse => self.mouse(part),
         }
         self.painter.text(
             self.at(50.0, 102.0),
@@ -243,6 +256,16 @@ impl<'a> Drawing<'a> {
         }
         self.block([36.0, 18.0, 9.0, 34.0], 6, part == Part::Draw);
         self.block([18.0, 40.0, 22.0, 10.0], 6, part == Part::Draw);
+    }
+
+    /// A mouse seen from above, and a key beside it.
+    fn mouse(&self, part: Part) {
+        self.block([44.0, 24.0, 42.0, 70.0], 18, part == Part::Hand);
+        self.block([46.0, 26.0, 18.0, 28.0], 8, part == Part::Draw);
+        self.block([66.0, 26.0, 18.0, 28.0], 8, part == Part::Grab);
+        self.block([62.5, 32.0, 5.0, 14.0], 3, false);
+        let keys = matches!(part, Part::Grow | Part::Back | Part::Undo);
+        self.block([10.0, 62.0, 26.0, 24.0], 5, keys);
     }
 
     fn pen(&self, part: Part) {

@@ -47,8 +47,12 @@ pub struct Buttons {
     pub grow: Option<String>,
     /// Steps back.
     pub back: Option<String>,
-    /// Undoes to the left and redoes to the right.
+    /// Undoes to the left and redoes to the right, unless there is something that redoes.
     pub undo: Option<String>,
+    /// Redoes.
+    pub redo: Option<String>,
+    /// Mouse and keyboard, and no controllers in hand.
+    pub desk: bool,
     /// Whatever else there is: its name and what it does.
     pub others: Vec<[String; 2]>,
 }
@@ -63,6 +67,8 @@ impl Default for Buttons {
             grow: some("A or X"),
             back: some("B or Y"),
             undo: some("stick"),
+            redo: None,
+            desk: false,
             others: Vec::new(),
         }
     }
@@ -72,17 +78,30 @@ impl Buttons {
     /// What they do, one line each.
     fn hints(&self) -> Vec<String> {
         let delete = match &self.draw {
+            Some(_) if self.desk => "move a node; with left too: delete it".to_owned(),
             Some(draw) => format!("move a node; with the {draw}: delete it"),
             None => "move a node".to_owned(),
         };
-        let rim = self.grab.as_ref().map(|grab| format!("{grab} rim"));
+        let rim = self.grab.as_ref().map(|grab| match self.desk {
+            true => "at the rim".to_owned(),
+            false => format!("{grab} rim"),
+        });
+        let moves = match self.desk {
+            true => "move the platform",
+            false => "move and turn the platform; both: scale",
+        };
+        let undoes = match &self.redo {
+            Some(_) => "undo",
+            None => "left: undo   right: redo",
+        };
         let lines = [
             (&self.draw, "draw; on a node: choose it, branch there"),
             (&self.grab, &delete),
-            (&rim, "move and turn the platform; both: scale"),
+            (&rim, moves),
             (&self.grow, "grow one step"),
             (&self.back, "step back"),
-            (&self.undo, "left: undo   right: redo"),
+            (&self.undo, undoes),
+            (&self.redo, "redo"),
         ];
         let named = lines
             .iter()
@@ -533,6 +552,8 @@ mod tests {
             grow: None,
             back: None,
             undo: None,
+            redo: None,
+            desk: false,
             others: vec![["wheel".to_owned(), "zoom".to_owned()]],
         });
         board.follow(&document, &FACTS, &params);

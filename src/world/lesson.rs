@@ -191,6 +191,13 @@ impl World {
 
     /// Begins or goes on with a lesson; beyond the last one, or with none, the tutorial ends.
     pub fn teach(&mut self, lesson: Option<usize>) {
+        // Where there are no hands there is no back of one.
+        let desk = self.buttons().desk;
+        let has = |lesson: Lesson| !(desk && lesson == Lesson::Wrist);
+        let lesson = lesson.map(|at| match Lesson::ALL.get(at) {
+            Some(lesson) if !has(*lesson) => at + 1,
+            _ => at,
+        });
         self.course.at = lesson.filter(|at| *at < Lesson::ALL.len());
         self.course.before = self.now();
         self.tools

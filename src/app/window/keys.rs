@@ -90,21 +90,16 @@ fn letter(logical: &Key, physical: PhysicalKey) -> Option<char> {
 /// What the board calls mouse buttons and keys.
 #[must_use]
 pub(super) fn buttons() -> Buttons {
-    let lines = [
-        ["left", "draw; on a node: choose it, branch there"],
-        ["right", "move a node, or the platform by its rim"],
-        ["both", "delete the node that is held"],
-        ["G, Shift+G", "grow one step; step back"],
-        ["Ctrl+Z, Y", "undo; redo"],
-        ["middle", "turn the view; wheel: zoom; H: all keys"],
-    ];
+    let some = |name: &str| Some(name.to_owned());
     Buttons {
-        draw: None,
-        grab: None,
-        grow: None,
-        back: None,
-        undo: None,
-        others: lines.map(|line| line.map(str::to_owned)).to_vec(),
+        draw: some("left button"),
+        grab: some("right button"),
+        grow: some("G"),
+        back: some("Shift+G"),
+        undo: some("Ctrl+Z"),
+        redo: some("Ctrl+Y"),
+        desk: true,
+        others: vec![["middle", "turn the view; wheel: zoom; H: all keys"].map(str::to_owned)],
     }
 }
 

@@ -118,12 +118,19 @@ pub(super) const WORDS: Words = Words {
     do_free_hand: "{draw} halten, die Hand in einem Bogen bewegen, dann loslassen.",
     recent: "Projekte",
     go_on: "Damit weitermachen",
+    do_undo_key: "{part}: das Letzte wird zurückgenommen.",
+    do_redo_key: "{redo}: es ist wieder da.",
+    do_draw_desk: "Über die Plattform zeigen. Die weiße Linie zeigt, was entsteht: mit {draw} klicken.",
+    do_panel_desk: "Auf die Werkbank links klicken.",
+    do_platform_desk: "Den Rand der Plattform mit {grab} ziehen.",
 };
 
 /// Parts of controllers, word by word.
 pub(super) fn part(name: &str) -> String {
     let word = |word: &str| match word {
         "trigger" => "Trigger",
+        "left" => "linke",
+        "right" => "rechte",
         "grip" => "Griff",
         "stick" => "Stick",
         "pad" => "Touchpad",
@@ -141,6 +148,10 @@ pub(super) fn part(name: &str) -> String {
         "select" => "Auswahltaste",
         _ => "",
     };
+    // A mouse's buttons are others than a controller's.
+    if let Some(side) = name.strip_suffix(" button") {
+        return format!("{} Maustaste", word(side));
+    }
     let words = name.split(' ').map(|english| match word(english) {
         "" => english,
         german => german,
@@ -185,6 +196,10 @@ pub(super) const SAID: &[(&str, &str)] = &[
         "{}move a node; with the {}: delete it",
         "{}Knoten bewegen; mit {}: löschen",
     ),
+    (
+        "{}move a node; with left too: delete it",
+        "{}Knoten bewegen; mit links dazu: löschen",
+    ),
     ("{}move a node", "{}Knoten bewegen"),
     (
         "{}move and turn the platform; both: scale",
@@ -196,7 +211,13 @@ pub(super) const SAID: &[(&str, &str)] = &[
         "{}left: undo   right: redo",
         "{}links: zurück   rechts: wieder vor",
     ),
+    ("{}  undo", "{}  rückgängig"),
+    ("{}  redo", "{}  wiederholen"),
     // Messages.
+    (
+        "Click above the yellow ball to draw the trunk, then press G to let it grow.",
+        "Über der gelben Kugel klicken zeichnet den Stamm, dann lässt G ihn wachsen.",
+    ),
     ("There is nothing to clear.", "Es gibt nichts zu leeren."),
     (
         "At step {} this sketch has more than {} segments: the tree shown is an earlier one; step back to see it again.",

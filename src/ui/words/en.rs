@@ -118,4 +118,9 @@ pub(super) const WORDS: Words = Words {
     do_free_hand: "Hold the {draw} and move your hand in a curve, then let go.",
     recent: "Projects",
     go_on: "Go on with it",
+    do_undo_key: "{part}: the last thing you did is undone.",
+    do_redo_key: "{redo}: it is done again.",
+    do_draw_desk: "Point above the platform. The white line is what the {draw} will make: click.",
+    do_panel_desk: "Click on the bench to the left.",
+    do_platform_desk: "Drag the rim of the platform with the {grab}.",
 };

@@ -124,6 +124,7 @@ words! {
     smoothing, snap_angle, snap_mirror, mirror_symmetry, symmetry,
     learn_free_hand, do_free_hand,
     recent, go_on,
+    do_undo_key, do_redo_key, do_draw_desk, do_panel_desk, do_platform_desk,
     tab_rules, rules_hint, own, edit, apply, generated, cancel, further, further_hint,
     export, exported_to, save, delete, enter, space, close,
 }
