@@ -527,6 +527,8 @@ impl Tools {
     }
 
     fn grow(&mut self, hand: usize, history: &mut History) {
+        // From what is seen: a moment that is tried out is an edit before the next step is.
+        self.settle(history);
         let document = history.committed();
         let step = document.step.saturating_add(1);
         let most = self.params.draw.max_segments;
@@ -554,6 +556,7 @@ impl Tools {
     }
 
     fn step_back(&mut self, hand: usize, history: &mut History) {
+        self.settle(history);
         let Some(step) = history.committed().step.checked_sub(1) else {
             return self.refuse(hand, "This is step 0, the root alone.".into());
         };
