@@ -450,8 +450,11 @@ impl Tools {
         if edges.upper == Edge::Down {
             self.step_back(hand, history);
         }
-        // On a panel the stick scrolls.
-        if edges.flick != 0 && !matches!(self.hands[hand].hover, Hover::Panel(_)) {
+        // On a panel the stick scrolls; a hand that presses one or carries it is at nothing else.
+        let Hand { hold, hover, .. } = self.hands[hand];
+        let on_panel = matches!(hover, Hover::Panel(_))
+            || matches!(hold, Hold::Panel { .. } | Hold::Carried { .. });
+        if edges.flick != 0 && !on_panel {
             self.undo_or_redo(hand, edges.flick, history);
         }
     }
