@@ -7,6 +7,7 @@
 )]
 
 mod panels {
+    mod accidents;
     mod lessons;
     pub(crate) mod pictures;
     mod recorded;

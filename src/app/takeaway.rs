@@ -13,7 +13,8 @@ pub(super) struct Takeaway {
     worker: Worker<(Document, PathBuf), Result<PathBuf, String>>,
     /// Asked for and not begun: a worker would drop the older of two.
     waiting: VecDeque<(Document, PathBuf)>,
-    busy: bool,
+    /// Being written.
+    writing: Option<PathBuf>,
 }
 
 /// Most files that wait at a time: a person who presses on and on does not fill the memory.
@@ -27,7 +28,7 @@ impl Takeaway {
         Ok(Self {
             worker: Worker::start("ramus-takeaway", job)?,
             waiting: VecDeque::new(),
-            busy: false,
+            writing: None,
         })
     }
 
@@ -41,13 +42,15 @@ impl Takeaway {
 
     /// Goes on; gives a sentence when a file was written or could not be.
     pub(super) fn poll(&mut self) -> Option<String> {
-        let told = if self.busy { self.worker.poll() } else { None };
-        self.busy &= told.is_none();
-        if !self.busy
+        let told = self.writing.as_ref().and_then(|_| self.worker.poll());
+        if told.is_some() {
+            self.writing = None;
+        }
+        if self.writing.is_none()
             && let Some(next) = self.waiting.pop_front()
         {
+            self.writing = Some(next.1.clone());
             self.worker.ask(next);
-            self.busy = true;
         }
         told.map(|written| match written {
             Ok(path) => format!("Written: {}", path.display()),
@@ -59,18 +62,18 @@ impl Takeaway {
     pub(super) fn finish(&mut self) -> Vec<String> {
         let mut told = Vec::new();
         loop {
-            if self.busy {
+            if self.writing.is_some() {
                 let Some(written) = self.worker.wait() else {
                     return told;
                 };
-                self.busy = false;
+                self.writing = None;
                 told.push(match written {
                     Ok(path) => format!("Written: {}", path.display()),
                     Err(problem) => problem,
                 });
             }
             told.extend(self.poll());
-            if !self.busy {
+            if self.writing.is_none() {
                 return told;
             }
         }
@@ -81,7 +84,13 @@ impl Takeaway {
         let stem = project.file_stem().unwrap_or_default().to_string_lossy();
         let name = |n: u32| project.with_file_name(format!("{stem}-{n}.{ending}"));
         let taken = |path: &PathBuf| {
-            path.symlink_metadata().is_ok() || self.waiting.iter().any(|(_, other)| other == path)
+            let waiting = self.waiting.iter().map(|(_, other)| other);
+            path.symlink_metadata().is_ok()
+                || self
+                    .writing
+                    .iter()
+                    .chain(waiting)
+                    .any(|other| other == path)
         };
         (1..)
             .map(name)
@@ -97,4 +106,28 @@ fn write(document: &Document, path: &Path) -> Result<PathBuf, String> {
     };
     let wrong = |error: anyhow::Error| format!("{error:#}: {}", path.display());
     written.map(|()| path.to_owned()).map_err(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+
+    #[test]
+    fn two_files_asked_for_at_once_have_two_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let project = folder.path().join("oak.ramus");
+        let mut takeaway = Takeaway::start().unwrap();
+        for _ in 0..3 {
+            takeaway.ask(&Document::default(), &project, "lsys");
+            // The first is with the worker now, and perhaps not written yet.
+            takeaway.poll();
+        }
+        takeaway.finish();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+    }
 }

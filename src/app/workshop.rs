@@ -419,6 +419,8 @@ impl Workshop {
     /// # Errors
     /// Where the project cannot be written; the journal still holds everything.
     pub fn close(mut self) -> Result<World, StoreError> {
+        // A stroke in the hand and what is tried out are work, too.
+        self.let_go();
         if let Some(store) = self.store.take() {
             store.close(self.world.document())?;
         }
@@ -430,6 +432,7 @@ impl Workshop {
     /// # Errors
     /// As [`Self::close`].
     pub fn set_aside(mut self) -> Result<Option<PathBuf>, StoreError> {
+        self.let_go();
         match self.store.take() {
             Some(store) => store.set_aside(self.world.document()),
             None => Ok(None),

@@ -109,9 +109,14 @@ impl Sketch {
         Ok(next)
     }
 
-    /// Drops rules of lines that are no more.
+    /// Drops rules of lines that are no more; where nothing is drawn, all of them: further lines may name what is gone,
+    /// and would stand in the way of clearing and of drawing anew.
     pub(crate) fn prune_rules(&mut self) {
         if self.own_rules.is_empty() {
+            return;
+        }
+        if self.is_empty() {
+            self.own_rules = std::sync::Arc::default();
             return;
         }
         let generated = self.generated_rules();
@@ -230,6 +235,19 @@ mod tests {
         }
         let long = "A".repeat(RULE_BYTES + 1);
         assert!(sketch.with_rule("A(x) > B", Some(&long)).is_err());
+    }
+
+    #[test]
+    fn further_lines_do_not_stand_in_the_way_of_clearing() {
+        let with = sketch()
+            .with_rule(FURTHER, Some("const half = divergence / 2"))
+            .unwrap();
+        let (deleted, _) = with.delete_node(NodeRef::new(Letter::TRUNK, 1)).unwrap();
+        for mut cleared in [with.clear(), deleted] {
+            cleared.prune_rules();
+            assert!(cleared.own_rules.is_empty());
+            assert!(cleared.check_own_rules().is_ok());
+        }
     }
 
     #[test]

@@ -33,6 +33,8 @@ pub(super) struct Bench {
     tab: Tab,
     /// It asks whether the sketch is really to be cleared.
     asks: bool,
+    /// The largest moment of the growth slider while it is dragged: its end must not run from the hand.
+    furthest: Option<f64>,
     rules: Rules,
     projects: Projects,
 }
@@ -107,7 +109,7 @@ impl Bench {
 
     fn grow(&mut self, ui: &mut Ui, page: &mut Page<'_>) {
         let (words, view) = (page.words, page.view);
-        page.moment(ui);
+        page.moment(ui, &mut self.furthest);
         ui.horizontal(|ui| {
             if ui.button(words.back).clicked() {
                 page.wishes.push(Wish::Step(-1));
@@ -180,17 +182,19 @@ impl Page<'_> {
     }
 
     /// The growth slider: reaches some steps beyond where the tree is, as far as steps go.
-    fn moment(&mut self, ui: &mut Ui) {
+    fn moment(&mut self, ui: &mut Ui, furthest: &mut Option<f64>) {
         const AHEAD: f64 = 10.0;
         let mut moment = self.view.moment;
-        let most = (moment + AHEAD)
+        let ahead = (moment + AHEAD)
             .max(2.0 * AHEAD)
             .min(f64::from(BOUNDS.step));
+        let most = furthest.unwrap_or(ahead);
         let slider = Slider::new(&mut moment, 0.0..=most)
             .clamping(SliderClamping::Edits)
             .max_decimals(2)
             .text(self.words.step);
         let answer = ui.add(slider);
+        *furthest = answer.dragged().then_some(most);
         if answer.changed() {
             self.wishes.push(Wish::Scrub(moment));
         }
@@ -385,7 +389,7 @@ impl Page<'_> {
             ui.label(words.every);
             let answer = ui.add(
                 DragValue::new(&mut rate)
-                    .range(1..=1000)
+                    .range(1..=BOUNDS.points)
                     .speed(0.05)
                     .suffix("."),
             );
@@ -451,7 +455,7 @@ impl Page<'_> {
         ui.separator();
         if ui.button(words.lesson_start).clicked() {
             // Where they stopped, or from the beginning after the last one.
-            let next = settings.lesson + 1;
+            let next = settings.lesson.saturating_add(1);
             let at = if next < Lesson::ALL.len() {
                 settings.lesson
             } else {

@@ -245,6 +245,13 @@ impl Panels {
             changed = true;
         }
         self.shown = Some(key);
+        if !view.bench {
+            // Nothing takes text that nobody sees.
+            self.typed.clear();
+            if world.has_panel(PanelId::Keyboard) {
+                self.wishes.push(Wish::Show(PanelId::Keyboard, false));
+            }
+        }
         for id in PanelId::ALL {
             let there = world.has_panel(id);
             let was_there = std::mem::replace(&mut self.there[id as usize], there);

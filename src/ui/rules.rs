@@ -24,6 +24,9 @@ struct Draft {
     wrong: Option<String>,
 }
 
+/// The farthest that a slider reaches: its ends must be finite.
+const MOST: f64 = 1e12;
+
 /// What the tab remembers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rules {
@@ -164,7 +167,7 @@ fn constants(ui: &mut Ui, further: &str, held: &mut Option<(usize, f64)>, wishes
         let mut slid = value;
         let most = held
             .filter(|(at, _)| *at == number)
-            .map_or((value.abs() * 2.0).max(1.0), |(_, most)| most);
+            .map_or((value.abs() * 2.0).clamp(1.0, MOST), |(_, most)| most);
         let least = -most;
         let slider = Slider::new(&mut slid, least..=most)
             .clamping(SliderClamping::Edits)

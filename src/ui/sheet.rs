@@ -16,7 +16,10 @@ const SCROLL_POINTS: f32 = 600.0;
 /// A pointer that moved less than this stays where it was, points: hands tremble.
 const STILL: f32 = 0.25;
 
-/// Longest time between two looks that counts, seconds.
+/// Beyond every panel, points.
+const FAR: f32 = 1e4;
+
+/// Longest time between two frames that counts, seconds.
 const LONGEST: f64 = 0.1;
 
 /// Something that the person should feel.
@@ -44,6 +47,10 @@ pub struct Sheet {
     /// Width and height, metres.
     size: [f32; 2],
     pointer: Option<(Pos2, bool)>,
+    /// The hand that the pointer is.
+    hand: Option<usize>,
+    /// A press whose pointer went away does not begin anew when it comes back.
+    void: bool,
     /// Typed and not yet taken in.
     typed: Vec<Event>,
     hovered: Option<egui::Id>,
@@ -68,6 +75,8 @@ impl Sheet {
             params,
             size,
             pointer: None,
+            hand: None,
+            void: false,
             typed: Vec::new(),
             hovered: None,
             looked: Looked::default(),
@@ -128,11 +137,12 @@ impl Sheet {
         show: impl FnMut(&mut egui::Ui),
     ) -> Looked {
         self.looked.tick = None;
+        // Also where nothing is looked at: clicks long apart are no double click.
+        self.time += seconds.clamp(0.0, LONGEST);
         let events = self.events(pointer, seconds);
         if events.is_empty() && !changed && !self.again {
             return self.looked;
         }
-        self.time += seconds.clamp(0.0, LONGEST);
         self.run(events, show);
         self.feel(pointer);
         self.looked
@@ -141,30 +151,16 @@ impl Sheet {
     /// What the pointer and the keys did, as egui wants to hear it.
     fn events(&mut self, pointer: Option<PanelPointer>, seconds: f64) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.typed);
-        let now = pointer.map(|pointer| (self.points(pointer.at), pointer.pressed));
-        match (self.pointer, now) {
-            (Some((at, pressed)), None) => {
-                if pressed {
-                    events.push(button(at, false));
-                }
-                events.push(Event::PointerGone);
-                self.pointer = None;
-            }
-            (before, Some((at, pressed))) => {
-                let moved = before.is_none_or(|(old, _)| old.distance(at) > STILL);
-                let was = before.is_some_and(|(_, pressed)| pressed);
-                let at = before
-                    .filter(|_| !moved && pressed == was)
-                    .map_or(at, |(old, _)| old);
-                if moved || pressed != was {
-                    events.push(Event::PointerMoved(at));
-                }
-                if pressed != was {
-                    events.push(button(at, pressed));
-                }
-                self.pointer = Some((at, pressed));
-            }
-            (None, None) => {}
+        let hand = pointer.map(|pointer| pointer.hand);
+        if std::mem::replace(&mut self.hand, hand) != hand && self.lose_pointer(&mut events) {
+            // Another hand has it from the next frame on: what was dragged must not jump there.
+            self.hand = None;
+            return events;
+        }
+        self.void &= pointer.is_none_or(|pointer| pointer.pressed);
+        if let Some(pointer) = pointer {
+            let at = self.points(pointer.at);
+            self.move_pointer(at, pointer.pressed && !self.void, &mut events);
         }
         let scroll = pointer.map_or(0.0, |pointer| pointer.scroll);
         if scroll.abs() > 0.3 {
@@ -179,6 +175,39 @@ impl Sheet {
             });
         }
         events
+    }
+
+    fn move_pointer(&mut self, at: Pos2, pressed: bool, events: &mut Vec<Event>) {
+        let before = self.pointer;
+        let moved = before.is_none_or(|(old, _)| old.distance(at) > STILL);
+        let was = before.is_some_and(|(_, pressed)| pressed);
+        let at = before
+            .filter(|_| !moved && pressed == was)
+            .map_or(at, |(old, _)| old);
+        if moved || pressed != was {
+            events.push(Event::PointerMoved(at));
+        }
+        if pressed != was {
+            events.push(button(at, pressed));
+        }
+        self.pointer = Some((at, pressed));
+    }
+
+    /// The hand is lost or points away: what it dragged ends where it is, and what it pressed is not clicked. Gives whether
+    /// it pressed something.
+    fn lose_pointer(&mut self, events: &mut Vec<Event>) -> bool {
+        let Some((at, pressed)) = self.pointer.take() else {
+            return false;
+        };
+        if pressed {
+            // To egui a pointer that was so far away meanwhile has not clicked.
+            let away = at + egui::vec2(FAR, 0.0);
+            events.extend([away, at].map(Event::PointerMoved));
+            events.push(button(at, false));
+            self.void = true;
+        }
+        events.push(Event::PointerGone);
+        pressed
     }
 
     fn points(&self, at: glam::Vec2) -> Pos2 {

@@ -17,6 +17,11 @@ const CHOSEN: Color32 = Color32::from_rgb(0, 98, 150);
 /// Dresses a context.
 pub(super) fn apply(context: &egui::Context) {
     context.set_theme(egui::Theme::Dark);
+    context.options_mut(|options| {
+        // A hand in the air moves while it pulls, and takes its time: 25 mm are still a click.
+        options.input_options.max_click_dist = 16.0;
+        options.input_options.max_click_duration = 3.0;
+    });
     context.all_styles_mut(|style| {
         // Nothing moves by itself, so nothing is laid out again for it.
         style.animation_time = 0.0;

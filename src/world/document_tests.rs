@@ -578,3 +578,30 @@ fn a_long_history_is_cheap() {
     );
     assert_eq!(history.undo_count(), 1001);
 }
+
+#[test]
+fn rules_of_ones_own_come_back_from_file_and_journal_whatever_they_hold() {
+    let text = "const a = 2\n# \u{7}\t\"\\ \u{2028} ü {\"format\":1}\r\n# more";
+    let draw = Edit::AddStroke {
+        to: vec![Vec3::Y * 0.2, Vec3::Y * 0.4],
+    };
+    let rule = Edit::SetRule {
+        of: String::new(),
+        to: Some(text.to_owned()),
+    };
+    let mut history = History::default();
+    history.apply(draw).unwrap();
+    history.apply(rule).unwrap();
+    let bytes = project::to_bytes(history.committed());
+    assert!(bytes.starts_with(b"{\n  \"format\": \"ramus-project\",\n  \"version\": 2,"));
+    let read = project::from_bytes(&bytes).unwrap();
+    assert_eq!(&read, history.committed());
+    let (mut journal, header) = Journal::begin(&read);
+    let mut lines = header;
+    for action in history.take_log() {
+        lines.push_str(&journal.line(&action));
+    }
+    let decoded = journal::decode(lines.as_bytes()).unwrap();
+    assert_eq!((decoded.project, decoded.actions.len()), (read, 2));
+    assert_eq!(decoded.damage, None);
+}

@@ -163,6 +163,8 @@ impl Tools {
         }
         if self.handles.waiting > 0.0 {
             self.handles.waiting = 0.0;
+            // A step that is still tried out would come back over the empty sketch.
+            self.settle(history);
             self.apply(hand, Edit::Clear, self.params.haptics.delete, history);
             return;
         }

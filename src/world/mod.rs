@@ -168,6 +168,10 @@ impl World {
             reason = "at most a tenth of a second"
         )]
         let seconds = passed.min(self.params.longest_frame) as f32;
+        if !input.focused {
+            // What is tried out becomes an edit then, and playback would make one of every step.
+            self.player.playing = false;
+        }
         let input = &self.rig.follow(input, seconds);
         self.tools.update(input, passed, &mut self.history);
         if let Some(text) = self.tools.take_message() {
@@ -270,6 +274,10 @@ impl World {
     /// # Errors
     /// Where the edit is refused; nothing changes then.
     pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
+        if matches!(edit, Edit::Clear | Edit::SetStep { .. }) {
+            // A step that is still tried out would lie over the new one.
+            self.tools.settle(&mut self.history);
+        }
         self.history.apply(edit)?;
         self.tools.check_holds(&self.history);
         self.follow_history();
@@ -409,10 +417,10 @@ impl World {
         self.compose();
     }
 
-    /// Whether the picture moves by itself now: a step is growing or shrinking.
+    /// Whether the picture moves by itself now: a step is growing or shrinking, or the tree plays.
     #[must_use]
     pub fn is_growing(&self) -> bool {
-        self.growth.is_moving()
+        self.growth.is_moving() || self.player.playing
     }
 
     /// Whether a hand holds or points at something.

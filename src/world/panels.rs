@@ -135,6 +135,8 @@ pub(super) struct OnPanel {
     pub(super) id: PanelId,
     /// Metres along the ray, 0 where the tip touches it.
     pub(super) along: f32,
+    /// The tip has come to its face, or is somewhere behind it.
+    reached: bool,
 }
 
 impl Panels {
@@ -225,7 +227,11 @@ impl Panels {
             let (at, along) = self.pointed(id, pointer)?;
             let size = self.size(id);
             let inside = at.cmpge(Vec2::ZERO).all() && at.cmple(size).all();
-            inside.then_some(OnPanel { id, along })
+            inside.then_some(OnPanel {
+                id,
+                along,
+                reached: self.depth(id, pointer.tip) <= self.params.poke * 0.5,
+            })
         });
         hits.min_by(|a, b| a.along.total_cmp(&b.along))
     }
@@ -317,8 +323,13 @@ fn on_the_back(grip: &Pose, hand: usize, head: &Pose, [out, back]: [f32; 2]) -> 
 }
 
 impl Tools {
-    /// Presses the panel that the hand is at.
+    /// Presses the panel that the hand is at, unless another hand does: it would take that hand's drag with it.
     pub(super) fn press(&mut self, hand: usize, id: PanelId, poked: bool) {
+        let presses =
+            |other: &Hand| matches!(other.hold, Hold::Panel { id: held, .. } if held == id);
+        if self.hands.iter().any(presses) {
+            return;
+        }
         self.hands[hand].hold = Hold::Panel { id, poked };
         self.panels.owner[id as usize] = Some(hand);
     }
@@ -382,7 +393,7 @@ impl Tools {
             return;
         };
         // It must have been seen on its way: a hand that comes from elsewhere, or through the back, does not press.
-        let came = matches!(before, Hover::Panel(on) if on.id == id);
+        let came = matches!(before, Hover::Panel(on) if on.id == id && !on.reached);
         if came && self.panels.is_touched(id, sample.tip) {
             self.press(hand, id, true);
         }

@@ -99,6 +99,7 @@ impl World {
     /// Grows by so many steps, or back, as far as trees are not too large.
     pub fn step_by(&mut self, steps: i32) {
         self.play(false);
+        self.settle();
         let from = self.document().step;
         let step = from.saturating_add_signed(steps);
         if steps > 0 && self.document().sketch.is_empty() {
@@ -164,6 +165,14 @@ impl World {
 
     /// Moves the moment by the wheel or by playback.
     pub(super) fn follow_moment(&mut self, seconds: f64) {
+        if let Some(moment) = self.player.moment
+            && step_of(moment) != self.tools.shown.step
+        {
+            // The step was changed otherwise, so playback and moment are over.
+            self.player.moment = None;
+            self.player.playing = false;
+            self.growth.set_moment(None);
+        }
         let turns = |hand: &super::tools::Hand| hand.hold == Hold::Handle(super::HandleId::Wheel);
         let turning = self.tools.hands.iter().any(turns);
         if turning {
@@ -178,14 +187,6 @@ impl World {
                 self.play(false);
                 self.show_message("This tree is full-grown: playback ends here.".into());
             }
-        }
-        if let Some(moment) = self.player.moment
-            && step_of(moment) != self.tools.shown.step
-        {
-            // The step was changed otherwise.
-            self.player.moment = None;
-            self.player.playing = false;
-            self.growth.set_moment(None);
         }
         if !turning || self.player.moment.is_some() {
             self.tools.handles.moment = self.moment();

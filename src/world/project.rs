@@ -20,9 +20,9 @@ use crate::sketch::{Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap
 /// The first field of every project file.
 const FORMAT: &str = "ramus-project";
 /// The newest version this program reads, all older ones too. It writes the oldest that says all: a project
-/// without curves can be read by a program that knows none.
+/// without curves and rules of one's own can be read by a program that knows none.
 const VERSION: u64 = 2;
-/// The first version in which strokes have handles.
+/// The first version in which strokes have handles and a person has rules.
 const HANDLES: u64 = 2;
 /// The version without them.
 const PLAIN: u64 = 1;
@@ -115,7 +115,11 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     let mut text = String::from("{\n");
     field(&mut text, 1, "format", &FORMAT);
     let curved = sketch.strokes.iter().any(|stroke| stroke.is_curve());
-    let version = if curved { HANDLES } else { PLAIN };
+    let version = if curved || !sketch.own_rules.is_empty() {
+        HANDLES
+    } else {
+        PLAIN
+    };
     field(&mut text, 1, "version", &version);
     field(&mut text, 1, "needs", &NEEDS);
     field(&mut text, 1, "step", &document.step);

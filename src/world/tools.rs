@@ -450,8 +450,11 @@ impl Tools {
         if edges.upper == Edge::Down {
             self.step_back(hand, history);
         }
-        // On a panel the stick scrolls.
-        if edges.flick != 0 && !matches!(self.hands[hand].hover, Hover::Panel(_)) {
+        // On a panel the stick scrolls; a hand that presses one or carries it is at nothing else.
+        let Hand { hold, hover, .. } = self.hands[hand];
+        let on_panel = matches!(hover, Hover::Panel(_))
+            || matches!(hold, Hold::Panel { .. } | Hold::Carried { .. });
+        if edges.flick != 0 && !on_panel {
             self.undo_or_redo(hand, edges.flick, history);
         }
     }
@@ -527,6 +530,8 @@ impl Tools {
     }
 
     fn grow(&mut self, hand: usize, history: &mut History) {
+        // From what is seen: a moment that is tried out is an edit before the next step is.
+        self.settle(history);
         let document = history.committed();
         let step = document.step.saturating_add(1);
         let most = self.params.draw.max_segments;
@@ -554,6 +559,7 @@ impl Tools {
     }
 
     fn step_back(&mut self, hand: usize, history: &mut History) {
+        self.settle(history);
         let Some(step) = history.committed().step.checked_sub(1) else {
             return self.refuse(hand, "This is step 0, the root alone.".into());
         };

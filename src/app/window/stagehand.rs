@@ -14,6 +14,7 @@ use crate::app::picture::Picture;
 use crate::app::session::Watcher;
 use crate::app::workshop::Workshop;
 use crate::app::{export, take_home};
+use crate::world::Met;
 use crate::world::scene::Scene;
 
 /// Most pictures in a row beside each other in a folder.
@@ -40,10 +41,20 @@ impl<'a> Stagehand<'a> {
 
     fn look(&self, workshop: &Workshop, picture: &Picture) {
         let world = workshop.world();
-        let ray = self.wire.ray.get();
+        // The pointer's ray is the room's, as a headset's would be.
+        let stage_from_room = world.stage_from_room();
+        let room_from_stage = stage_from_room.inverse();
+        let in_room = |place| room_from_stage.transform_point3(place);
+        let met = self.wire.ray.get().and_then(|ray| {
+            let origin = stage_from_room.transform_point3(ray.origin);
+            world.met(origin, stage_from_room.transform_vector3(ray.direction))
+        });
         self.wire.facts.set(Facts {
-            selected: world.selected_position(),
-            met: ray.and_then(|ray| world.met(ray.origin, ray.direction)),
+            selected: world.selected_position().map(in_room),
+            met: met.map(|met| Met {
+                place: in_room(met.place),
+                ..met
+            }),
         });
         self.wire
             .moving
