@@ -16,23 +16,58 @@ struct Quad {
     painted: bool,
 }
 
+/// What a system has room for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct QuadRoom {
+    /// Quads at a time.
+    most: usize,
+    /// Pixels of one.
+    largest: vk::Extent2D,
+}
+
+impl QuadRoom {
+    pub(super) fn new(properties: &xr::sys::SystemGraphicsProperties) -> Self {
+        // One layer is the scene.
+        let layers = properties.max_layer_count.saturating_sub(1);
+        Self {
+            most: usize::try_from(layers).map_or(MOST_QUADS, |layers| layers.min(MOST_QUADS)),
+            largest: vk::Extent2D {
+                width: properties.max_swapchain_image_width,
+                height: properties.max_swapchain_image_height,
+            },
+        }
+    }
+
+    fn fits(&self, extent: vk::Extent2D) -> bool {
+        (1..=self.largest.width).contains(&extent.width)
+            && (1..=self.largest.height).contains(&extent.height)
+    }
+}
+
 /// A headset's quads.
-#[derive(Default)]
 pub(super) struct Quads {
     all: Vec<Quad>,
+    room: QuadRoom,
 }
 
 /// The structs of those that are shown, to be submitted behind the projection.
 pub(super) type QuadLayers = [Option<xr::sys::CompositionLayerQuad>; MOST_QUADS];
 
 impl Quads {
+    pub(super) fn new(room: QuadRoom) -> Self {
+        Self {
+            all: Vec::new(),
+            room,
+        }
+    }
+
     pub(super) fn make(
         &mut self,
         session: &xr::Session<xr::Vulkan>,
         format: vk::Format,
         extent: vk::Extent2D,
     ) -> Result<Option<QuadId>, HeadsetError> {
-        if self.all.len() >= MOST_QUADS || extent.width == 0 || extent.height == 0 {
+        if self.all.len() >= self.room.most || !self.room.fits(extent) {
             return Ok(None);
         }
         let usage = xr::SwapchainUsageFlags::COLOR_ATTACHMENT
