@@ -82,33 +82,30 @@ impl Quads {
             }
             made => made?,
         };
-        let images = QuadImages {
-            color: chain.images.clone(),
-            format,
-            extent,
-        };
+        // SAFETY: the swapchain was just made so, and is dropped with the headset.
+        let images = unsafe { QuadImages::new(chain.images.clone(), format, extent) };
         self.all.push(Quad {
             chain,
             images,
             place: None,
             painted: false,
         });
-        Ok(Some(QuadId(self.all.len() - 1)))
+        Ok(Some(QuadId::new(self.all.len() - 1)))
     }
 
     pub(super) fn images(&self, quad: QuadId) -> Option<&QuadImages> {
-        self.all.get(quad.0).map(|quad| &quad.images)
+        self.all.get(quad.number()).map(|quad| &quad.images)
     }
 
     pub(super) fn acquire(&mut self, quad: QuadId) -> Result<Option<usize>, HeadsetError> {
         self.all
-            .get_mut(quad.0)
+            .get_mut(quad.number())
             .map(|quad| quad.chain.acquire())
             .transpose()
     }
 
     pub(super) fn place(&mut self, quad: QuadId, place: Option<QuadPlace>) {
-        if let Some(quad) = self.all.get_mut(quad.0) {
+        if let Some(quad) = self.all.get_mut(quad.number()) {
             quad.place = place.filter(QuadPlace::is_sane);
         }
     }
@@ -141,7 +138,7 @@ impl Quad {
             layer_flags: xr::CompositionLayerFlags::BLEND_TEXTURE_SOURCE_ALPHA,
             space: space.as_raw(),
             eye_visibility: xr::EyeVisibility::BOTH,
-            sub_image: self.chain.part(0, self.images.extent),
+            sub_image: self.chain.part(0, self.images.extent()),
             pose: raw_from_pose(place.pose.settled()),
             size: xr::Extent2Df { width, height },
         })

@@ -131,7 +131,7 @@ fn quads_that_cannot_be_had_are_drawn_otherwise_and_a_loss_is_one() {
     with(|fake| fake.fail = None);
     let quad = headset.make_quad(SIZE).unwrap().unwrap();
     assert!(headset.acquire_quad(quad).is_err(), "outside a frame");
-    let stranger = QuadId(5);
+    let stranger = QuadId::new(5);
     assert!(headset.quad_images(stranger).is_none());
     headset.place_quad(stranger, Some(place(0.0)));
     assert!(matches!(headset.wait().unwrap(), Tick::Frame(_)));
