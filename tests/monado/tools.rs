@@ -24,6 +24,12 @@ fn recorded(lesson: Lesson) -> (Vec<Frame>, String) {
     (frames, project)
 }
 
+/// Whether grip and aim of each hand are the same in all frames.
+fn has_one_pose(frames: &[Frame]) -> bool {
+    let mut hands = frames.iter().flat_map(|frame| &frame.hands);
+    hands.all(|hand| !hand.tracked || hand.grip == hand.aim)
+}
+
 /// A headset that is fed with one session after the other, each of which ends for itself.
 struct InTurn<I> {
     inner: Fed<OpenXrHeadset, I>,
@@ -127,11 +133,15 @@ fn play(lessons: &[Lesson], layers: bool, mut played: impl FnMut(usize, &[Option
 }
 
 #[test]
-fn every_tool_does_on_the_runtime_what_it_does_on_the_simulated_headset() {
+fn tools_do_on_the_runtime_what_they_do_on_the_simulated_headset() {
     staged(
-        "monado::tools::every_tool_does_on_the_runtime_what_it_does_on_the_simulated_headset",
+        "monado::tools::tools_do_on_the_runtime_what_they_do_on_the_simulated_headset",
         || {
-            play(&Lesson::ALL, false, |filled, places| {
+            // The remote driver has one pose a hand: it cannot turn the back of a hand to the eyes and point ahead.
+            let (shown, unshown): (Vec<Lesson>, Vec<Lesson>) =
+                (Lesson::ALL.into_iter()).partition(|lesson| has_one_pose(&recorded(*lesson).0));
+            assert_eq!(unshown, [Lesson::Wrist]);
+            play(&shown, false, |filled, places| {
                 assert_eq!((filled, places.len()), (0, 0), "panels are in the scene");
             });
         },
