@@ -13,6 +13,7 @@ mod monado {
     pub(crate) mod ends;
     pub(crate) mod robbed;
     pub(crate) mod sight;
+    pub(crate) mod tools;
 }
 
 use std::{cell::RefCell, path::Path, rc::Rc};

@@ -13,6 +13,7 @@ pub mod doctor;
 pub mod export;
 pub mod film;
 pub mod headset;
+mod layers;
 pub mod memory;
 pub mod person;
 pub mod picture;

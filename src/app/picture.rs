@@ -1,9 +1,12 @@
 //! Pictures of the workshop: the renderer, the board's layout, and uploads of large trees.
 
 use ash::vk;
+use glam::Affine3A;
 use image::{RgbaImage, imageops};
-use ramus_xr::{Acquired, Swapchain, View, VisibilityMask};
+use ramus_xr::{Acquired, Headset, Swapchain, View, VisibilityMask};
 
+use crate::app::layers::Layers;
+use crate::app::session::SessionEnd;
 use crate::app::worker::Worker;
 use crate::render::{
     Backdrop, DrawReport, Eye, Fov, Gpu, Offscreen, Pose, RenderError, Renderer, RendererParams,
@@ -42,6 +45,7 @@ pub struct Picture {
     renderer: Renderer,
     board: BoardUi,
     language: Language,
+    layers: Layers,
     uploads: Worker<(Gpu, PlacedTree), Upload>,
     /// Revision of the tree that is being prepared on the worker.
     preparing: Option<u64>,
@@ -187,6 +191,7 @@ impl Picture {
             renderer: Renderer::new(gpu, &params)?,
             board: BoardUi::default(),
             language: Language::default(),
+            layers: Layers::default(),
             uploads,
             preparing: None,
             refused: None,
@@ -224,6 +229,7 @@ impl Picture {
     /// # Errors
     /// [`RenderError`] where the device has no room for it.
     pub fn paint(&mut self, slot: usize, mut painted: Painted) -> Result<(), RenderError> {
+        self.layers.painted(slot);
         self.renderer.paint_panel(
             slot,
             &painted.primitives,
@@ -231,6 +237,33 @@ impl Picture {
             painted.size_px,
             painted.pixels_per_point,
         )
+    }
+
+    /// Lays the board out, where it says something else.
+    fn lay_out(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        if let Some(board) = &scene.board
+            && let Some(painted) = self.board.lay_out(board, self.language)
+        {
+            self.paint(0, painted)?;
+        }
+        Ok(())
+    }
+
+    /// Has the headset show the panels by itself in the frame that has begun, as far as it can, instead of drawing them into
+    /// the scene; `room` says where it stands on the stage. Without it they are in the scene again.
+    ///
+    /// # Errors
+    /// Where the headset or the device cannot go on.
+    pub fn lift(
+        &mut self,
+        headset: &mut dyn Headset,
+        scene: &Scene,
+        room: Option<&Affine3A>,
+        views: &[View; 2],
+    ) -> Result<(), SessionEnd> {
+        self.lay_out(scene)?;
+        let renderer = &mut self.renderer;
+        Ok(self.layers.lift(headset, renderer, scene, room, views)?)
     }
 
     /// Draws a frame; `acquired` names the runtime's images.
@@ -246,11 +279,7 @@ impl Picture {
         if let Some(upload) = self.uploads.poll() {
             self.take_upload(upload);
         }
-        if let Some(board) = &scene.board
-            && let Some(painted) = self.board.lay_out(board, self.language)
-        {
-            self.paint(0, painted)?;
-        }
+        self.lay_out(scene)?;
         let target = self.images.target(acquired)?;
         let report = self.renderer.draw(scene, &eyes(views), &target)?;
         if let (TreeState::Wanted(revision), Some(placed)) = (report.tree, &scene.tree)

@@ -151,7 +151,10 @@ fn draw(
     for (slot, painted) in workshop.take_painted() {
         picture.paint(slot, painted)?;
     }
+    let layers = workshop.settings().layers;
+    let room = layers.then(|| workshop.world().stage_from_room());
     let scene = workshop.scene();
+    picture.lift(headset, scene, room.as_ref(), &views)?;
     let report = if acquired.is_none() {
         // Nobody waits for a picture without a headset: it is drawn when all of it is there.
         picture.draw_whole(scene, &views, acquired)?

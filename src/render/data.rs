@@ -176,7 +176,7 @@ fn index(n: usize) -> u32 {
 }
 
 /// The board and the panels, as many as have a picture.
-fn panels(scene: &Scene) -> impl Iterator<Item = PlacedPanel> {
+pub(crate) fn panels(scene: &Scene) -> impl Iterator<Item = PlacedPanel> {
     let board = scene.board.as_ref().map(|board| PlacedPanel {
         slot: 0,
         world_from_panel: board.world_from_board,
@@ -189,10 +189,11 @@ fn panels(scene: &Scene) -> impl Iterator<Item = PlacedPanel> {
         .chain(others.filter(known).take(MOST_PANELS - 1))
 }
 
-/// Writes all instances; what does not fit is left out (the caller made room). `painted` says of which slots there is a picture.
+/// Writes all instances; what does not fit is left out (the caller made room). `painted` says of which slots there is a picture; none: that panel
+/// is not in the scene.
 pub(crate) fn fill(
     scene: &Scene,
-    painted: impl Fn(usize) -> bool,
+    painted: impl Fn(usize) -> Option<bool>,
     rods: &mut [RodData],
     solids: &mut [SolidData],
 ) -> Counts {
@@ -256,8 +257,11 @@ pub(crate) fn fill(
     let mut end = counts.right;
     let mut pictures = counts.pictures.iter_mut();
     for panel in panels(scene) {
+        let Some(painted) = painted(panel.slot) else {
+            continue;
+        };
         let before = end;
-        end = put(Some(SolidData::panel(&panel, painted(panel.slot))));
+        end = put(Some(SolidData::panel(&panel, painted)));
         if end > before
             && let Some(picture) = pictures.next()
         {
@@ -366,7 +370,7 @@ mod tests {
         });
         let mut rods = [ZERO; 16];
         let mut solids = [SolidData::zeroed(); 8];
-        let counts = fill(&scene, |_| false, &mut rods, &mut solids);
+        let counts = fill(&scene, |_| Some(false), &mut rods, &mut solids);
         assert_eq!(
             (
                 counts.rods,
@@ -388,7 +392,7 @@ mod tests {
         assert_eq!(solids[2].kind.y, 1.0, "the trigger is clamped");
         // Too little room is no crash.
         assert_eq!(
-            fill(&scene, |_| false, &mut rods[..1], &mut []).ghost_balls,
+            fill(&scene, |_| Some(false), &mut rods[..1], &mut []).ghost_balls,
             1
         );
     }

@@ -38,11 +38,15 @@ mod shaders {
     include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 }
 
+pub(crate) use data::panels;
 pub use error::RenderError;
 pub use eye::{Eye, Fov, NEAR, Pose};
 pub use gpu::{DeviceInfo, Gpu, GpuInner, GpuParams};
 pub use host::Headless;
 pub use offscreen::{COLOR_FORMAT, DEPTH_FORMAT, Offscreen, read_color, read_depth};
+pub use panel::LayerImage;
+#[cfg(test)]
+pub(crate) use panel::layer::tests as layer_tests;
 pub use probe::Multiview;
 pub use renderer::{Backdrop, DrawReport, Renderer, RendererParams, StereoMode, TreeState};
 pub use surface::Surface;

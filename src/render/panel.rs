@@ -8,6 +8,7 @@
 //! queue at each new glyph.)
 
 mod clip;
+pub(crate) mod layer;
 mod picture;
 
 use std::collections::HashMap;
@@ -16,6 +17,7 @@ use ash::vk;
 use egui::{TextureId, epaint::Primitive};
 use gpu_allocator::MemoryLocation;
 
+pub use self::layer::LayerImage;
 use self::{
     clip::clip,
     picture::{Picture, sampled_set},
@@ -93,6 +95,10 @@ pub(crate) struct Panel {
     painted: bool,
     /// Painting waits for the next frame.
     due: bool,
+    /// Shown by a headset's runtime and not in the scene.
+    pub(crate) lifted: bool,
+    /// Where the picture goes with the next frame.
+    pub(crate) copy: Option<LayerImage>,
     gpu: Gpu,
 }
 
@@ -172,6 +178,8 @@ impl Panel {
             garbage: Vec::new(),
             painted: false,
             due: false,
+            lifted: false,
+            copy: None,
             gpu: gpu.clone(),
         })
     }
@@ -184,6 +192,11 @@ impl Panel {
     /// Whether there is anything to show.
     pub(crate) fn painted(&self) -> bool {
         self.painted
+    }
+
+    /// Pixels of what is shown from the next frame on, where there is anything.
+    pub(crate) fn extent(&self) -> Option<vk::Extent2D> {
+        (self.painted || self.due).then_some(self.picture.image.desc.extent)
     }
 
     /// Takes egui's output for the next frame and clears `textures`.
@@ -380,6 +393,21 @@ impl Panel {
         done: u64,
     ) -> Result<bool, RenderError> {
         self.garbage.retain(|(used, _)| *used > done);
+        let recorded = self.record_due(gpu, commands, slot, frame)?;
+        if let Some(layer) = self.copy.take().filter(|_| self.painted) {
+            self.picture.record_copy(gpu, commands, &layer);
+        }
+        Ok(recorded)
+    }
+
+    /// Records the painting, where it is due.
+    fn record_due(
+        &mut self,
+        gpu: &Gpu,
+        commands: vk::CommandBuffer,
+        slot: usize,
+        frame: u64,
+    ) -> Result<bool, RenderError> {
         if !std::mem::take(&mut self.due) {
             return Ok(false);
         }

@@ -21,7 +21,7 @@ use super::{
     memory::Buffer,
     meshes::Meshes,
     offscreen::{COLOR_FORMAT, DEPTH_FORMAT, check_extent},
-    panel::Panel,
+    panel::{LayerImage, Panel},
     pipelines::{Formats, Pipelines},
     shadow::{self, Shadow, ShadowKey},
     target::{Attachments, Target},
@@ -286,6 +286,26 @@ impl Renderer {
         panel.paint(primitives, textures, size_px, pixels_per_point, self.frame)
     }
 
+    /// Pixels of a panel's picture as the next draw shows it; none where there is none yet.
+    #[must_use]
+    pub fn panel_extent(&self, slot: usize) -> Option<vk::Extent2D> {
+        self.panels.get(slot).and_then(Panel::extent)
+    }
+
+    /// Leaves a panel out of the scene from the next draw on, since a headset's runtime shows it by itself; or takes it back.
+    pub fn lift_panel(&mut self, slot: usize, lifted: bool) {
+        if let Some(panel) = self.panels.get_mut(slot) {
+            panel.lifted = lifted;
+        }
+    }
+
+    /// Copies a panel's picture with the next draw into an image of the same size.
+    pub fn copy_panel(&mut self, slot: usize, image: LayerImage) {
+        if let Some(panel) = self.panels.get_mut(slot) {
+            panel.copy = Some(image);
+        }
+    }
+
     /// Draws a scene into a target. Returns when the work is handed over, before it is done.
     ///
     /// # Errors
@@ -329,7 +349,10 @@ impl Renderer {
         slot.frame.write(block_stride(&self.gpu), &[swapped]);
         let counts = data::fill(
             scene,
-            |slot| self.panels.get(slot).is_some_and(Panel::painted),
+            |slot| match self.panels.get(slot) {
+                Some(panel) if panel.lifted => None,
+                panel => Some(panel.is_some_and(Panel::painted)),
+            },
             records::<RodData>(&mut slot.rods),
             records::<SolidData>(&mut slot.solids),
         );

@@ -436,6 +436,7 @@ impl Page<'_> {
         ui.separator();
         let room = &mut settings.room;
         for (on, name) in [
+            (&mut settings.layers, words.layers),
             (&mut room.figure, words.figure),
             (&mut room.turning, words.turning),
             (&mut room.vignette, words.vignette),

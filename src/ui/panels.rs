@@ -34,6 +34,8 @@ pub struct Settings {
     pub language: Language,
     /// In the room.
     pub room: RoomSettings,
+    /// Whether a headset's runtime shows the panels by itself, where it can: their text is sharper so.
+    pub layers: bool,
     /// How far they have come in the tutorial: the number of the next lesson.
     pub lesson: usize,
 }

@@ -15,7 +15,21 @@ use crate::frame::Pose;
 
 /// A quad of a headset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct QuadId(pub(crate) usize);
+pub struct QuadId(usize);
+
+impl QuadId {
+    /// The quad that a headset made as its `number`-th, from 0: headsets alone make them.
+    #[must_use]
+    pub const fn new(number: usize) -> Self {
+        Self(number)
+    }
+
+    /// Its number.
+    #[must_use]
+    pub const fn number(self) -> usize {
+        self.0
+    }
+}
 
 /// Most quads that a headset shows.
 pub const MOST_QUADS: usize = 8;
@@ -44,12 +58,26 @@ impl QuadPlace {
 /// The images of a quad: one layer each. Only a headset makes them, and they live as long as it.
 #[derive(Debug)]
 pub struct QuadImages {
-    pub(crate) color: Vec<vk::Image>,
-    pub(crate) format: vk::Format,
-    pub(crate) extent: vk::Extent2D,
+    color: Vec<vk::Image>,
+    format: vk::Format,
+    extent: vk::Extent2D,
 }
 
 impl QuadImages {
+    /// Images of a headset's quad.
+    ///
+    /// # Safety
+    /// They must be live images of one layer, level and sample at least, of this format (an 8-bit sRGB one) and extent, usable as
+    /// colour attachment and as transfer source and destination, and live as long as the headset.
+    #[must_use]
+    pub unsafe fn new(color: Vec<vk::Image>, format: vk::Format, extent: vk::Extent2D) -> Self {
+        Self {
+            color,
+            format,
+            extent,
+        }
+    }
+
     /// Colour images (colour attachment, transfer source and destination, sampled). Draw premultiplied alpha, and leave an
     /// image in `COLOR_ATTACHMENT_OPTIMAL`.
     #[must_use]

@@ -64,6 +64,7 @@ pub(super) const WORDS: Words = Words {
     cancel: "Abbrechen",
     further: "Konstanten und weitere Regeln",
     further_hint: "const tempo = 2",
+    layers: "scharfe Schrift: Tafeln als Ebenen",
     figure: "ein Mensch zum Vergleich",
     turning: "mit dem Stick drehen und springen",
     vignette: "dunkler Rand beim Bewegen",

@@ -64,6 +64,7 @@ pub(super) const WORDS: Words = Words {
     cancel: "Cancel",
     further: "Constants and further rules",
     further_hint: "const speed = 2",
+    layers: "sharp text: panels as layers",
     figure: "a person to measure by",
     turning: "turn and teleport by the stick",
     vignette: "dark edge while moving",

@@ -40,6 +40,7 @@ pub(super) struct Fake {
     pub(super) extensions: Vec<&'static CStr>,
     pub(super) knows_1_1: bool,
     pub(super) formats: Vec<i64>,
+    pub(super) most_layers: u32,
     pub(super) spaces: Vec<xr::ReferenceSpaceType>,
     pub(super) events: VecDeque<FakeEvent>,
     /// When the next frames are shown; after them one each period.
@@ -102,6 +103,7 @@ impl Default for Fake {
                 c"XR_EXT_local_floor",
             ],
             knows_1_1: true,
+            most_layers: 16,
             formats: vec![97, 50, 43, 126], // half floats, BGRA sRGB, RGBA sRGB, 32-bit depth
             spaces: vec![
                 xr::ReferenceSpaceType::VIEW,
@@ -343,7 +345,7 @@ functions! {
             (*hands).supports_hand_tracking = fake.more.sees_hands.into();
         }
         (*out).graphics_properties =
-            sys::SystemGraphicsProperties { max_swapchain_image_height: 4096, max_swapchain_image_width: 4096, max_layer_count: 16 };
+            sys::SystemGraphicsProperties { max_swapchain_image_height: 4096, max_swapchain_image_width: 4096, max_layer_count: fake.most_layers };
         Code::SUCCESS
     }
     "xrEnumerateViewConfigurationViews" configuration_views: EnumerateViewConfigurationViews(

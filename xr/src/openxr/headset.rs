@@ -101,6 +101,7 @@ impl OpenXrHeadset {
             offer,
             blend,
             extent,
+            room,
         } = system;
         let handles = xr::vulkan::SessionCreateInfo {
             instance: vulkan.instance.as_raw() as _,
@@ -170,7 +171,7 @@ impl OpenXrHeadset {
             color,
             depth,
             images,
-            quads: Quads::default(),
+            quads: Quads::new(room),
             input,
             bare,
             stage,

@@ -9,6 +9,7 @@ use ash::vk::{self, Handle as _};
 
 use super::connect::{ConnectError, refused};
 use super::headset::OpenXrHeadset;
+use super::quads::QuadRoom;
 use crate::lifecycle::FrameClock;
 use crate::profiles::Profile;
 use crate::refresh::RefreshWish;
@@ -26,6 +27,8 @@ pub struct System {
     pub(super) offer: Offer,
     pub(super) blend: xr::EnvironmentBlendMode,
     pub(super) extent: vk::Extent2D,
+    /// For quads.
+    pub(super) room: QuadRoom,
 }
 
 /// What a runtime has that not each one has.
@@ -124,6 +127,7 @@ impl System {
             offer,
             blend,
             extent,
+            room: QuadRoom::new(&largest),
         })
     }
 

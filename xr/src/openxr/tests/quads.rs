@@ -96,6 +96,17 @@ fn quads_lie_above_each_other_in_their_order_and_their_number_is_bounded() {
 }
 
 #[test]
+fn a_runtime_of_few_layers_has_few_quads() {
+    for (layers, most) in [(0, 0), (1, 0), (3, 2), (u32::MAX, MOST_QUADS)] {
+        with(|fake| fake.most_layers = layers);
+        let mut headset = focused();
+        let made = (0..=MOST_QUADS).filter(|_| headset.make_quad(SIZE).unwrap().is_some());
+        assert_eq!(made.count(), most, "{layers} layers");
+    }
+    no_objections();
+}
+
+#[test]
 fn quads_that_cannot_be_had_are_drawn_otherwise_and_a_loss_is_one() {
     let mut headset = focused();
     frame(&mut headset);
@@ -103,7 +114,13 @@ fn quads_that_cannot_be_had_are_drawn_otherwise_and_a_loss_is_one() {
         width: 0,
         height: 5,
     };
-    assert_eq!(headset.make_quad(nothing).unwrap(), None);
+    let huge = vk::Extent2D {
+        width: 800,
+        height: 4097,
+    };
+    for extent in [nothing, huge] {
+        assert_eq!(headset.make_quad(extent).unwrap(), None);
+    }
     with(|fake| fake.fail = Some(("xrCreateSwapchain", Code::ERROR_LIMIT_REACHED)));
     assert_eq!(headset.make_quad(SIZE).unwrap(), None);
     with(|fake| fake.fail = Some(("xrCreateSwapchain", Code::ERROR_SESSION_LOST)));
@@ -114,7 +131,7 @@ fn quads_that_cannot_be_had_are_drawn_otherwise_and_a_loss_is_one() {
     with(|fake| fake.fail = None);
     let quad = headset.make_quad(SIZE).unwrap().unwrap();
     assert!(headset.acquire_quad(quad).is_err(), "outside a frame");
-    let stranger = QuadId(5);
+    let stranger = QuadId::new(5);
     assert!(headset.quad_images(stranger).is_none());
     headset.place_quad(stranger, Some(place(0.0)));
     assert!(matches!(headset.wait().unwrap(), Tick::Frame(_)));
