@@ -32,12 +32,16 @@ impl Takeaway {
         })
     }
 
-    /// Asks for a document's tree (or, as `lsys`, its grammar) beside a project, under a name that is free.
-    pub(super) fn ask(&mut self, document: &Document, project: &Path, ending: &str) {
-        if self.waiting.len() < MOST_WAITING {
+    /// Asks for a document's tree (or, as `lsys`, its grammar) beside a project, under a name that is free. False: too many wait
+    /// already.
+    #[must_use]
+    pub(super) fn ask(&mut self, document: &Document, project: &Path, ending: &str) -> bool {
+        let room = self.waiting.len() < MOST_WAITING;
+        if room {
             let path = self.free_name(project, ending);
             self.waiting.push_back((document.clone(), path));
         }
+        room
     }
 
     /// Goes on; gives a sentence when a file was written or could not be.
@@ -123,7 +127,7 @@ mod tests {
         let project = folder.path().join("oak.ramus");
         let mut takeaway = Takeaway::start().unwrap();
         for _ in 0..3 {
-            takeaway.ask(&Document::default(), &project, "lsys");
+            assert!(takeaway.ask(&Document::default(), &project, "lsys"));
             // The first is with the worker now, and perhaps not written yet.
             takeaway.poll();
         }

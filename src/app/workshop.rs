@@ -165,7 +165,10 @@ impl Workshop {
 
     /// Looks at the panels and does what is wanted there.
     fn use_panels(&mut self, time: f64) {
-        let passed = time - self.clock.replace(time).unwrap_or(time);
+        let before = self.clock.replace(time).unwrap_or(time);
+        // Nonsense moves no clock.
+        let passed = Some(time - before).filter(|passed| passed.is_finite());
+        let passed = passed.unwrap_or(0.0);
         let (wishes, ticks) = self.panels.look(&self.world, self.settings, passed);
         let [hover, click] = self.params.ticks;
         self.pulses.extend(ticks.iter().map(|&(hand, tick)| {
@@ -292,7 +295,10 @@ impl Workshop {
             return self.world.show_message(told.into());
         };
         let project = store.project().to_owned();
-        self.takeaway.ask(self.world.document(), &project, ending);
+        if !self.takeaway.ask(self.world.document(), &project, ending) {
+            let told = "So many files wait to be written that this one is left out: ask again when they are there.";
+            self.world.show_message(told.into());
+        }
     }
 
     /// Where the n-th text (from 1) that is this one stands on a panel, metres right of and below its upper left corner; for lessons and tests, which ask with

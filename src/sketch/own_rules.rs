@@ -150,7 +150,8 @@ impl Sketch {
                 most: RULE_BYTES,
             });
         }
-        let checked = Grammar::parse(&self.rules_text(), "the sketch");
+        // With the shapes, as it grows: further lines might give a letter a second one.
+        let checked = Grammar::parse(&self.grammar_text(), "the sketch");
         checked.map_err(|faults| SketchError::Rule(faults.to_string()))?;
         Ok(())
     }
@@ -248,6 +249,12 @@ mod tests {
             assert!(cleared.own_rules.is_empty());
             assert!(cleared.check_own_rules().is_ok());
         }
+    }
+
+    #[test]
+    fn a_letter_has_one_shape() {
+        let twice = Some("shape A = [(0 1 0)]");
+        assert!(sketch().with_rule(FURTHER, twice).is_err());
     }
 
     #[test]

@@ -143,8 +143,13 @@ fn write(
     ui.horizontal(|ui| {
         let apply = egui::Button::new(words.apply);
         if ui.add_enabled(draft.wrong.is_none(), apply).clicked() {
-            wishes.push(set(&draft.of, Some(draft.text.clone())));
-            done = true;
+            // Once more: the sketch may have changed since the last letter was typed.
+            let tried = sketch.with_rule(&draft.of, Some(&draft.text));
+            draft.wrong = tried.err().map(|error| error.to_string());
+            if draft.wrong.is_none() {
+                wishes.push(set(&draft.of, Some(draft.text.clone())));
+                done = true;
+            }
         }
         done |= ui.button(words.cancel).clicked();
     });

@@ -116,6 +116,8 @@ pub struct World {
     player: Player,
     rig: Rig,
     course: Course,
+    /// How many rules of their own a person had when it was looked last.
+    own_rules: usize,
     board: LiveBoard,
     /// The grown string, perhaps cut.
     string: String,
@@ -149,6 +151,7 @@ impl World {
             player: Player::new(&params.play),
             rig: Rig::new(params.room),
             course: Course::default(),
+            own_rules: 0,
             board: LiveBoard::default(),
             string: String::new(),
             string_revision: 0,
@@ -387,7 +390,20 @@ impl World {
     pub fn take_edits(&mut self) -> Vec<Action> {
         let actions = self.history.take_log();
         self.learn(&actions);
+        self.tell_of_rules(&actions);
         actions
+    }
+
+    /// Says when a rule of a person's own went with the line it stood for.
+    fn tell_of_rules(&mut self, actions: &[Action]) {
+        let rules = self.document().sketch.own_rules.len();
+        let before = std::mem::replace(&mut self.own_rules, rules);
+        let meant = |action: &Action| !matches!(action, Action::Edit(edit) if !matches!(edit, Edit::SetRule { .. }));
+        if rules < before && !actions.iter().any(meant) {
+            self.show_message(
+                "A rule of yours went with the one it stood for: undo brings both back.".into(),
+            );
+        }
     }
 
     /// The tree that the world would like to show next, if it has not been taken yet. A newer wish replaces

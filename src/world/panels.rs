@@ -339,6 +339,10 @@ impl Tools {
         let Some(sample) = self.hands[hand].sample else {
             return;
         };
+        if id == PanelId::Wrist {
+            // It goes where the other hand goes.
+            return;
+        }
         let away = self.panels.position(id) - sample.grip.position;
         self.hands[hand].hold = Hold::Carried {
             id,

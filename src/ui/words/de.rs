@@ -252,6 +252,14 @@ pub(super) const SAID: &[(&str, &str)] = &[
         "This is step 0, the root alone.",
         "Das ist Schritt 0, nur die Wurzel.",
     ),
+    (
+        "A rule of yours went with the one it stood for: undo brings both back.",
+        "Eine eigene Regel verschwand mit der, für die sie stand: Rückgängig holt beide zurück.",
+    ),
+    (
+        "So many files wait to be written that this one is left out: ask again when they are there.",
+        "So viele Dateien warten darauf, geschrieben zu werden, dass diese entfällt: später noch einmal.",
+    ),
     ("Nothing to undo.", "Nichts rückgängig zu machen."),
     ("Nothing to redo.", "Nichts zu wiederholen."),
     ("You are in it.", "Es ist schon offen."),
