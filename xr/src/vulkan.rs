@@ -171,3 +171,45 @@ impl VulkanHost for System {
         Ok(unsafe { System::create_device(self, get_instance_proc_addr, physical_device, info) }?)
     }
 }
+
+/// The images of a quad: one layer each. Only a headset makes them, and they live as long as it.
+#[derive(Debug)]
+pub struct QuadImages {
+    color: Vec<vk::Image>,
+    format: vk::Format,
+    extent: vk::Extent2D,
+}
+
+impl QuadImages {
+    /// Images of a headset's quad.
+    ///
+    /// # Safety
+    /// They must be live images of one layer, level and sample at least, of this format (an 8-bit sRGB one) and extent, usable as
+    /// colour attachment and as transfer source and destination, and live as long as the headset.
+    #[must_use]
+    pub unsafe fn new(color: Vec<vk::Image>, format: vk::Format, extent: vk::Extent2D) -> Self {
+        Self {
+            color,
+            format,
+            extent,
+        }
+    }
+
+    /// Colour images (colour attachment, transfer source and destination, sampled). Draw premultiplied alpha, and leave an
+    /// image in `COLOR_ATTACHMENT_OPTIMAL`.
+    #[must_use]
+    pub fn color(&self) -> &[vk::Image] {
+        &self.color
+    }
+
+    /// Their format, an 8-bit sRGB one.
+    #[must_use]
+    pub fn format(&self) -> vk::Format {
+        self.format
+    }
+
+    /// Width and height in pixels.
+    pub fn extent(&self) -> vk::Extent2D {
+        self.extent
+    }
+}

@@ -5,7 +5,7 @@
 //! is seen in the half transparent pixels of the board's round corners alone, since panels are opaque.
 
 use ash::vk;
-use ramus_xr::quad::QuadImages;
+use ramus_xr::vulkan::QuadImages;
 
 use super::picture::Picture;
 use crate::render::{

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{Affine3A, Vec3};
 use image::RgbaImage;
-use ramus_xr::quad::QuadImages;
+use ramus_xr::vulkan::QuadImages;
 
 use super::LayerImage;
 use crate::render::{
