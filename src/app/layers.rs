@@ -139,7 +139,7 @@ mod tests {
 
     use ramus_xr::quad::QuadImages;
     use ramus_xr::simulated::Simulated;
-    use ramus_xr::{Frame, Tick};
+    use ramus_xr::Frame;
 
     use super::*;
     use crate::app::demonstration;

@@ -94,7 +94,7 @@ fn a_layer_shows_the_panels_own_pixels_and_the_scene_has_none_of_it() {
         ..Scene::default()
     };
     let eyes = Eye::looking_at(Vec3::Z, Vec3::ZERO, Fov::symmetric(1.0, 1.0)).pair(0.06);
-    let mut look = |renderer: &mut Renderer, scene: &Scene| {
+    let look = |renderer: &mut Renderer, scene: &Scene| {
         renderer.draw(scene, &eyes, &offscreen.target()).unwrap();
         offscreen.read_color().unwrap()
     };
