@@ -137,9 +137,9 @@ mod tests {
         reason = "a test that stops says enough by stopping"
     )]
 
+    use ramus_xr::Frame;
     use ramus_xr::quad::QuadImages;
     use ramus_xr::simulated::Simulated;
-    use ramus_xr::Frame;
 
     use super::*;
     use crate::app::demonstration;
