@@ -116,7 +116,12 @@ impl Person {
             ..Self::default()
         };
         match read(&path) {
-            Ok(Some(kept)) => person.kept = kept,
+            Ok(Some(mut kept)) => {
+                // A number of any size can stand there, and an endless one could not be written again.
+                let lift = &mut kept.settings.room.lift;
+                *lift = if lift.is_finite() { *lift } else { 0.0 };
+                person.kept = kept;
+            }
             Ok(None) => person.new = true,
             Err(problem) => {
                 let aside = path.with_extension("json.unreadable");

@@ -175,7 +175,11 @@ impl World {
             // What is tried out becomes an edit then, and playback would make one of every step.
             self.player.playing = false;
         }
-        let input = &self.rig.follow(input, seconds);
+        let on_panel = self
+            .tools
+            .hands
+            .map(|hand| matches!(hand.hover, Hover::Panel(_)));
+        let input = &self.rig.follow(input, seconds, on_panel);
         self.tools.update(input, passed, &mut self.history);
         if let Some(text) = self.tools.take_message() {
             self.show_message(text);

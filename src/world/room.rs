@@ -132,12 +132,13 @@ impl Rig {
         self.yaw == 0.0 && self.origin == Vec3::ZERO && self.settings.lift == 0.0
     }
 
-    /// The input as it is on the stage, after this frame's turns and jumps; the moving stick is taken out of it.
-    pub(super) fn follow(&mut self, input: &Input, seconds: f32) -> Input {
+    /// The input as it is on the stage, after this frame's turns and jumps; the moving stick is taken out of it, unless its
+    /// hand is on a panel, where it scrolls.
+    pub(super) fn follow(&mut self, input: &Input, seconds: f32, on_panel: [bool; 2]) -> Input {
         self.dark = (self.dark - seconds).max(0.0);
         let mut input = *input;
         if self.settings.turning {
-            self.travel(&mut input);
+            self.travel(&mut input, on_panel);
         } else {
             (self.stick, self.target, self.thrown) = (Stick::Blocked, None, None);
         }
@@ -154,9 +155,14 @@ impl Rig {
     }
 
     /// Turns and teleports by the moving hand's stick.
-    fn travel(&mut self, input: &mut Input) {
+    fn travel(&mut self, input: &mut Input, on_panel: [bool; 2]) {
         let head = input.head;
-        let hand = &mut input.hands[usize::from(self.settings.left_handed)];
+        let moving = usize::from(self.settings.left_handed);
+        if on_panel[moving] {
+            (self.stick, self.target, self.thrown) = (Stick::Blocked, None, None);
+            return;
+        }
+        let hand = &mut input.hands[moving];
         let usable = input.focused && hand.tracked && hand.stick.is_finite();
         let stick = std::mem::replace(&mut hand.stick, Vec2::ZERO);
         if !usable || !sound(&head) || !sound(&hand.aim) {
@@ -368,14 +374,14 @@ mod tests {
             vignette: true,
             ..RoomSettings::default()
         };
-        rig.follow(&standing(), 0.01);
+        rig.follow(&standing(), 0.01, [false; 2]);
         rig
     }
 
     #[test]
     fn at_home_nothing_is_changed() {
         let mut rig = Rig::new(RoomParams::default());
-        assert_eq!(rig.follow(&standing(), 0.01), standing());
+        assert_eq!(rig.follow(&standing(), 0.01, [false; 2]), standing());
     }
 
     #[test]
@@ -388,7 +394,7 @@ mod tests {
             input.hands[1 - hand].stick = Vec2::new(-1.0, 0.0);
             let mut last = input;
             for _ in 0..3 {
-                last = rig.follow(&input, 0.01);
+                last = rig.follow(&input, 0.01, [false; 2]);
             }
             assert!(
                 last.head.position.distance(input.head.position) < 1e-5,
@@ -402,7 +408,7 @@ mod tests {
             // Back by the other way.
             for x in [0.0, -1.0, 0.0] {
                 input.hands[hand].stick.x = x;
-                last = rig.follow(&input, 0.01);
+                last = rig.follow(&input, 0.01, [false; 2]);
             }
             assert!(last.head.orientation.dot(Quat::IDENTITY).abs() > 0.999_99);
             assert!(last.head.position.distance(input.head.position) < 1e-5);
@@ -410,17 +416,31 @@ mod tests {
     }
 
     #[test]
+    fn on_a_panel_the_stick_stays_with_the_hand() {
+        let mut rig = turning(false);
+        let mut input = standing();
+        input.hands[0].stick = Vec2::new(0.0, 1.0);
+        assert_eq!(rig.follow(&input, 0.01, [true, false]), input);
+        // Off the panel it must be seen at rest first.
+        assert_eq!(
+            rig.follow(&input, 0.01, [false; 2]).hands[0].stick,
+            Vec2::ZERO
+        );
+        assert!(rig.target.is_none());
+    }
+
+    #[test]
     fn a_teleport_sets_the_person_where_the_ball_fell() {
         let mut rig = turning(false);
         let mut input = standing();
         input.hands[0].stick.y = 1.0;
-        rig.follow(&input, 0.01);
+        rig.follow(&input, 0.01, [false; 2]);
         let target = rig.target;
         let mut scene = Scene::default();
         rig.draw([1.0; 4], &mut scene);
         assert!(!scene.rods.is_empty());
         input.hands[0].stick.y = 0.0;
-        let there = rig.follow(&input, 0.01);
+        let there = rig.follow(&input, 0.01, [false; 2]);
         let Some(target) = target else {
             panic!("no target")
         };
@@ -432,7 +452,7 @@ mod tests {
         scene.rods.clear();
         rig.draw([1.0; 4], &mut scene);
         assert_eq!(scene.rods.len(), 16, "the edge is dark");
-        rig.follow(&input, 1.0);
+        rig.follow(&input, 1.0, [false; 2]);
         scene.rods.clear();
         rig.draw([1.0; 4], &mut scene);
         assert!(scene.rods.is_empty());
@@ -453,7 +473,7 @@ mod tests {
             let mut input = standing();
             input.hands[0].stick = Vec2::new(1.0, 0.0);
             spoil(&mut input);
-            rig.follow(&input, 0.01);
+            rig.follow(&input, 0.01, [false; 2]);
             assert!(rig.is_home());
         }
         let mut rig = Rig::new(RoomParams::default());
