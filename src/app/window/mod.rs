@@ -233,7 +233,11 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 fn one_line(error: &dyn std::fmt::Display) -> String {
     let text = error.to_string();
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    // Some begin with the place in the library's source, which helps nobody here.
+    let place = text.strip_prefix("os error at ");
+    let said = place.and_then(|place| Some(place.split_once(".rs:")?.1.split_once(": ")?.1));
+    let words = said.unwrap_or(&text).split_whitespace();
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// A size in whole pixels.
@@ -368,5 +372,27 @@ impl Headset for WindowHeadset {
 
     fn request_exit(&mut self) {
         self.events.close();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "a table")]
+    use super::one_line;
+
+    #[test]
+    fn what_a_library_says_is_one_line_without_its_source() {
+        for (said, expected) in [
+            (
+                "os error at /a/b/mod.rs:765: neither DISPLAY is set.",
+                "neither DISPLAY is set.",
+            ),
+            ("os error at a\n  b", "os error at a b"),
+            ("two\nlines: here", "two lines: here"),
+            ("os error at x.rs:1", "os error at x.rs:1"),
+            ("", ""),
+        ] {
+            assert_eq!(one_line(&said), expected, "{said}");
+        }
     }
 }
