@@ -56,10 +56,7 @@ impl Takeaway {
             self.writing = Some(next.1.clone());
             self.worker.ask(next);
         }
-        told.map(|written| match written {
-            Ok(path) => format!("Written: {}", path.display()),
-            Err(problem) => problem,
-        })
+        told.map(sentence)
     }
 
     /// Waits until everything is written; gives what is to be told.
@@ -71,10 +68,7 @@ impl Takeaway {
                     return told;
                 };
                 self.writing = None;
-                told.push(match written {
-                    Ok(path) => format!("Written: {}", path.display()),
-                    Err(problem) => problem,
-                });
+                told.push(sentence(written));
             }
             told.extend(self.poll());
             if self.writing.is_none() {
@@ -101,6 +95,14 @@ impl Takeaway {
             .find(|path| !taken(path))
             .unwrap_or_else(|| name(0))
     }
+}
+
+/// What is told of a file.
+fn sentence(written: Result<PathBuf, String>) -> String {
+    written.map_or_else(
+        |problem| problem,
+        |path| format!("Written: {}", path.display()),
+    )
 }
 
 fn write(document: &Document, path: &Path) -> Result<PathBuf, String> {

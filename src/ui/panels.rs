@@ -144,9 +144,9 @@ impl<'a> View<'a> {
         const PARTS: f64 = 20.0;
         Key {
             sketch: Arc::clone(&self.document.sketch),
+            step: self.document.step,
+            moment: (self.moment * PARTS).round(),
             seen: Seen {
-                step: self.document.step,
-                moment: (self.moment * PARTS).round(),
                 playing: self.playing,
                 speed: self.speed,
                 undo: self.undo,
@@ -162,14 +162,14 @@ impl<'a> View<'a> {
 /// What the panels showed last.
 struct Key {
     sketch: Arc<Sketch>,
+    step: u32,
+    moment: f64,
     seen: Seen,
 }
 
-/// What they showed besides the sketch.
+/// What all of them show; the rest is on the bench alone, and changes with every frame that moves a node or plays the tree.
 #[derive(PartialEq)]
 struct Seen {
-    step: u32,
-    moment: f64,
     playing: bool,
     speed: f64,
     undo: [usize; 2],
@@ -181,7 +181,9 @@ struct Seen {
 
 impl Key {
     fn is(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.sketch, &other.sketch) && self.seen == other.seen
+        Arc::ptr_eq(&self.sketch, &other.sketch)
+            && (self.step, self.moment) == (other.step, other.moment)
+            && self.seen == other.seen
     }
 }
 
@@ -241,7 +243,9 @@ impl Panels {
         self.ticks.clear();
         let view = View::of(world, settings);
         let key = view.key();
-        let mut changed = !self.shown.as_ref().is_some_and(|shown| shown.is(&key));
+        let shown = self.shown.as_ref();
+        let on_bench = !shown.is_some_and(|shown| shown.is(&key));
+        let mut changed = !shown.is_some_and(|shown| shown.seen == key.seen);
         if self.buttons.as_ref() != Some(view.buttons) {
             self.buttons = Some(view.buttons.clone());
             changed = true;
@@ -259,8 +263,9 @@ impl Panels {
             let was_there = std::mem::replace(&mut self.there[id as usize], there);
             let came = there && !was_there;
             let pointer = world.pointer(id).filter(|_| there);
+            let other = changed || (id == PanelId::Bench && on_bench);
             if there {
-                self.look_at(id, &view, pointer, seconds, changed || came);
+                self.look_at(id, &view, pointer, seconds, other || came);
             }
         }
         (&mut self.wishes, &self.ticks)
@@ -279,8 +284,7 @@ impl Panels {
         let wishes = &mut self.wishes;
         let looked = match id {
             PanelId::Bench => {
-                let keys = world_keys(&mut self.typed);
-                keys.for_each(|key| bench.type_in(key));
+                self.typed.drain(..).for_each(|key| bench.type_in(key));
                 let looked = bench.look(pointer, seconds, changed, |ui| {
                     self.bench.show(ui, view, wishes);
                 });
@@ -334,11 +338,6 @@ impl Panels {
         let sheets = PanelId::ALL.into_iter().zip(&mut self.sheets);
         sheets.filter_map(|(id, sheet)| Some((id.slot(), sheet.take_painted()?)))
     }
-}
-
-/// What was typed since the last look.
-fn world_keys(typed: &mut Vec<egui::Event>) -> std::vec::Drain<'_, egui::Event> {
-    typed.drain(..)
 }
 
 /// Ends typing.
