@@ -290,15 +290,22 @@ proptest! {
     #[test]
     fn a_grower_gives_what_growing_anew_gives(
         one in sketches(), other in sketches(),
-        visits in proptest::collection::vec((any::<bool>(), 0..9_u32, any::<bool>()), 1..8),
+        visits in proptest::collection::vec((any::<bool>(), 0..9_u32, 0..4_u8), 1..8),
     ) {
         let never = AtomicBool::new(false);
         let mut grower = Grower::new(GrowParams { segments: 20_000, ..GROW });
         for (first, step, moved) in visits {
             let mut sketch = if first { one.clone() } else { other.clone() };
-            if moved {
+            // Where only nodes moved, or a line is longer, the grammar read before serves on.
+            if moved > 0 {
                 let at = NodeRef::new(Letter::TRUNK, 1);
-                sketch = sketch.move_node(at, Vec3::new(0.3, 0.77, 0.1)).unwrap();
+                let to = Vec3::new(0.3, 0.77, f32::from(moved) * 0.1);
+                sketch = sketch.move_node(at, to).unwrap();
+            }
+            if moved > 2 {
+                let apex = sketch.apex(Letter::TRUNK).unwrap();
+                let to = sketch.position(apex).unwrap() + Vec3::Y * 0.2;
+                sketch = sketch.add_segment(apex, to).unwrap().0;
             }
             let kept = grower.grow(&sketch, step, &never);
             if !matches!(kept, Err(SketchError::TooLarge { .. })) {

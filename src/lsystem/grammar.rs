@@ -17,7 +17,7 @@ use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
 use super::record::{self, Recorded};
-use super::shape::Shape;
+use super::shape::{Shape, Wrap};
 use super::string::ModuleString;
 use super::unwritten::Unwritten;
 use crate::tree::organs::Palette;
@@ -47,6 +47,8 @@ pub struct Grammar {
     /// How modules grow between two steps.
     pub(crate) curves: Curves,
     pub(crate) shapes: Vec<Shape>,
+    /// How they go on when they are used up.
+    pub(crate) wrap: Wrap,
     /// For each symbol its dictionary entry.
     pub(crate) shape_of: Vec<Option<u16>>,
     /// What the indices of colours and materials mean.
@@ -463,6 +465,14 @@ impl Grammar {
     /// All faults found, each with its line and column.
     pub fn parse(source: &str, file: &str) -> Result<Self, GrammarErrors> {
         parse::grammar(source, file)
+    }
+
+    /// Gives a shape other displacements, without radii; a name that no shape has is left alone.
+    pub fn set_shape(&mut self, name: &str, displacements: &[DVec3]) {
+        if let Some(shape) = self.shapes.iter_mut().find(|shape| shape.name == name) {
+            *shape = Shape::plain(name, displacements);
+            shape.set_wrap(self.wrap);
+        }
     }
 
     /// What the text says in another program's notation and could not be carried over.

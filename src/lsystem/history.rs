@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use glam::DVec3;
+
 use super::derive::{Limits, See, derive_on};
 use super::edit::{Edit, Present, present};
 use super::error::DeriveError;
@@ -136,6 +138,21 @@ impl History {
         Ok(string)
     }
 
+    /// Gives shapes of the grammar, by name, other displacements ([`Grammar::set_shape`]). Strings stay, but where the turtle answers
+    /// queries in them.
+    pub fn reshape<'s, S: AsRef<str>>(
+        &mut self,
+        shapes: impl IntoIterator<Item = (S, &'s [DVec3])>,
+    ) {
+        for (name, displacements) in shapes {
+            self.grammar.set_shape(name.as_ref(), displacements);
+        }
+        if self.grammar.has_queries {
+            self.shelf.kept.clear();
+            self.shelf.bytes = 0;
+        }
+    }
+
     /// Goes on with another grammar, such as the same one with a production edited. Every kept string that is surely the same
     /// by it stays.
     pub fn edit(&mut self, grammar: Grammar) {
@@ -246,6 +263,27 @@ mod tests {
                 let string = history.at(step, &Limits::default(), &AtomicBool::new(false));
                 assert_eq!(*string.unwrap(), fresh.unwrap(), "{from}: {to}");
             }
+        }
+    }
+
+    /// Another shape is another drawing of the same strings, unless they hold what the turtle answered.
+    #[test]
+    fn other_shapes_keep_strings_without_queries() {
+        let with = |rest: &str, shape: &str| {
+            let text = format!("axiom A(0)\nA(x) -> A(x+1){rest}\nshape A = [(0 {shape} 0)]\n");
+            Grammar::parse(&text, "shaped").unwrap()
+        };
+        for (rest, kept) in [("B", 5), ("?P(0,0,0)", 0)] {
+            let mut history = History::new(with(rest, "1"), 1 << 20);
+            (0..5).for_each(|step| _ = at(&mut history, step));
+            let nothing: [(&str, &[DVec3]); 1] = [("Z", &[])];
+            history.reshape(nothing);
+            history.reshape([("A", [DVec3::Y * 2.0].as_slice())]);
+            assert_eq!(history.kept().count(), kept, "{rest}");
+            assert_eq!(*history.grammar(), with(rest, "2"));
+            let fresh = with(rest, "2").derive(4, &Limits::default(), &AtomicBool::new(false));
+            let string = history.at(4, &Limits::default(), &AtomicBool::new(false));
+            assert_eq!(*string.unwrap(), fresh.unwrap(), "{rest}");
         }
     }
 

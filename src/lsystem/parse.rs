@@ -453,6 +453,7 @@ impl Parser {
             tropism: self.tropism,
             curves: self.curves,
             shapes: self.shapes,
+            wrap: self.wrap,
             shape_of,
             palette: self.palette,
             surfaces: self.surfaces,

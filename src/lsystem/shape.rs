@@ -81,6 +81,13 @@ impl Shape {
         }
     }
 
+    /// A shape whose width is the turtle's.
+    pub(crate) fn plain(name: &str, displacements: &[DVec3]) -> Self {
+        let without_radii: Vec<(DVec3, Option<f64>)> =
+            displacements.iter().map(|d| (*d, None)).collect();
+        Self::new(name, &without_radii)
+    }
+
     /// Sets what happens at the first segment when it follows the last one.
     pub(crate) fn set_wrap(&mut self, wrap: Wrap) {
         let last = self.segments.last().map_or(DQuat::IDENTITY, |s| s.frame);
@@ -147,13 +154,8 @@ pub(crate) fn read(names: &Names, cursor: &mut Cursor<'_>) -> Result<Shape, Gram
 /// needs to say a branch's displacements in the frame of the segment it sits on.
 #[must_use]
 pub fn shape_frames(displacements: &[DVec3]) -> Vec<DQuat> {
-    let without_radii: Vec<(DVec3, Option<f64>)> =
-        displacements.iter().map(|d| (*d, None)).collect();
-    Shape::new("", &without_radii)
-        .segments
-        .iter()
-        .map(|segment| segment.frame)
-        .collect()
+    let shape = Shape::plain("", displacements);
+    shape.segments.iter().map(|segment| segment.frame).collect()
 }
 
 /// The smallest rotation that takes the unit vector `from` to `to`; for opposite ones half a turn about `side`, which is

@@ -14,15 +14,16 @@
 //! sits on, so that its first copy (k = 0) stands exactly where it was drawn. The text needs nothing
 //! else: `ramus derive` makes the same branching from it.
 
-use std::fmt::Write as _;
+use std::{fmt::Write as _, sync::Arc};
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::DVec3;
 
-use super::{Letter, Sketch, Stroke, Wrap, own_rules::with_own, quantize};
-use crate::lsystem::shape_frames;
+use super::{
+    Sketch, Stroke, Wrap,
+    dictionary::{Dictionary, number},
+    own_rules::with_own,
+};
 
-/// Decimals of a displacement: 1 nm, so that a thousand segments end where they were drawn.
-const DECIMALS: usize = 9;
 /// Displacements on one line of a shape.
 const PER_LINE: usize = 4;
 
@@ -49,6 +50,20 @@ impl Sketch {
     #[must_use]
     pub fn rules_text(&self) -> String {
         with_own(self.generated_rules(), &self.own_rules)
+    }
+
+    /// Whether another sketch has the same [`Self::rules_text`]: then at most its nodes are elsewhere.
+    #[must_use]
+    pub fn has_rules_of(&self, other: &Self) -> bool {
+        let says = |stroke: &Stroke| (stroke.letter, stroke.attachment, stroke.self_similar);
+        let pairs = || self.strokes.iter().zip(&other.strokes);
+        self.strokes.len() == other.strokes.len()
+            && self.is_empty() == other.is_empty()
+            && self.divergence_deg == other.divergence_deg
+            && self.scale == other.scale
+            && self.wrap == other.wrap
+            && pairs().all(|(own, theirs)| Arc::ptr_eq(own, theirs) || says(own) == says(theirs))
+            && self.own_rules == other.own_rules
     }
 
     /// The rules as the strokes make them.
@@ -154,7 +169,7 @@ impl Sketch {
     /// The drawn lines, behind [`Self::rules_text`].
     pub(super) fn push_shapes(&self, text: &mut String) {
         text.push_str("\n# The strokes: one displacement (x y z) a segment; a branch is given in its parent segment's frame.\n");
-        for (letter, displacements) in self.dictionary() {
+        for (letter, displacements) in Dictionary::of(self).iter() {
             let _ = write!(text, "shape {letter} = [");
             for (index, [x, y, z]) in displacements.iter().map(DVec3::to_array).enumerate() {
                 let gap = if index == 0 {
@@ -168,37 +183,6 @@ impl Sketch {
             }
             text.push_str("]\n");
         }
-    }
-
-    /// The displacements of each letter at full size, in the frame of the segment it sits on, rounded
-    /// to what the grammar says.
-    fn dictionary(&self) -> Vec<(Letter, Vec<DVec3>)> {
-        let scale = quantize::exact(Vec3::splat(self.scale)).x;
-        let mut entries = Vec::with_capacity(self.strokes.len());
-        // The frame along each segment of each stroke, in the sketch's axes.
-        let mut frames: Vec<Vec<DQuat>> = Vec::with_capacity(self.strokes.len());
-        for stroke in &self.strokes {
-            let base = stroke.attachment.and_then(|at| {
-                let on_parent = frames.get(self.index_of(at.letter)?)?;
-                on_parent.get(at.node.checked_sub(1)? as usize).copied()
-            });
-            let base = base.unwrap_or(DQuat::IDENTITY);
-            let base_from_sketch = base.inverse();
-            let mut below = DVec3::ZERO;
-            let mut displacements = Vec::with_capacity(stroke.points.len());
-            for point in stroke.points.iter().copied().map(quantize::exact) {
-                displacements.push(rounded(base_from_sketch * (point - below) * scale));
-                below = point;
-            }
-            let own = shape_frames(&displacements);
-            frames.push(
-                own.into_iter()
-                    .map(|frame| (base * frame).normalize())
-                    .collect(),
-            );
-            entries.push((stroke.letter, displacements));
-        }
-        entries
     }
 }
 
@@ -296,25 +280,4 @@ fn first_module(stroke: &Stroke) -> String {
         "0"
     };
     format!("{}({zero})", stroke.letter)
-}
-
-/// What reading the grammar's text will give, so that frames are computed from the same numbers.
-fn rounded(displacement: DVec3) -> DVec3 {
-    let through_text = |value: f64| number(value).parse().unwrap_or(value);
-    DVec3::new(
-        through_text(displacement.x),
-        through_text(displacement.y),
-        through_text(displacement.z),
-    )
-}
-
-/// A number with as many decimals as it needs, at most [`DECIMALS`].
-fn number(value: f64) -> String {
-    let fixed = format!("{value:.DECIMALS$}");
-    let short = fixed.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" {
-        "0".to_owned()
-    } else {
-        short.to_owned()
-    }
 }

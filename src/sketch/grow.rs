@@ -9,11 +9,11 @@
 //! derives one step, a step back none, and a stroke more or less leaves what grew before it. What it
 //! gives is what [`grow`] gives.
 
-use std::sync::{Arc, atomic::AtomicBool};
+use std::sync::atomic::AtomicBool;
 
-use super::{BOUNDS, Letter, Predictor, Sketch, SketchError};
+use super::{BOUNDS, Letter, Predictor, Sketch, SketchError, dictionary::Dictionary};
 use crate::{
-    lsystem::{Grammar, History, Limits, ModuleString, TurtleParams, interpret},
+    lsystem::{Grammar, History, Limits, TurtleParams, interpret},
     tree::{
         NO_PARENT, Tree,
         radii::{RadiusParams, da_vinci},
@@ -77,9 +77,47 @@ pub fn grow(sketch: &Sketch, step: u32, cancel: &AtomicBool) -> Result<Grown, Sk
 pub struct Grower {
     /// The bounds.
     pub params: GrowParams,
-    /// None before the first.
-    history: Option<History>,
+    /// What grew last, and its strings.
+    last: Option<Last>,
     predictor: Predictor,
+}
+
+/// A sketch whose grammar stands in a history.
+#[derive(Clone, Debug)]
+struct Last {
+    sketch: Sketch,
+    dictionary: Dictionary,
+    history: History,
+}
+
+impl Last {
+    fn new(sketch: &Sketch) -> Result<Self, SketchError> {
+        Ok(Self {
+            history: History::new(parsed(sketch)?, KEPT_BYTES),
+            dictionary: Dictionary::of(sketch),
+            sketch: sketch.clone(),
+        })
+    }
+
+    /// Brings it up to a sketch. Where only nodes moved, the grammar is neither written nor read anew: its shapes are changed.
+    fn follow(&mut self, sketch: &Sketch) -> Result<&mut History, SketchError> {
+        if self.sketch.has_rules_of(sketch) {
+            let changed = self.dictionary.follow(sketch).into_iter();
+            let shapes = changed.filter_map(|place| self.dictionary.get(place));
+            self.history
+                .reshape(shapes.map(|(letter, shape)| (letter.to_string(), shape)));
+        } else {
+            self.history.edit(parsed(sketch)?);
+            self.dictionary.follow(sketch);
+        }
+        self.sketch = sketch.clone();
+        Ok(&mut self.history)
+    }
+}
+
+/// The sketch's grammar, through its text.
+fn parsed(sketch: &Sketch) -> Result<Grammar, SketchError> {
+    Grammar::parse(&sketch.grammar_text(), "the sketch").map_err(refused)
 }
 
 impl Default for Grower {
@@ -94,7 +132,7 @@ impl Grower {
     pub fn new(params: GrowParams) -> Self {
         Self {
             params,
-            history: None,
+            last: None,
             predictor: Predictor::default(),
         }
     }
@@ -115,20 +153,26 @@ impl Grower {
                 most: BOUNDS.step,
             });
         }
-        let most = self.params.segments;
+        let GrowParams {
+            segments: most,
+            string_bytes,
+        } = self.params;
         let Some(segments) = self.predictor.within(sketch, step, most) else {
             return Err(SketchError::TooLarge { step, most });
         };
         if step == 0 || sketch.is_empty() {
             return Ok(root_alone(sketch, step));
         }
-        let mut text = sketch.rules_text();
-        sketch.push_shapes(&mut text);
-        let grammar = Grammar::parse(&text, "the sketch").map_err(refused)?;
-        let string = self.string(&grammar, step - 1, &limits(sketch, segments), cancel)?;
+        let history = match &mut self.last {
+            Some(last) => last.follow(sketch)?,
+            none => &mut none.insert(Last::new(sketch)?).history,
+        };
+        let limits = limits(sketch, segments);
+        let string = history.at(step - 1, &limits, cancel).map_err(refused)?;
+        let grammar = history.grammar();
 
         let turtle = TurtleParams::default();
-        let mut tree = interpret(&grammar, &string, &turtle, cancel).map_err(refused)?;
+        let mut tree = interpret(grammar, &string, &turtle, cancel).map_err(refused)?;
         for (birth, parent) in tree.birth.iter_mut().zip(&tree.parent) {
             *birth = if *parent == NO_PARENT {
                 0
@@ -140,28 +184,10 @@ impl Grower {
         Ok(Grown {
             tree,
             radius_before,
-            string: string.to_text_within(&grammar, self.params.string_bytes),
+            string: string.to_text_within(grammar, string_bytes),
             newest: step,
             modules: string.len(),
         })
-    }
-
-    /// The string after so many rewrites.
-    fn string(
-        &mut self,
-        grammar: &Grammar,
-        rewrites: u32,
-        limits: &Limits,
-        cancel: &AtomicBool,
-    ) -> Result<Arc<ModuleString>, SketchError> {
-        let history = match &mut self.history {
-            Some(history) => {
-                history.edit(grammar.clone());
-                history
-            }
-            none => none.insert(History::new(grammar.clone(), KEPT_BYTES)),
-        };
-        history.at(rewrites, limits, cancel).map_err(refused)
     }
 }
 

@@ -21,6 +21,7 @@ use crate::tree::error::shortest;
 
 pub mod change;
 pub mod curve;
+mod dictionary;
 pub mod freehand;
 pub mod grammar;
 pub mod grow;

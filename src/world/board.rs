@@ -6,7 +6,7 @@
 
 use std::{fmt::Write as _, sync::Arc};
 
-use crate::sketch::Sketch;
+use crate::sketch::{NodeRef, Sketch};
 
 use super::{
     document::Document,
@@ -140,11 +140,15 @@ pub(super) struct Facts<'a> {
 struct Composed {
     sketch: Arc<Sketch>,
     step: u32,
-    selected: crate::sketch::NodeRef,
+    selected: NodeRef,
+    /// Whether that is the end of its line.
+    at_apex: bool,
     segments: usize,
     waiting: bool,
     undo: [usize; 2],
     string_revision: u64,
+    /// The rules as the board has them.
+    rules: Vec<String>,
 }
 
 /// See the module.
@@ -172,25 +176,37 @@ impl LiveBoard {
 
     /// Makes the text follow; composes it only where something changed.
     pub(super) fn follow(&mut self, document: &Document, facts: &Facts<'_>, params: &BoardParams) {
-        let same = self.of.as_ref().is_some_and(|of| {
-            Arc::ptr_eq(&of.sketch, &document.sketch)
-                && (of.step, of.selected) == (document.step, document.selected)
+        let sketch = &document.sketch;
+        let at_apex = sketch.is_apex(document.selected);
+        let before = self.of.take();
+        let before =
+            before.filter(|of| Arc::ptr_eq(&of.sketch, sketch) || of.sketch.has_rules_of(sketch));
+        let same = before.as_ref().is_some_and(|of| {
+            (of.step, of.selected, of.at_apex) == (document.step, document.selected, at_apex)
                 && (of.segments, of.waiting, of.undo) == (facts.segments, facts.waiting, facts.undo)
                 && of.string_revision == facts.string_revision
         });
         if same && self.content.message.as_deref() == facts.message {
+            self.of = before;
             return;
         }
+        // Without the shapes, which no board has room for and which a long sketch takes its time to write.
+        let rules = before.map_or_else(
+            || rules(&sketch.rules_text(), params.columns, params.rule_lines),
+            |of| of.rules,
+        );
+        self.content = Arc::new(compose(document, facts, &rules, &self.buttons, params));
         self.of = Some(Composed {
-            sketch: Arc::clone(&document.sketch),
+            sketch: Arc::clone(sketch),
             step: document.step,
             selected: document.selected,
+            at_apex,
             segments: facts.segments,
             waiting: facts.waiting,
             undo: facts.undo,
             string_revision: facts.string_revision,
+            rules,
         });
-        self.content = Arc::new(compose(document, facts, &self.buttons, params));
         self.revision = new_revision();
     }
 
@@ -208,10 +224,10 @@ impl LiveBoard {
 fn compose(
     document: &Document,
     facts: &Facts<'_>,
+    rules: &[String],
     buttons: &Buttons,
     params: &BoardParams,
 ) -> BoardContent {
-    let sketch = &*document.sketch;
     let mut lines = Vec::new();
     let mut line = |text: &str| lines.push(fitted(text, params.columns));
     line(&status(document, facts));
@@ -226,9 +242,8 @@ fn compose(
         line(&row);
     }
     line("");
-    // Without the shapes, which no board has room for and which a long sketch takes its time to write.
-    for row in rules(&sketch.rules_text(), params.columns, params.rule_lines) {
-        line(&row);
+    for row in rules {
+        line(row);
     }
     line("");
     for hint in buttons.hints() {
@@ -279,12 +294,16 @@ fn rules(grammar: &str, columns: usize, most: usize) -> Vec<String> {
     let mut rows = Vec::new();
     let mut left = 0_usize;
     for rule in rules {
+        if left > 0 {
+            left += 1;
+            continue;
+        }
         let mut more = by_words(rule, columns);
         // One row stays free to say that there is more.
-        if left > 0 || rows.len() + more.len() >= most {
-            left += 1;
-        } else {
+        if rows.len() + more.len() < most {
             rows.append(&mut more);
+        } else {
+            left = 1;
         }
     }
     if left > 0 {
@@ -387,6 +406,7 @@ mod tests {
         reason = "a test that fails shows the line"
     )]
     use super::*;
+    use crate::sketch::Letter;
 
     const FACTS: Facts<'static> = Facts {
         string: "",
@@ -487,6 +507,29 @@ mod tests {
     }
 
     #[test]
+    fn a_node_that_moves_writes_nothing_and_a_longer_line_does() {
+        let params = BoardParams::default();
+        let drawn = |points: &[glam::Vec3]| {
+            let sketch = Sketch::default().add_segments(NodeRef::ROOT, points);
+            Document {
+                sketch: Arc::new(sketch.unwrap().0),
+                selected: NodeRef::new(Letter::TRUNK, 1),
+                ..Document::default()
+            }
+        };
+        let up = glam::Vec3::Y * 0.1;
+        let mut board = LiveBoard::default();
+        board.follow(&drawn(&[up]), &FACTS, &params);
+        let first = board.revision;
+        board.follow(&drawn(&[up * 2.0]), &FACTS, &params);
+        assert_eq!(board.revision, first);
+        board.follow(&drawn(&[up, up * 2.0]), &FACTS, &params);
+        assert!(board.revision > first, "node 1 is no apex any more");
+        let branches = |line: &&String| line.starts_with("a branch starts at node 1");
+        assert!(board.content.lines.iter().any(|line| branches(&line)));
+    }
+
+    #[test]
     fn no_number_is_broken() {
         let string = "A(0)[/(137.508)C(0)B]".repeat(9);
         let rows = wrapped(&string, 54, 5);
@@ -520,7 +563,10 @@ mod tests {
             ..Buttons::default()
         };
         for (buttons, lines) in [(Buttons::default(), 6), (magic_leap, 5)] {
-            let content = compose(&document, &facts, &buttons, &params);
+            let mut board = LiveBoard::default();
+            board.take_buttons(buttons.clone());
+            board.follow(&document, &facts, &params);
+            let content = &board.content;
             let fits = |line: &String| line.chars().count() <= params.columns;
             assert!(content.lines.iter().all(fits));
             let hints = buttons.hints();
