@@ -5,7 +5,9 @@
 //! allocates nothing. It runs without any device, so a recorded session that is played without a picture does
 //! what it did with one; time comes from the session for the same reason.
 
-use egui::{Event, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, ViewportId};
+use egui::{
+    Event, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase, ViewportId, WidgetRect,
+};
 
 use super::{LayoutParams, Painted, theme, whole_pixels};
 use crate::world::panels::PanelPointer;
@@ -158,12 +160,14 @@ impl Sheet {
             return events;
         }
         self.void &= pointer.is_none_or(|pointer| pointer.pressed);
+        let scroll = pointer.map_or(0.0, |pointer| pointer.scroll);
+        let scrolls = scroll.abs() > 0.3;
         if let Some(pointer) = pointer {
             let at = self.points(pointer.at);
-            self.move_pointer(at, pointer.pressed && !self.void, &mut events);
+            let pressed = pointer.pressed && !self.void;
+            self.move_pointer(at, pressed, scrolls, &mut events);
         }
-        let scroll = pointer.map_or(0.0, |pointer| pointer.scroll);
-        if scroll.abs() > 0.3 {
+        if scrolls {
             #[expect(clippy::cast_possible_truncation, reason = "a frame's seconds")]
             let far = scroll * SCROLL_POINTS * seconds.clamp(0.0, LONGEST) as f32;
             events.push(Event::MouseWheel {
@@ -177,13 +181,14 @@ impl Sheet {
         events
     }
 
-    fn move_pointer(&mut self, at: Pos2, pressed: bool, events: &mut Vec<Event>) {
-        let before = self.pointer;
-        let moved = before.is_none_or(|(old, _)| old.distance(at) > STILL);
-        let was = before.is_some_and(|(_, pressed)| pressed);
-        let at = before
-            .filter(|_| !moved && pressed == was)
-            .map_or(at, |(old, _)| old);
+    /// Tells where the pointer is, where egui makes something of it.
+    fn move_pointer(&mut self, at: Pos2, pressed: bool, scrolls: bool, events: &mut Vec<Event>) {
+        let (before, was) = self.pointer.unzip();
+        let was = was.unwrap_or(false);
+        let rests = !pressed && !was && !scrolls;
+        let still = |old: Pos2| old.distance(at) <= STILL || (rests && self.is_as_at(old, at));
+        let moved = before.is_none_or(|old| !still(old));
+        let at = before.filter(|_| !moved && pressed == was).unwrap_or(at);
         if moved || pressed != was {
             events.push(Event::PointerMoved(at));
         }
@@ -191,6 +196,24 @@ impl Sheet {
             events.push(button(at, pressed));
         }
         self.pointer = Some((at, pressed));
+    }
+
+    /// Whether a pointer that presses nothing does at one place what it does at the other, so that there is nothing to be looked at.
+    fn is_as_at(&self, one: Pos2, other: Pos2) -> bool {
+        let style = self.context.global_style();
+        let nearby = style.interaction.interact_radius;
+        let bar = style.spacing.scroll.bar_width;
+        let same = |part: &WidgetRect| {
+            let [near, now] = [one, other].map(|at| Nearness::of(at, part.interact_rect, nearby));
+            // The nearest of several parts has the pointer, and the bar of a scroll area shows whether its handle has.
+            let by_place =
+                near == Nearness::Beside || (part.rect.width() <= bar && near != Nearness::Far);
+            near == now && !by_place
+        };
+        self.context.viewport(|viewport| {
+            let parts = &viewport.prev_pass.widgets;
+            parts.layers().all(|(_, layer)| layer.iter().all(same))
+        })
     }
 
     /// The hand is lost or points away: what it dragged ends where it is, and what it pressed is not clicked. Gives whether
@@ -230,7 +253,7 @@ impl Sheet {
         let side = |pixels: u32| pixels as f32 / pixels_per_point;
         let size_points = egui::vec2(side(size_px[0]), side(size_px[1]));
         let mut input = egui::RawInput {
-            screen_rect: Some(egui::Rect::from_min_size(Pos2::ZERO, size_points)),
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, size_points)),
             time: Some(self.time),
             events,
             ..Default::default()
@@ -301,6 +324,34 @@ impl Sheet {
     }
 }
 
+/// How near a pointer is to a part: all that egui asks.
+#[derive(Clone, Copy, PartialEq)]
+enum Nearness {
+    Far,
+    /// Beside it, and near enough to be meant for it.
+    Beside,
+    /// On it, at its edge.
+    Edge,
+    /// On it, and near nothing that is behind it.
+    Inside,
+}
+
+impl Nearness {
+    fn of(at: Pos2, part: Rect, nearby: f32) -> Self {
+        // A little more than egui's own radius, which it compares squared.
+        let nearby = nearby + 0.01;
+        if part.shrink(nearby).contains(at) {
+            Self::Inside
+        } else if part.contains(at) {
+            Self::Edge
+        } else if part.expand(nearby).contains(at) {
+            Self::Beside
+        } else {
+            Self::Far
+        }
+    }
+}
+
 impl Drop for Sheet {
     fn drop(&mut self) {
         self.drop_painted();
@@ -308,7 +359,7 @@ impl Drop for Sheet {
 }
 
 /// Keeps the texts of a shape that are to be seen.
-fn keep(shape: &egui::Shape, clip: egui::Rect, texts: &mut Vec<(String, Pos2)>) {
+fn keep(shape: &egui::Shape, clip: Rect, texts: &mut Vec<(String, Pos2)>) {
     match shape {
         egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| keep(shape, clip, texts)),
         egui::Shape::Text(text) => {
@@ -327,5 +378,97 @@ fn button(pos: Pos2, pressed: bool) -> Event {
         button: PointerButton::Primary,
         pressed,
         modifiers: Modifiers::NONE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use std::collections::HashSet;
+
+    use glam::Vec2;
+
+    use super::*;
+
+    /// Parts of every kind.
+    fn parts(ui: &mut egui::Ui) {
+        egui::CentralPanel::default().show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| (0..9).for_each(|n| _ = ui.button(format!("tab {n}"))));
+            ui.separator();
+            egui::ScrollArea::vertical()
+                .auto_shrink(false)
+                .show(ui, |ui| {
+                    for n in 0..20 {
+                        let mut value = f64::from(n);
+                        ui.label("a line of text");
+                        ui.add(egui::Slider::new(&mut value, 0.0..=20.0).text("slider"));
+                        ui.horizontal(|ui| {
+                            ui.add(egui::DragValue::new(&mut value));
+                            ui.checkbox(&mut (n % 2 == 0), "checked");
+                            _ = ui.add_enabled(n % 3 == 0, egui::Button::new("perhaps"));
+                        });
+                    }
+                });
+        });
+    }
+
+    /// What is to be seen, and what has the pointer. Not where glyphs are kept: that depends on the order in which they came.
+    fn seen(sheet: &Sheet) -> (Vec<(Pos2, egui::Color32)>, HashSet<egui::Id>) {
+        let primitives = sheet.painted.iter().flat_map(|painted| &painted.primitives);
+        let vertices = primitives.flat_map(|clipped| match &clipped.primitive {
+            egui::epaint::Primitive::Mesh(mesh) => mesh.vertices.as_slice(),
+            egui::epaint::Primitive::Callback(_) => &[],
+        });
+        let vertices = vertices.map(|vertex| (vertex.pos, vertex.color));
+        let parts = sheet
+            .context
+            .interaction_snapshot(|snapshot| snapshot.hovered.iter().copied().collect());
+        (vertices.collect(), parts)
+    }
+
+    /// A pointer that wanders over all parts: where nothing is looked at, a look would have changed nothing.
+    #[test]
+    fn a_pointer_that_stays_on_a_part_is_not_looked_at() {
+        let size = [0.4, 0.3];
+        let [mut lazy, mut eager] = [(); 2].map(|()| Sheet::new(size, LayoutParams::default()));
+        let mut at = Vec2::new(0.2, 0.15);
+        let mut state = 1_u64;
+        let mut step = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 24) as f32 - 0.5
+        };
+        let (mut looks, steps) = (0, 1_500);
+        for number in 0..steps {
+            let far = if number % 20 == 0 { 0.3 } else { 0.004 };
+            at = (at + Vec2::new(step(), step()) * far).clamp(Vec2::ZERO, Vec2::from(size));
+            let trembles = |old: Pos2| old.distance(lazy.points(at)) <= STILL;
+            if lazy.pointer.is_some_and(|(old, _)| trembles(old)) {
+                continue;
+            }
+            // What is scrolled comes to rest in some frames, whose number depends on the time of the last look.
+            let scrolls = number % 97 == 0;
+            for frame in 0..if scrolls { 100 } else { 1 } {
+                let pointer = PanelPointer {
+                    hand: 1,
+                    at,
+                    pressed: false,
+                    scroll: if scrolls && frame == 0 { -1.0 } else { 0.0 },
+                };
+                lazy.look(Some(pointer), 0.011, false, |ui| {
+                    looks += 1;
+                    parts(ui);
+                });
+                eager.pointer = None;
+                eager.look(Some(pointer), 0.011, true, parts);
+            }
+            assert!(seen(&lazy) == seen(&eager), "at {at}, step {number}");
+        }
+        assert!(looks < steps * 2 / 3, "{looks} looks for {steps} steps");
     }
 }

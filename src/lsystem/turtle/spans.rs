@@ -102,14 +102,21 @@ fn plan_of<S: Cell>(counted: &[Counted], symbols: &[S], cancel: &AtomicBool) -> 
 /// Symbols that draw, in the order in which each draws for the first time.
 fn drawing<S: Cell>(counted: &[Counted], symbols: &[S]) -> Vec<u16> {
     let draws = |one: &Counted| matches!(one.kind, Kind::Draws | Kind::Places);
-    let first = |(symbol, one): (u16, &Counted)| {
-        let wanted = S::of(u32::from(symbol));
-        let at = symbols.iter().position(|s| *s == wanted);
-        at.filter(|_| draws(one)).map(|at| (at, symbol))
-    };
-    let mut drawing: Vec<(usize, u16)> = (0..).zip(counted).filter_map(first).collect();
-    drawing.sort_unstable();
-    drawing.into_iter().map(|(_, symbol)| symbol).collect()
+    // One pass, however many symbols there are: a sketch of many strokes has a thousand, most of which have not begun.
+    let mut wanted: Vec<bool> = counted.iter().map(draws).collect();
+    let mut left = wanted.iter().filter(|is_wanted| **is_wanted).count();
+    let mut drawing = Vec::with_capacity(left);
+    for symbol in symbols {
+        if left == 0 {
+            break;
+        }
+        let index = symbol.index();
+        if wanted.get_mut(index).is_some_and(std::mem::take) {
+            drawing.extend(u16::try_from(index));
+            left -= 1;
+        }
+    }
+    drawing
 }
 
 fn sum<S: Cell>(adds: &[Adds], block: &[S]) -> Sum {
