@@ -180,7 +180,8 @@ impl Sketch {
     /// Switches a letter's copies of itself on (with rate and depth limit) or off.
     ///
     /// # Errors
-    /// Where the letter does not exist or the rate is 0 or out of bounds.
+    /// Where the letter does not exist, the rate is 0 or out of bounds, or a rule of a person's own gives the letter other
+    /// parameters than it would have.
     pub fn with_self_similar(
         &self,
         letter: Letter,
@@ -189,6 +190,9 @@ impl Sketch {
         let mut next = self.clone();
         next.edit_stroke(letter, |stroke| stroke.self_similar = self_similar)?;
         next.validate()?;
+        if next.declaration(letter) != self.declaration(letter) {
+            next.check_parameters(letter)?;
+        }
         Ok(next)
     }
 
