@@ -227,7 +227,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::sketch::{Letter, NodeRef, SelfSimilar, grow};
+    use crate::sketch::{GROW, GrowParams, Grower, Letter, NodeRef, SelfSimilar, grow};
 
     const TRUNK_BRANCHES: &str = "A > A :";
 
@@ -322,6 +322,21 @@ mod tests {
             assert!(cleared.own_rules.is_empty());
             assert!(cleared.check_own_rules().is_ok());
         }
+    }
+
+    #[test]
+    fn a_tree_of_too_many_segments_is_refused_as_one_without_own_rules() {
+        let twice = "A(x) > B -> A(x) A(x+1) [ A(0) B ]";
+        let with = sketch().with_rule("A > B", Some(twice)).unwrap();
+        let most = 50;
+        let mut grower = Grower::new(GrowParams {
+            segments: most,
+            ..GROW
+        });
+        let mut grown = |step| grower.grow(&with, step, &AtomicBool::new(false));
+        assert!(grown(3).is_ok());
+        let refused = SketchError::TooLarge { step: 9, most };
+        assert_eq!(grown(9).err(), Some(refused));
     }
 
     #[test]
