@@ -16,6 +16,12 @@ use super::{
 /// Lengths may be this much below the shortest segment: half a step of the grid, metres.
 const GRID_SLACK: f64 = 0.000_05;
 
+/// More strokes than letters: their bound is far below.
+pub(super) const NO_LETTER: SketchError = SketchError::TooMany {
+    what: "strokes",
+    most: BOUNDS.strokes,
+};
+
 impl Sketch {
     /// Adds a segment from `from` to the place `to`: at an apex the stroke grows, at any other node
     /// a new branch starts, with the first free letter. Gives the new sketch and its new apex.
@@ -272,14 +278,15 @@ impl Sketch {
     }
 
     pub(super) fn free_letter(&self) -> Result<Letter, SketchError> {
+        self.free_letters().next().ok_or(NO_LETTER)
+    }
+
+    /// All letters that name no stroke.
+    pub(super) fn free_letters(&self) -> impl Iterator<Item = Letter> + use<> {
         let taken: HashSet<Letter> = self.strokes.iter().map(|stroke| stroke.letter).collect();
         (1..=u16::MAX)
             .map(Letter::from_index)
-            .find(|letter| !taken.contains(letter))
-            .ok_or(SketchError::TooMany {
-                what: "strokes",
-                most: BOUNDS.strokes,
-            })
+            .filter(move |letter| !taken.contains(letter))
     }
 
     /// Gives a stroke a changed copy, leaving the shared one to the sketches that hold it.
