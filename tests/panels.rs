@@ -272,6 +272,26 @@ fn a_rule_is_rewritten_on_the_keyboard_and_its_fault_stands_in_place() {
 }
 
 #[test]
+fn a_lost_headset_keeps_the_tab_and_the_rule_that_is_being_written() {
+    let mut visitor = Visitor::with_tree();
+    visitor.click(RIGHT, PanelId::Bench, "Rules");
+    visitor.click(RIGHT, PanelId::Bench, "Change");
+    visitor.click(RIGHT, PanelId::Bench, "A(x) > B -> A(x) A(x+1)");
+    visitor.frame();
+    visitor.click(LEFT, PanelId::Keyboard, "(");
+    visitor.workshop.let_go();
+    visitor.workshop.keep_texts();
+    visitor.frame();
+    visitor.frame();
+    let draft = "A(x) > B ->( A(x) A(x+1)";
+    visitor.find(PanelId::Bench, draft);
+    assert!(visitor.says(PanelId::Bench, "the sketch:"));
+    visitor.click(RIGHT, PanelId::Bench, draft);
+    visitor.click(LEFT, PanelId::Keyboard, "Delete");
+    assert!(!visitor.says(PanelId::Bench, "the sketch:"));
+}
+
+#[test]
 fn the_lever_turns_the_divergence_live_and_snaps() {
     for hand in HANDS {
         let mut visitor = Visitor::with_tree();

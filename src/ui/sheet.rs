@@ -88,6 +88,15 @@ impl Sheet {
         }
     }
 
+    /// The sheet for a picture that is made anew: laid out and painted from nothing, and scrolled as it was.
+    #[must_use]
+    pub fn anew(&self) -> Self {
+        let anew = Self::new(self.size, self.params);
+        let kept = self.context.data(Clone::clone);
+        anew.context.data_mut(|data| *data = kept);
+        anew
+    }
+
     /// Says that no picture is drawn: what is painted is thrown away.
     pub fn unseen(&mut self) {
         self.seen = false;
