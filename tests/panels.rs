@@ -272,6 +272,26 @@ fn a_rule_is_rewritten_on_the_keyboard_and_its_fault_stands_in_place() {
 }
 
 #[test]
+fn a_lost_headset_keeps_the_tab_and_the_rule_that_is_being_written() {
+    let mut visitor = Visitor::with_tree();
+    visitor.click(RIGHT, PanelId::Bench, "Rules");
+    visitor.click(RIGHT, PanelId::Bench, "Change");
+    visitor.click(RIGHT, PanelId::Bench, "A(x) > B -> A(x) A(x+1)");
+    visitor.frame();
+    visitor.click(LEFT, PanelId::Keyboard, "(");
+    visitor.workshop.let_go();
+    visitor.workshop.keep_texts();
+    visitor.frame();
+    visitor.frame();
+    let draft = "A(x) > B ->( A(x) A(x+1)";
+    visitor.find(PanelId::Bench, draft);
+    assert!(visitor.says(PanelId::Bench, "the sketch:"));
+    visitor.click(RIGHT, PanelId::Bench, draft);
+    visitor.click(LEFT, PanelId::Keyboard, "Delete");
+    assert!(!visitor.says(PanelId::Bench, "the sketch:"));
+}
+
+#[test]
 fn the_lever_turns_the_divergence_live_and_snaps() {
     for hand in HANDS {
         let mut visitor = Visitor::with_tree();
@@ -301,6 +321,46 @@ fn the_lever_turns_the_divergence_live_and_snaps() {
         assert_eq!(visitor.workshop.edits(), before);
         visitor.pull(hand, false);
         assert_eq!(visitor.document().sketch.divergence_deg, 180.0);
+        assert_eq!(visitor.workshop.edits(), before + 1);
+    }
+}
+
+#[test]
+fn a_handle_does_not_jump_when_the_hand_leaves_its_reach() {
+    let mut visitor = Visitor::with_tree();
+    let center = Vec3::new(0.24, 0.84, -0.28);
+    let angle = 137.508_f32.to_radians();
+    let on_dial = center + Vec3::new(angle.sin(), 0.25, angle.cos()) * 0.06;
+    // It points down and away, so that its ray meets the dial's plane elsewhere.
+    let direction = Vec3::new(0.6, -0.8, 0.0);
+    visitor.tip_to_along(RIGHT, on_dial, direction);
+    visitor.pull(RIGHT, true);
+    for n in 0..=20_u8 {
+        visitor.tip_to_along(RIGHT, on_dial + Vec3::Y * 0.01 * f32::from(n), direction);
+        let shown = visitor.workshop.world().shown().sketch.divergence_deg;
+        assert_eq!(shown, 137.508, "{n} cm above");
+    }
+}
+
+#[test]
+fn a_handle_is_let_go_by_what_took_it() {
+    let center = Vec3::new(0.24, 0.84, -0.28);
+    let angle = 137.508_f32.to_radians();
+    let on_dial = center + Vec3::new(angle.sin(), 0.25, angle.cos()) * 0.06;
+    type Press = fn(&mut Visitor, usize, bool);
+    let buttons: [Press; 2] = [Visitor::pull, Visitor::grip];
+    for [took, other] in [buttons, [buttons[1], buttons[0]]] {
+        let mut visitor = Visitor::with_tree();
+        visitor.tip_to(RIGHT, on_dial);
+        took(&mut visitor, RIGHT, true);
+        other(&mut visitor, RIGHT, true);
+        other(&mut visitor, RIGHT, false);
+        let before = visitor.workshop.edits();
+        visitor.tip_to(RIGHT, center + Vec3::new(0.0, 0.25, 1.0) * 0.06);
+        let shown = visitor.workshop.world().shown().sketch.divergence_deg;
+        assert!(!(1.0..=359.0).contains(&shown), "still held: {shown}");
+        assert_eq!(visitor.workshop.edits(), before, "one movement, one action");
+        took(&mut visitor, RIGHT, false);
         assert_eq!(visitor.workshop.edits(), before + 1);
     }
 }

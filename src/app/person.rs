@@ -1,7 +1,8 @@
 //! What Ramus remembers of a person between sessions: what they set, how far they are in the tutorial, their projects.
 //!
 //! It is kept in one small file in the person's own folder for settings, never in a project, so that a project
-//! is the same for everybody. A file that cannot be read is put aside and told; nothing depends on it.
+//! is the same for everybody. A file that makes no sense is put aside and told; one that cannot be read is told and left as it
+//! is, and nothing is kept in that session. Nothing depends on it.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
@@ -123,17 +124,31 @@ impl Person {
                 person.kept = kept;
             }
             Ok(None) => person.new = true,
-            Err(problem) => {
-                let aside = path.with_extension("json.unreadable");
-                let moved = std::fs::rename(&path, &aside).is_ok();
-                let place = if moved { &aside } else { &path };
+            Err(Unread::Closed(problem)) => {
+                person.path = None;
                 person.message = Some(format!(
-                    "Your settings could not be read ({problem}), so Ramus begins with its own: {}",
-                    place.display()
+                    "Your settings could not be read ({problem}), so Ramus begins with its own and keeps none of this session: {}",
+                    path.display()
                 ));
             }
+            Err(Unread::Nonsense(problem)) => person.put_aside(&path, &problem),
         }
         person
+    }
+
+    /// Begins anew beside a file that says nothing.
+    fn put_aside(&mut self, path: &Path, problem: &str) {
+        let aside = path.with_extension("json.unreadable");
+        let moved = std::fs::rename(path, &aside).is_ok();
+        if !moved {
+            // It stays, and is not written over.
+            self.path = None;
+        }
+        let place = if moved { &aside } else { path };
+        self.message = Some(format!(
+            "Your settings could not be read ({problem}), so Ramus begins with its own: {}",
+            place.display()
+        ));
     }
 
     /// Projects they worked on, newest first, that are still there, with their pictures.
@@ -245,22 +260,36 @@ fn small_picture(path: &Path) -> Option<Thumbnail> {
     })
 }
 
+/// Why a file said nothing.
+enum Unread {
+    /// It cannot be read: it may hold everything.
+    Closed(String),
+    /// It was read, and makes no sense.
+    Nonsense(String),
+}
+
 /// What is kept in a file; none where there is no file.
-fn read(path: &Path) -> Result<Option<Kept>, String> {
-    let file = match File::open(path) {
-        Ok(file) => file,
+fn read(path: &Path) -> Result<Option<Kept>, Unread> {
+    let bytes = match bytes_of(path) {
+        Ok(bytes) => bytes,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error.to_string()),
+        Err(error) => return Err(Unread::Closed(error.to_string())),
     };
-    let mut bytes = Vec::new();
-    let read = file.take(MAX_BYTES + 1).read_to_end(&mut bytes);
-    read.map_err(|error| error.to_string())?;
     if bytes.len() as u64 > MAX_BYTES {
-        return Err(format!("it is longer than {MAX_BYTES} bytes"));
+        let problem = format!("it is longer than {MAX_BYTES} bytes");
+        return Err(Unread::Nonsense(problem));
     }
-    serde_json::from_slice(&bytes)
-        .map(Some)
-        .map_err(|error| error.to_string())
+    let kept = serde_json::from_slice(&bytes);
+    kept.map(Some)
+        .map_err(|error| Unread::Nonsense(error.to_string()))
+}
+
+/// What is in a file, one byte more than there may be at most.
+fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let file = File::open(path)?;
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -339,7 +368,25 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_put_aside() {
+    fn what_cannot_be_read_is_left_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        // Whoever runs the tests may read everything, but nobody reads a folder.
+        let path = folder.path().join("person.json");
+        std::fs::create_dir(&path).unwrap();
+        let mut person = Person::from(path.clone());
+        let message = person.message.clone().unwrap();
+        assert!(message.contains("keeps none"), "{message}");
+        let mut workshop = workshop();
+        person.enter(&mut workshop);
+        let project = folder.path().join("oak.ramus");
+        assert!(person.leave(&workshop, &project).is_ok());
+        let there = std::fs::read_dir(folder.path()).unwrap();
+        let there: Vec<_> = there.map(|entry| entry.unwrap().path()).collect();
+        assert_eq!(there, [path], "nothing moved, nothing written");
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         for bytes in [
             &b"{"[..],

@@ -405,7 +405,7 @@ impl Workshop {
 
     /// The picture is made anew: panels are laid out again with the next frame, so that all of what they show reaches it.
     pub fn show_anew(&mut self) {
-        self.panels = Panels::new(&self.world);
+        self.panels.show_anew();
     }
 
     /// Saves the project as it is, if there was an edit since it was saved last; the session goes on.

@@ -16,6 +16,12 @@ use super::{
 /// Lengths may be this much below the shortest segment: half a step of the grid, metres.
 const GRID_SLACK: f64 = 0.000_05;
 
+/// More strokes than letters: their bound is far below.
+pub(super) const NO_LETTER: SketchError = SketchError::TooMany {
+    what: "strokes",
+    most: BOUNDS.strokes,
+};
+
 impl Sketch {
     /// Adds a segment from `from` to the place `to`: at an apex the stroke grows, at any other node
     /// a new branch starts, with the first free letter. Gives the new sketch and its new apex.
@@ -180,7 +186,8 @@ impl Sketch {
     /// Switches a letter's copies of itself on (with rate and depth limit) or off.
     ///
     /// # Errors
-    /// Where the letter does not exist or the rate is 0 or out of bounds.
+    /// Where the letter does not exist, the rate is 0 or out of bounds, or a rule of a person's own gives the letter other
+    /// parameters than it would have.
     pub fn with_self_similar(
         &self,
         letter: Letter,
@@ -189,6 +196,9 @@ impl Sketch {
         let mut next = self.clone();
         next.edit_stroke(letter, |stroke| stroke.self_similar = self_similar)?;
         next.validate()?;
+        if next.declaration(letter) != self.declaration(letter) {
+            next.check_parameters(letter)?;
+        }
         Ok(next)
     }
 
@@ -268,14 +278,15 @@ impl Sketch {
     }
 
     pub(super) fn free_letter(&self) -> Result<Letter, SketchError> {
+        self.free_letters().next().ok_or(NO_LETTER)
+    }
+
+    /// All letters that name no stroke.
+    pub(super) fn free_letters(&self) -> impl Iterator<Item = Letter> + use<> {
         let taken: HashSet<Letter> = self.strokes.iter().map(|stroke| stroke.letter).collect();
         (1..=u16::MAX)
             .map(Letter::from_index)
-            .find(|letter| !taken.contains(letter))
-            .ok_or(SketchError::TooMany {
-                what: "strokes",
-                most: BOUNDS.strokes,
-            })
+            .filter(move |letter| !taken.contains(letter))
     }
 
     /// Gives a stroke a changed copy, leaving the shared one to the sketches that hold it.

@@ -153,9 +153,9 @@ impl Sketch {
             Wrap::CarryHeading => "wrap carry\n",
             Wrap::Restart => "wrap restart\n",
         });
-        for stroke in self.strokes.iter().filter(|stroke| stroke.letter.is_word()) {
-            let _ = writeln!(text, "module {}({})", stroke.letter, parameters(stroke));
-        }
+        let words = self.strokes.iter().map(|stroke| stroke.letter);
+        let words = words.filter(|letter| letter.is_word());
+        text.extend(words.filter_map(|letter| self.declaration(letter)));
         for branching in branchings.iter().filter(|on| !is_direct(on)).flatten() {
             let _ = writeln!(
                 text,
@@ -164,6 +164,12 @@ impl Sketch {
                 parameters(branching.parent)
             );
         }
+    }
+
+    /// What says how many parameters a letter has; a grammar needs it of longer names alone.
+    pub(super) fn declaration(&self, letter: Letter) -> Option<String> {
+        let stroke = self.stroke(letter)?;
+        Some(format!("module {letter}({})\n", parameters(stroke)))
     }
 
     /// The drawn lines, behind [`Self::rules_text`].

@@ -180,6 +180,11 @@ impl Grower {
                 birth.saturating_add(1)
             };
         }
+        // With rules of a person's own it is known only now.
+        let grown = tree.parent.iter().filter(|parent| **parent != NO_PARENT);
+        if grown.count() as u64 > most {
+            return Err(SketchError::TooLarge { step, most });
+        }
         let radius_before = da_vinci(&mut tree, &radius_params(sketch), step);
         Ok(Grown {
             tree,

@@ -1,16 +1,18 @@
 //! Productions that a person wrote in the place of the generated ones.
 //!
 //! The sketch's grammar stays the one that grows and the one that is read: a rule of one's own stands in its text where the
-//! generated one stood, named by its left side, and further lines (constants, productions) before the axiom. A rule
-//! whose left side is not generated any more, because its line was deleted, goes with it; one that makes the
-//! grammar unreadable is refused with the grammar's own message. So sketch and grammar cannot disagree.
+//! generated one stood, and further lines (constants, productions) before the axiom. Its name is the left side's letters:
+//! conditions and parameters change as the person draws on and sets depths, and a rule outlasts that. A rule whose
+//! letters are not generated any more, because its line was deleted, goes with it; a change that would make the
+//! grammar unreadable, or leave a letter with other parameters than a rule says, is refused with the grammar's own message.
+//! So sketch and grammar cannot disagree.
 
 use std::collections::BTreeMap;
 
-use super::{Sketch, SketchError};
+use super::{Letter, Sketch, SketchError};
 use crate::lsystem::Grammar;
 
-/// Texts by the left side that they stand for; `""` names the further lines.
+/// Texts by the name ([`name_of`]) of the production that they stand for; `""` names the further lines.
 pub type OwnRules = BTreeMap<String, String>;
 
 /// Under this name are the further lines.
@@ -27,7 +29,7 @@ const ARROW: &str = " -> ";
 /// A production as it is shown.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Production {
-    /// Its left side, which names it.
+    /// Its name.
     pub of: String,
     /// What the sketch makes of it.
     pub generated: String,
@@ -42,6 +44,34 @@ fn left_side(line: &str) -> Option<&str> {
     (!line.starts_with('#')).then(|| left.trim())
 }
 
+/// The name of the production with this left side: its letters, and `:` where there is a condition, which keeps the
+/// two of a helper apart. `A(x) > A(y) : (x+1) % 2 == 0` is `A > A :`. A name is its own name.
+#[must_use]
+pub fn name_of(left: &str) -> String {
+    let (modules, condition) = match left.split_once(" :") {
+        Some((modules, _)) => (modules, " :"),
+        None => (left, ""),
+    };
+    let mut depth = 0_usize;
+    let mut name = String::with_capacity(left.len());
+    for letter in modules.chars() {
+        match letter {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            _ if depth == 0 => name.push(letter),
+            _ => {}
+        }
+    }
+    name + condition
+}
+
+/// Rules as a file holds them, under their names: once they were kept by the whole left side.
+#[must_use]
+pub fn by_name(rules: OwnRules) -> OwnRules {
+    let named = rules.into_iter().map(|(of, to)| (name_of(&of), to));
+    named.collect()
+}
+
 /// The generated text with a person's rules in it.
 pub(super) fn with_own(generated: String, own: &OwnRules) -> String {
     if own.is_empty() {
@@ -54,7 +84,7 @@ pub(super) fn with_own(generated: String, own: &OwnRules) -> String {
         {
             push_lines(&mut text, "", further);
         }
-        let rule = left_side(line).and_then(|left| own.get(left));
+        let rule = left_side(line).and_then(|left| own.get(&name_of(left)));
         match rule {
             Some(rule) => push_lines(&mut text, indent(line), rule),
             None => push_lines(&mut text, "", line),
@@ -84,11 +114,11 @@ impl Sketch {
         let lines = generated.lines();
         lines
             .filter_map(|line| {
-                let of = left_side(line)?;
+                let of = name_of(left_side(line)?);
                 Some(Production {
-                    of: of.to_owned(),
                     generated: line.trim().to_owned(),
-                    own: self.own_rules.get(of).cloned(),
+                    own: self.own_rules.get(&of).cloned(),
+                    of,
                 })
             })
             .collect()
@@ -102,8 +132,8 @@ impl Sketch {
         let mut next = self.clone();
         let rules = std::sync::Arc::make_mut(&mut next.own_rules);
         match to.map(str::trim_end).filter(|text| !text.is_empty()) {
-            Some(text) => rules.insert(of.to_owned(), text.to_owned()),
-            None => rules.remove(of),
+            Some(text) => rules.insert(name_of(of), text.to_owned()),
+            None => rules.remove(&name_of(of)),
         };
         next.check_own_rules()?;
         Ok(next)
@@ -120,10 +150,34 @@ impl Sketch {
             return;
         }
         let generated = self.generated_rules();
-        let known: std::collections::BTreeSet<&str> =
-            generated.lines().filter_map(left_side).collect();
+        let lefts = generated.lines().filter_map(left_side);
+        let known: std::collections::BTreeSet<String> = lefts.map(name_of).collect();
         std::sync::Arc::make_mut(&mut self.own_rules)
-            .retain(|of, _| of == FURTHER || known.contains(of.as_str()));
+            .retain(|of, _| of == FURTHER || known.contains(of));
+    }
+
+    /// Whether a branch was drawn since then on a line whose branching a person wrote: it grows once that rule names it.
+    pub(crate) fn has_branch_left_to_rules(&self, before: &Self) -> bool {
+        let new = self.strokes.iter().skip(before.strokes.len());
+        new.filter_map(|stroke| stroke.attachment).any(|at| {
+            let branching = format!("{0} > {0} :", at.letter);
+            self.own_rules.contains_key(&branching)
+        })
+    }
+
+    /// Checks that a person's rules give a letter the parameters that it has now. The grammar would take one with others
+    /// for another module, and the tree would stop growing without a word.
+    ///
+    /// # Errors
+    /// [`SketchError::Rule`] with the grammar's message.
+    pub(super) fn check_parameters(&self, letter: Letter) -> Result<(), SketchError> {
+        match self.declaration(letter) {
+            // Longer names are declared as it is.
+            Some(declaration) if !letter.is_word() && !self.own_rules.is_empty() => {
+                check(&(self.grammar_text() + &declaration))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Checks that the grammar can be read with the rules that a person wrote.
@@ -151,10 +205,14 @@ impl Sketch {
             });
         }
         // With the shapes, as it grows: further lines might give a letter a second one.
-        let checked = Grammar::parse(&self.grammar_text(), "the sketch");
-        checked.map_err(|faults| SketchError::Rule(faults.to_string()))?;
-        Ok(())
+        check(&self.grammar_text())
     }
+}
+
+fn check(text: &str) -> Result<(), SketchError> {
+    let checked = Grammar::parse(text, "the sketch");
+    checked.map_err(|faults| SketchError::Rule(faults.to_string()))?;
+    Ok(())
 }
 
 #[cfg(test)]
@@ -169,15 +227,30 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::sketch::{Letter, NodeRef, grow};
+    use crate::sketch::{GROW, GrowParams, Grower, Letter, NodeRef, SelfSimilar, grow};
+
+    const TRUNK_BRANCHES: &str = "A > A :";
 
     fn sketch() -> Sketch {
         let (sketch, _) = Sketch::default()
-            .add_segments(NodeRef::ROOT, &[Vec3::Y * 0.1, Vec3::Y * 0.2])
+            .add_segments(
+                NodeRef::ROOT,
+                &[Vec3::Y * 0.1, Vec3::Y * 0.2, Vec3::Y * 0.3],
+            )
             .unwrap();
-        let at = NodeRef::new(Letter::TRUNK, 1);
-        let (sketch, _) = sketch.add_segment(at, Vec3::new(0.1, 0.15, 0.0)).unwrap();
-        sketch
+        branched(&sketch, 1)
+    }
+
+    fn branched(sketch: &Sketch, node: u32) -> Sketch {
+        let at = NodeRef::new(Letter::TRUNK, node);
+        sketch.add_segment(at, Vec3::new(0.1, 0.15, 0.0)).unwrap().0
+    }
+
+    fn nested(depth_limit: Option<u32>) -> Option<SelfSimilar> {
+        Some(SelfSimilar {
+            rate: 2,
+            depth_limit,
+        })
     }
 
     #[test]
@@ -186,7 +259,7 @@ mod tests {
         let productions = sketch.productions();
         assert!(productions.len() >= 4, "{productions:?}");
         let own = "A(x) > B : x < 2 -> A(x) A(x+1)";
-        let with = sketch.with_rule("A(x) > B", Some(own)).unwrap();
+        let with = sketch.with_rule("A > B", Some(own)).unwrap();
         let text = with.rules_text();
         assert!(
             text.contains(own) && !text.contains(&productions[0].generated),
@@ -204,7 +277,7 @@ mod tests {
                 .count()
         };
         assert!(height(&with) < height(&sketch));
-        assert_eq!(with.with_rule("A(x) > B", None).unwrap(), sketch);
+        assert_eq!(with.with_rule("A > B", None).unwrap(), sketch);
     }
 
     #[test]
@@ -212,7 +285,7 @@ mod tests {
         let with = sketch()
             .with_rule(FURTHER, Some("const longest = 3\n# mine"))
             .unwrap()
-            .with_rule("A(x) > B", Some("A(x) > B : x < longest -> A(x) A(x+1)"))
+            .with_rule("A > B", Some("A(x) > B : x < longest -> A(x) A(x+1)"))
             .unwrap();
         let text = with.rules_text();
         assert!(text.find("const longest").unwrap() < text.find("axiom").unwrap());
@@ -228,14 +301,14 @@ mod tests {
             "A(x) > B -> A(y)",
             "A(x) > B : -> A(x)",
         ] {
-            let refused = sketch.with_rule("A(x) > B", Some(bad)).unwrap_err();
+            let refused = sketch.with_rule("A > B", Some(bad)).unwrap_err();
             assert!(
                 refused.to_string().contains("the sketch"),
                 "{bad}: {refused}"
             );
         }
         let long = "A".repeat(RULE_BYTES + 1);
-        assert!(sketch.with_rule("A(x) > B", Some(&long)).is_err());
+        assert!(sketch.with_rule("A > B", Some(&long)).is_err());
     }
 
     #[test]
@@ -252,15 +325,98 @@ mod tests {
     }
 
     #[test]
+    fn a_tree_of_too_many_segments_is_refused_as_one_without_own_rules() {
+        let twice = "A(x) > B -> A(x) A(x+1) [ A(0) B ]";
+        let with = sketch().with_rule("A > B", Some(twice)).unwrap();
+        let most = 50;
+        let mut grower = Grower::new(GrowParams {
+            segments: most,
+            ..GROW
+        });
+        let mut grown = |step| grower.grow(&with, step, &AtomicBool::new(false));
+        assert!(grown(3).is_ok());
+        let refused = SketchError::TooLarge { step: 9, most };
+        assert_eq!(grown(9).err(), Some(refused));
+    }
+
+    #[test]
     fn a_letter_has_one_shape() {
         let twice = Some("shape A = [(0 1 0)]");
         assert!(sketch().with_rule(FURTHER, twice).is_err());
     }
 
     #[test]
+    fn a_production_is_named_by_its_letters() {
+        for (left, name) in [
+            ("A(x) > B", "A > B"),
+            ("C1(x, d) > B", "C1 > B"),
+            (
+                "A(x) > A(y) : (x+1) % 2 == 0 || (x+1) % 3 == 0",
+                TRUNK_BRANCHES,
+            ),
+            ("C(x, d) > C(y, e) : (x+1) % 2 == 0 && d < 1", "C > C :"),
+            ("D_on_A(x) : (x+1) % 3 == 0", "D_on_A :"),
+            ("D_on_A(x)", "D_on_A"),
+            (FURTHER, FURTHER),
+            ("A)(", "A"),
+        ] {
+            assert_eq!(name_of(left), name, "{left}");
+            assert_eq!(name_of(name), name, "a name is its own name");
+        }
+    }
+
+    #[test]
+    fn no_two_productions_have_one_name() {
+        let sketch = branched(&branched(&sketch(), 2), 1);
+        let names: Vec<String> = sketch.productions().into_iter().map(|it| it.of).collect();
+        let distinct: std::collections::BTreeSet<&String> = names.iter().collect();
+        assert!(names.iter().any(|name| name == "D_on_A :"), "{names:?}");
+        assert_eq!(distinct.len(), names.len(), "{names:?}");
+    }
+
+    #[test]
+    fn a_rule_outlasts_other_conditions_of_the_one_it_stands_for() {
+        let own = "A(x) > A(y) : x < 1 -> A(x) [ +(40) C(0) B ]";
+        let with = sketch().with_rule(TRUNK_BRANCHES, Some(own)).unwrap();
+        let letter = Letter::from_index(1);
+        let branch = branched(&with, 2);
+        let nested = with.with_self_similar(letter, nested(None)).unwrap();
+        for (mut next, left_to_rules) in [(branch, true), (nested, false)] {
+            next.prune_rules();
+            assert_eq!(next.own_rules, with.own_rules);
+            assert!(next.check_own_rules().is_ok());
+            assert!(next.rules_text().contains(own));
+            assert_eq!(next.has_branch_left_to_rules(&with), left_to_rules);
+        }
+    }
+
+    #[test]
+    fn a_letter_keeps_the_parameters_that_rules_give_it() {
+        let letter = Letter::from_index(1);
+        let nested_anew = |sketch: &Sketch| sketch.with_self_similar(letter, nested(Some(1)));
+        assert!(nested_anew(&sketch()).is_ok(), "nothing is in the way");
+        for (of, own) in [
+            ("C > B", "C(x) > B : x < 4 -> C(x) C(x+1)"),
+            (TRUNK_BRANCHES, "A(x) > A(y) : x < 1 -> A(x) [ C(0) B ]"),
+            (FURTHER, "C(x) < C(y) : y > 9 -> *"),
+        ] {
+            let with = sketch().with_rule(of, Some(own)).unwrap();
+            let refused = nested_anew(&with).unwrap_err().to_string();
+            assert!(
+                refused.contains("`C` is declared with 2"),
+                "{own}: {refused}"
+            );
+            let other = with.with_self_similar(letter, nested(None));
+            assert!(other.is_ok(), "a rate changes no parameters");
+            let as_drawn = with.with_rule(of, None).unwrap();
+            assert!(nested_anew(&as_drawn).is_ok(), "{own}");
+        }
+    }
+
+    #[test]
     fn a_rule_goes_with_its_line() {
         let with = sketch()
-            .with_rule("C(x) > B", Some("C(x) > B : x < 1 -> C(x) C(x+1)"))
+            .with_rule("C > B", Some("C(x) > B : x < 1 -> C(x) C(x+1)"))
             .unwrap();
         let (mut gone, _) = with
             .delete_node(NodeRef::new(Letter::from_index(1), 1))

@@ -96,7 +96,9 @@ impl Image {
         Stroke {
             letter,
             points: stroke.points.iter().map(|&point| self.of(point)).collect(),
-            ..stroke.clone()
+            handles: stroke.handles.clone(),
+            attachment: stroke.attachment,
+            self_similar: stroke.self_similar,
         }
     }
 
@@ -140,9 +142,13 @@ impl Sketch {
         symmetry: Symmetry,
     ) -> Result<(), super::SketchError> {
         let mut made: Vec<Arc<Stroke>> = vec![Arc::clone(of)];
+        // Looked for once: the preview makes all copies anew with each movement of the hand.
+        let mut letters = self.free_letters().peekable();
         for image in symmetry.images() {
-            let copy = image.of_stroke(of, self.free_letter()?);
+            let letter = *letters.peek().ok_or(super::change::NO_LETTER)?;
+            let copy = image.of_stroke(of, letter);
             if made.iter().all(|other| other.points != copy.points) {
+                letters.next();
                 let copy = Arc::new(copy);
                 made.push(Arc::clone(&copy));
                 self.strokes.push(copy);

@@ -226,6 +226,16 @@ impl Panels {
         self.sheets.iter_mut().for_each(Sheet::unseen);
     }
 
+    /// The picture is made anew: all is laid out and painted again. Tabs, and a rule that is being written, stay.
+    pub fn show_anew(&mut self) {
+        self.sheets
+            .iter_mut()
+            .for_each(|sheet| *sheet = sheet.anew());
+        (self.shown, self.said, self.buttons) = (None, None, None);
+        self.there = [false; 5];
+        self.typed.clear();
+    }
+
     /// Offers projects to go on with.
     pub fn offer(&mut self, recent: Vec<Recent>) {
         self.bench.offer(recent);

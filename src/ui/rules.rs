@@ -35,6 +35,21 @@ pub(super) struct Rules {
     slid: Option<(usize, f64)>,
 }
 
+/// The tab being laid out: what it is about, and what is wanted.
+struct Page<'a> {
+    sketch: &'a Sketch,
+    words: &'static Words,
+    wishes: &'a mut Vec<Wish>,
+}
+
+/// A production, or the further lines, as they stand there.
+struct Row<'a> {
+    of: &'a str,
+    text: &'a str,
+    /// A person wrote it.
+    own: bool,
+}
+
 impl Rules {
     /// Lays the rules out.
     pub(super) fn show(&mut self, ui: &mut Ui, view: &View<'_>, wishes: &mut Vec<Wish>) {
@@ -44,97 +59,78 @@ impl Rules {
             ui.label(words.nothing_drawn);
             return;
         }
+        let mut page = Page {
+            sketch,
+            words,
+            wishes,
+        };
         ui.label(words.rules_hint);
-        for (number, rule) in sketch.productions().into_iter().enumerate() {
+        for (number, rule) in sketch.productions().iter().enumerate() {
             ui.separator();
-            let text = rule.own.as_ref().unwrap_or(&rule.generated);
-            ui.push_id(number, |ui| {
-                self.rule(
-                    ui,
-                    words,
-                    sketch,
-                    &rule.of,
-                    text,
-                    rule.own.is_some(),
-                    wishes,
-                );
-            });
+            let row = Row {
+                of: &rule.of,
+                text: rule.own.as_ref().unwrap_or(&rule.generated),
+                own: rule.own.is_some(),
+            };
+            ui.push_id(number, |ui| self.rule(ui, &row, &mut page));
         }
         ui.separator();
         ui.label(RichText::new(words.further).color(TITLE));
         let further = sketch.own_rules.get(FURTHER).map_or("", String::as_str);
-        constants(ui, further, &mut self.slid, wishes);
-        ui.push_id(FURTHER, |ui| {
-            self.rule(
-                ui,
-                words,
-                sketch,
-                FURTHER,
-                further,
-                !further.is_empty(),
-                wishes,
-            );
-        });
+        constants(ui, further, &mut self.slid, page.wishes);
+        let row = Row {
+            of: FURTHER,
+            text: further,
+            own: !further.is_empty(),
+        };
+        ui.push_id(FURTHER, |ui| self.rule(ui, &row, &mut page));
     }
 
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "one row: its text, its place and who hears of it"
-    )]
-    fn rule(
-        &mut self,
-        ui: &mut Ui,
-        words: &Words,
-        sketch: &Sketch,
-        of: &str,
-        text: &str,
-        own: bool,
-        wishes: &mut Vec<Wish>,
-    ) {
-        if let Some(draft) = &mut self.draft
-            && draft.of == of
-        {
-            if write(ui, words, sketch, draft, wishes) {
+    fn rule(&mut self, ui: &mut Ui, row: &Row<'_>, page: &mut Page<'_>) {
+        if let Some(draft) = self.draft.as_mut().filter(|draft| draft.of == row.of) {
+            if write(ui, draft, page) {
                 self.draft = None;
             }
             return;
         }
-        ui.label(RichText::new(text).monospace());
+        let words = page.words;
+        ui.label(RichText::new(row.text).monospace());
         ui.horizontal(|ui| {
             if ui.button(words.edit).clicked() {
                 self.draft = Some(Draft {
-                    of: of.to_owned(),
-                    text: text.to_owned(),
+                    of: row.of.to_owned(),
+                    text: row.text.to_owned(),
                     wrong: None,
                 });
             }
-            if own && ui.button(words.generated).clicked() {
-                wishes.push(set(of, None));
+            if row.own && ui.button(words.generated).clicked() {
+                page.wishes.push(set(row.of, None));
             }
-            if own {
+            if row.own {
                 ui.label(RichText::new(words.own).color(MESSAGE));
             }
         });
     }
 }
 
+impl Draft {
+    /// Finds out what is wrong with it.
+    fn check(&mut self, sketch: &Sketch) {
+        let tried = sketch.with_rule(&self.of, Some(&self.text));
+        self.wrong = tried.err().map(|error| error.to_string());
+    }
+}
+
 /// A rule being written; true when it is done with.
-fn write(
-    ui: &mut Ui,
-    words: &Words,
-    sketch: &Sketch,
-    draft: &mut Draft,
-    wishes: &mut Vec<Wish>,
-) -> bool {
+fn write(ui: &mut Ui, draft: &mut Draft, page: &mut Page<'_>) -> bool {
+    let words = page.words;
     let box_ = TextEdit::multiline(&mut draft.text)
         .code_editor()
         .desired_rows(2)
         .hint_text(words.further_hint)
         .desired_width(f32::INFINITY);
-    let answer = ui.add(box_);
-    if answer.changed() {
-        let tried = sketch.with_rule(&draft.of, Some(&draft.text));
-        draft.wrong = tried.err().map(|error| error.to_string());
+    if ui.add(box_).changed() {
+        draft.check(page.sketch);
     }
     if let Some(wrong) = &draft.wrong {
         ui.label(RichText::new(wrong).monospace().color(MESSAGE));
@@ -144,10 +140,9 @@ fn write(
         let apply = egui::Button::new(words.apply);
         if ui.add_enabled(draft.wrong.is_none(), apply).clicked() {
             // Once more: the sketch may have changed since the last letter was typed.
-            let tried = sketch.with_rule(&draft.of, Some(&draft.text));
-            draft.wrong = tried.err().map(|error| error.to_string());
+            draft.check(page.sketch);
             if draft.wrong.is_none() {
-                wishes.push(set(&draft.of, Some(draft.text.clone())));
+                page.wishes.push(set(&draft.of, Some(draft.text.clone())));
                 done = true;
             }
         }

@@ -13,7 +13,7 @@ use super::{LayoutParams, Painted, theme, whole_pixels};
 use crate::world::panels::PanelPointer;
 
 /// Points that the stick scrolls in a second when it is pushed all the way.
-const SCROLL_POINTS: f32 = 600.0;
+pub const SCROLL_POINTS: f32 = 600.0;
 
 /// A pointer that moved less than this stays where it was, points: hands tremble.
 const STILL: f32 = 0.25;
@@ -22,7 +22,7 @@ const STILL: f32 = 0.25;
 const FAR: f32 = 1e4;
 
 /// Longest time between two frames that counts, seconds.
-const LONGEST: f64 = 0.1;
+pub const LONGEST: f64 = 0.1;
 
 /// Something that the person should feel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +88,15 @@ impl Sheet {
             seen: true,
             texts: None,
         }
+    }
+
+    /// The sheet for a picture that is made anew: laid out and painted from nothing, and scrolled as it was.
+    #[must_use]
+    pub fn anew(&self) -> Self {
+        let anew = Self::new(self.size, self.params);
+        let kept = self.context.data(Clone::clone);
+        anew.context.data_mut(|data| *data = kept);
+        anew
     }
 
     /// Says that no picture is drawn: what is painted is thrown away.

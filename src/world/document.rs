@@ -207,7 +207,7 @@ pub enum Edit {
     },
     /// Writes a production in the place of a generated one, or further lines of the grammar.
     SetRule {
-        /// The left side of the generated one; empty: further lines.
+        /// The name or the left side of the generated one; empty: further lines.
         of: String,
         /// The text; none: the generated one is back.
         to: Option<String>,

@@ -605,3 +605,41 @@ fn rules_of_ones_own_come_back_from_file_and_journal_whatever_they_hold() {
     assert_eq!((decoded.project, decoded.actions.len()), (read, 2));
     assert_eq!(decoded.damage, None);
 }
+
+#[test]
+fn rules_kept_by_their_whole_left_side_still_open() {
+    let text = r#"{
+  "format": "ramus-project", "version": 2, "needs": "0.1.0", "step": 3,
+  "selected": {"letter":"A","node":2},
+  "platform": {"position":[0.0,0.9,-0.55],"yaw_deg":0.0,"scale":0.25},
+  "divergence_deg": 137.508, "scale": 2.0, "tip_radius": 0.02, "radius_exponent": 2.0,
+  "wrap": "carry-heading", "self_similar_branches": false,
+  "own_rules": {
+    "": "const half = divergence / 2",
+    "A(x) > A(y) : (x+1) % 1 == 0 || (x+1) % 2 == 0": "A(x) > A(y) : x < 9 -> A(x) C_on_A(x) D_on_A(x)",
+    "A(x) > B": "A(x) > B : x < 12 -> A(x) A(x+1)",
+    "D_on_A(x)": "D_on_A(x) : x > 5 -> *",
+    "D_on_A(x) : (x+1) % 2 == 0": "D_on_A(x) : x == 1 -> [ /(half) D(0) B ]"
+  },
+  "strokes": [
+    {"letter": "A", "attachment": null, "self_similar": null, "points": [[0.0,0.15,0.0],[0.0,0.3,0.0]]},
+    {"letter": "C", "attachment": {"letter":"A","node":1}, "self_similar": null, "points": [[0.1,0.1,0.0]]},
+    {"letter": "D", "attachment": {"letter":"A","node":2}, "self_similar": null, "points": [[-0.1,0.1,0.0]]}
+  ]
+}"#;
+    let read = project::from_bytes(text.as_bytes()).unwrap();
+    let rules = read.sketch.rules_text();
+    assert_eq!(read.sketch.own_rules.len(), 5);
+    for own in read.sketch.own_rules.values() {
+        assert!(rules.contains(own), "{own} in\n{rules}");
+    }
+    let again = project::from_bytes(&project::to_bytes(&read)).unwrap();
+    assert_eq!(again, read);
+    // An old journal's line, too.
+    let as_drawn = Edit::SetRule {
+        of: "D_on_A(x) : (x+1) % 2 == 0".into(),
+        to: None,
+    };
+    let fewer = read.after(&as_drawn).unwrap();
+    assert_eq!(fewer.sketch.own_rules.len(), 4);
+}

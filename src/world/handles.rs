@@ -4,7 +4,8 @@
 //! trunk, and turns it, live, with snaps at the angles that plants are known for. The *wheel* turns growth forward and back,
 //! without jumps. The *stump* clears the sketch, when it is asked twice. Trigger and grip do the same here.
 //!
-//! A turn is measured about the handle's own axis from where the hand took it, so taking it changes nothing.
+//! A turn is measured about the handle's own axis from where the hand took it, so taking it changes nothing. What took
+//! it, the tip or the ray, measures it until it is let go: where one took over from the other, it would jump.
 
 use std::f32::consts::TAU;
 
@@ -92,11 +93,22 @@ impl Default for HandleParams {
     }
 }
 
+/// How a hand holds a handle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Grasp {
+    /// Where the hand was about the axis in the last frame, radians.
+    angle: f32,
+    /// The tip measures it, not the ray.
+    by_tip: bool,
+    /// The grip holds it, not the trigger.
+    by_grip: bool,
+}
+
 /// What the handles remember between frames.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Handles {
-    /// Where each hand was pointing about the axis in the last frame, radians.
-    angle: [f32; 2],
+    /// Of each hand that holds one.
+    grasps: [Grasp; 2],
     /// The lever's angle before snapping, degrees.
     lever_deg: f64,
     /// How far the tree has grown, steps, while a hand has the wheel.
@@ -146,15 +158,34 @@ impl Tools {
         knob(id, &self.shown, self.handles.moment, &self.params.handles)
     }
 
-    /// Takes the lever or the wheel, or presses the stump.
-    pub(super) fn take_handle(&mut self, hand: usize, id: HandleId, history: &mut History) {
+    /// Takes the lever or the wheel, or presses the stump, by the trigger or by the grip.
+    pub(super) fn take_handle(
+        &mut self,
+        hand: usize,
+        id: HandleId,
+        by_grip: bool,
+        history: &mut History,
+    ) {
         if id == HandleId::Stump {
             return self.press_stump(hand, history);
         }
         self.hands[hand].hold = Hold::Handle(id);
         self.handles.lever_deg = self.shown.sketch.divergence_deg;
-        self.handles.angle[hand] = self.angle_about(id, hand).unwrap_or(0.0);
+        let by_tip = self.is_in_reach(id, hand);
+        self.handles.grasps[hand] = Grasp {
+            angle: self.angle_about(id, hand, by_tip).unwrap_or(0.0),
+            by_tip,
+            by_grip,
+        };
         self.pulse(hand, self.params.haptics.choose);
+    }
+
+    /// Trigger or grip come up: a handle is let go by what took it.
+    pub(super) fn let_go_of_handle(&mut self, hand: usize, by_grip: bool, history: &mut History) {
+        let held = matches!(self.hands[hand].hold, Hold::Handle(_));
+        if held && self.handles.grasps[hand].by_grip == by_grip {
+            self.release(hand, history);
+        }
     }
 
     fn press_stump(&mut self, hand: usize, history: &mut History) {
@@ -177,15 +208,21 @@ impl Tools {
         self.handles.waiting = (self.handles.waiting - seconds).max(0.0);
     }
 
-    /// The angle about a handle's axis at which a hand points or touches, radians. `None`: straight at the axis, or away.
-    fn angle_about(&self, id: HandleId, hand: usize) -> Option<f32> {
-        let sample = self.hands.get(hand)?.sample?;
+    fn is_in_reach(&self, id: HandleId, hand: usize) -> bool {
         let center = place(id, &self.shown.platform, &self.params.handles);
         let reach = self.params.handles.radius * 2.0;
-        let at = if sample.tip.distance(center) <= reach {
-            sample.tip
-        } else {
-            on_level(&sample, center.y)?
+        let sample = self.hands[hand].sample;
+        sample.is_some_and(|sample| sample.tip.distance(center) <= reach)
+    }
+
+    /// The angle about a handle's axis at which a hand's tip is or its ray meets the dial's plane, radians. `None`: straight
+    /// at the axis, or away.
+    fn angle_about(&self, id: HandleId, hand: usize, by_tip: bool) -> Option<f32> {
+        let sample = self.hands[hand].sample?;
+        let center = place(id, &self.shown.platform, &self.params.handles);
+        let at = match by_tip {
+            true => sample.tip,
+            false => on_level(&sample, center.y)?,
         };
         let away = at - center;
         (away.x.hypot(away.z) > 1e-3).then(|| away.x.atan2(away.z))
@@ -198,10 +235,12 @@ impl Tools {
             let Hold::Handle(id) = self.hands[hand].hold else {
                 continue;
             };
-            let Some(angle) = self.angle_about(id, hand) else {
+            let by_tip = self.handles.grasps[hand].by_tip;
+            let Some(angle) = self.angle_about(id, hand, by_tip) else {
                 continue;
             };
-            let turned = wrapped(angle - std::mem::replace(&mut self.handles.angle[hand], angle));
+            let before = std::mem::replace(&mut self.handles.grasps[hand].angle, angle);
+            let turned = wrapped(angle - before);
             match id {
                 HandleId::Lever => self.turn_lever(hand, turned, history),
                 HandleId::Wheel => {

@@ -81,10 +81,19 @@ impl Tools {
                 self.pulse(hand, self.params.haptics.choose);
             }
             Hover::Panel(on) => self.carry(hand, on.id),
-            Hover::Handle { id, .. } => self.take_handle(hand, id, history),
+            Hover::Handle { id, .. } => self.take_handle(hand, id, true, history),
             Hover::Nothing => return,
         }
         self.show(history);
+    }
+
+    /// The grip comes up: what it holds is let go; what the trigger holds is not.
+    pub(super) fn open(&mut self, hand: usize, history: &mut History) {
+        match self.hands[hand].hold {
+            Hold::Stroke | Hold::Panel { .. } => {}
+            Hold::Handle(_) => self.let_go_of_handle(hand, true, history),
+            _ => self.release(hand, history),
+        }
     }
 
     /// Lets go of what a hand holds, where it is now.

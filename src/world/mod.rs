@@ -7,9 +7,11 @@
 //!
 //! A frame in which nothing happens allocates nothing; `tests/world_alloc.rs` holds that.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec3};
 
-use crate::sketch::Grown;
+use crate::sketch::{Grown, Sketch};
 
 pub mod board;
 pub mod document;
@@ -116,8 +118,8 @@ pub struct World {
     player: Player,
     rig: Rig,
     course: Course,
-    /// How many rules of their own a person had when it was looked last.
-    own_rules: usize,
+    /// The sketch as it was when its rules were looked at last.
+    ruled: Arc<Sketch>,
     board: LiveBoard,
     /// The grown string, perhaps cut.
     string: String,
@@ -143,6 +145,7 @@ impl World {
             params.stage,
             params.palette,
         );
+        let ruled = Arc::clone(&history.committed().sketch);
         let mut world = Self {
             params,
             history,
@@ -151,7 +154,7 @@ impl World {
             player: Player::new(&params.play),
             rig: Rig::new(params.room),
             course: Course::default(),
-            own_rules: 0,
+            ruled,
             board: LiveBoard::default(),
             string: String::new(),
             string_revision: 0,
@@ -398,14 +401,22 @@ impl World {
         actions
     }
 
-    /// Says when a rule of a person's own went with the line it stood for.
+    /// Says when a rule of a person's own went with the line it stood for, and when one keeps a new branch from growing.
     fn tell_of_rules(&mut self, actions: &[Action]) {
-        let rules = self.document().sketch.own_rules.len();
-        let before = std::mem::replace(&mut self.own_rules, rules);
+        let now = Arc::clone(&self.document().sketch);
+        let before = std::mem::replace(&mut self.ruled, Arc::clone(&now));
         let meant = |action: &Action| !matches!(action, Action::Edit(edit) if !matches!(edit, Edit::SetRule { .. }));
-        if rules < before && !actions.iter().any(meant) {
+        if actions.is_empty() || actions.iter().any(meant) {
+            return;
+        }
+        if now.own_rules.len() < before.own_rules.len() {
             self.show_message(
                 "A rule of yours went with the one it stood for: undo brings both back.".into(),
+            );
+        } else if now.has_branch_left_to_rules(&before) {
+            self.show_message(
+                "A rule of yours says what branches there: the new branch grows when that rule names it, or is as drawn."
+                    .into(),
             );
         }
     }

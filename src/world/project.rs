@@ -15,7 +15,9 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::document::{Document, EditError, Placement};
-use crate::sketch::{Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap, quantize};
+use crate::sketch::{
+    Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap, own_rules::by_name, quantize,
+};
 
 /// The first field of every project file.
 const FORMAT: &str = "ramus-project";
@@ -259,7 +261,7 @@ fn document_from_file(file: File) -> Document {
         radius_exponent: quantize::coordinate(file.radius_exponent),
         wrap: file.wrap,
         self_similar_branches: file.self_similar_branches,
-        own_rules: Arc::new(file.own_rules),
+        own_rules: Arc::new(by_name(file.own_rules)),
     };
     Document {
         sketch: Arc::new(sketch),

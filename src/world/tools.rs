@@ -431,8 +431,8 @@ impl Tools {
         if edges.trigger == Edge::Up {
             self.let_off(hand, history);
         }
-        if edges.squeeze == Edge::Up && self.hands[hand].hold != Hold::Stroke {
-            self.release(hand, history);
+        if edges.squeeze == Edge::Up {
+            self.open(hand, history);
         }
         if edges.squeeze == Edge::Down {
             self.grip(hand, history);
@@ -473,7 +473,7 @@ impl Tools {
                 _,
             ) => {}
             (Hold::Nothing, Hover::Panel(on)) => self.press(hand, on.id, false),
-            (Hold::Nothing, Hover::Handle { id, .. }) => self.take_handle(hand, id, history),
+            (Hold::Nothing, Hover::Handle { id, .. }) => self.take_handle(hand, id, false, history),
             (Hold::Node(at), _) => {
                 self.hands[hand].hold = Hold::Nothing;
                 let haptic = self.params.haptics.delete;
@@ -607,7 +607,7 @@ impl Tools {
     fn let_off(&mut self, hand: usize, history: &mut History) {
         match self.hands[hand].hold {
             Hold::Panel { poked: false, .. } => self.hands[hand].hold = Hold::Nothing,
-            Hold::Handle(_) => self.release(hand, history),
+            Hold::Handle(_) => self.let_go_of_handle(hand, false, history),
             _ => {}
         }
     }

@@ -243,3 +243,37 @@ fn the_board_says_what_stands_there() {
     }
     assert_eq!(person.message(), None, "it goes after a while");
 }
+
+#[test]
+fn a_rule_of_ones_own_that_decides_over_a_branch_is_spoken_of() {
+    let mut person = with_branch(RIGHT);
+    let rule = Edit::SetRule {
+        of: "A > A :".into(),
+        to: Some("A(x) > A(y) : x < 1 -> A(x) [ +(40) C(0) B ]".into()),
+    };
+    let node = |letter, node| NodeRef::new(letter, node);
+    let (foot, first) = (node(A, 1), node(C, 1));
+    let second = node(Letter::from_index(2), 1);
+    let to = Vec3::new(0.1, 0.5, 0.1);
+    let delete = |at| vec![Edit::DeleteNode { at }];
+    for (edits, said) in [
+        (vec![rule], None),
+        (
+            vec![Edit::Select { at: foot }, Edit::AddSegment { to }],
+            Some("names it"),
+        ),
+        (delete(first), None),
+        (delete(second), Some("undo brings both back")),
+    ] {
+        person.world.show_message("-".into());
+        for edit in &edits {
+            person.world.apply(edit.clone()).unwrap();
+        }
+        assert!(!person.world.take_edits().is_empty());
+        let message = person.message().unwrap();
+        assert!(
+            message.contains(said.unwrap_or("-")),
+            "{edits:?}: {message}"
+        );
+    }
+}

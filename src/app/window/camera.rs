@@ -8,8 +8,6 @@ use std::f32::consts::FRAC_PI_2;
 use glam::{Mat3, Quat, Vec2, Vec3};
 use ramus_xr::{Fov, Pose, View};
 
-use crate::world::stage::StageParams;
-
 /// How the eye moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraParams {
@@ -90,12 +88,9 @@ impl Camera {
         Self::looking(Vec3::new(0.2, 1.17, -0.6), 0.0, 0.2, 1.75)
     }
 
-    /// Before a box of the stage, lowest and highest corner in metres, such that all of it is seen; without one
-    /// before the place of the full-size tree.
+    /// Before a box, lowest and highest corner in metres, such that all of it is seen.
     #[must_use]
-    pub fn before(bounds: Option<(Vec3, Vec3)>) -> Self {
-        let place = StageParams::default().tree;
-        let (low, high) = bounds.unwrap_or((place, place + Vec3::Y * 2.0));
+    pub fn before([low, high]: [Vec3; 2]) -> Self {
         let middle = (low + high) * 0.5;
         // Trees are rounder than their boxes: a ball a little within the corners is what is to be seen.
         let half = (high - low).length() * 0.5 * ROUND;
@@ -301,7 +296,7 @@ mod tests {
     fn before_a_box_all_sides_of_it_are_seen() {
         for size in [0.5_f32, 3.0, 9.0] {
             let (middle, half) = (Vec3::new(0.0, size, -6.0), Vec3::splat(size));
-            let camera = Camera::before(Some((middle - half, middle + half)));
+            let camera = Camera::before([middle - half, middle + half]);
             for side in Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
                 let seen = seen(&camera, middle + half * side, SIZE);
                 let inside = seen.cmpge(Vec2::ZERO).all() && seen.cmple(SIZE).all();

@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 use ash::vk;
 use glam::Vec2;
 use ramus_xr::frame::{LATEST, LONGEST_STEP};
-use ramus_xr::{Acquired, Frame, Hand, Headset, HeadsetError, Pulse, Swapchain, Tick, View};
+use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Pulse, Swapchain, Tick, View};
 use winit::event_loop::EventLoop;
 use winit::platform::pump_events::{EventLoopExtPumpEvents as _, PumpStatus};
 
@@ -316,7 +316,8 @@ impl WindowHeadset {
         self.draws = self.is_lively();
         let facts = self.wire.facts.get();
         let pointer = self.events.pointer_mut();
-        let hand = pointer.step(size, &facts);
+        let right = pointer.step(passed, size, &facts);
+        let left = pointer.left(&facts);
         self.wire.ray.set(Some(pointer.ray(size)));
         let view = pointer.camera.view(size);
         Frame {
@@ -325,7 +326,7 @@ impl WindowHeadset {
             should_render: self.draws && self.events.is_seen(),
             head: view.pose,
             views: [view; 2],
-            hands: [Hand::ABSENT, hand],
+            hands: [left, right],
         }
     }
 }

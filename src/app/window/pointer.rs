@@ -16,6 +16,7 @@ use glam::{Vec2, Vec3};
 use ramus_xr::{Hand, Pose};
 
 use super::camera::{Camera, Ray, pointing};
+use crate::ui::sheet::{LONGEST, SCROLL_POINTS};
 use crate::world::Met;
 use crate::world::hands::HandParams;
 
@@ -89,6 +90,8 @@ pub struct Facts {
     pub selected: Option<Vec3>,
     /// What lies under the cursor.
     pub met: Option<Met>,
+    /// The left hand's stick undoes and redoes: the right one's turns the person.
+    pub left_undoes: bool,
 }
 
 /// A plane on the stage.
@@ -114,6 +117,12 @@ const FARTHEST: f32 = 30.0;
 
 /// Looking down by more than this the usual plane is level: the sine of 55°.
 const STEEP: f32 = 0.82;
+
+/// Points that a panel scrolls for a notch of the wheel: three lines of text, as on desktops.
+const NOTCH_POINTS: f32 = 54.0;
+
+/// Most points that still wait to be scrolled: a wheel that was spun does not run on for long.
+const MOST_POINTS: f32 = 600.0;
 
 /// Where the hand itself is, from its tip, metres: out of sight, since it would hide what it works at.
 const GRIP_FROM_TIP: Vec3 = Vec3::new(0.0, 50.0, 0.0);
@@ -142,8 +151,10 @@ pub struct Pointer {
     across: Option<Axis>,
     /// What the last frame tapped; the next one shows it released.
     tap: Option<Tap>,
-    /// Notches that the last frame scrolled.
+    /// Points that still wait to be scrolled.
     scroll: f32,
+    /// How far the stick is pushed for it in this frame.
+    pushed: f32,
     holding: Option<Holding>,
 }
 
@@ -162,6 +173,7 @@ impl Pointer {
             across: None,
             tap: None,
             scroll: 0.0,
+            pushed: 0.0,
             holding: None,
         }
     }
@@ -205,37 +217,67 @@ impl Pointer {
         self.camera.ray(self.cursor, size_px)
     }
 
-    /// The hand in the next frame.
-    pub fn step(&mut self, size_px: Vec2, facts: &Facts) -> Hand {
-        let rests = self.tap.is_some() || self.scroll != 0.0;
-        (self.tap, self.scroll) = (None, 0.0);
+    /// The right hand in the next frame, which comes so many seconds after the last one.
+    pub fn step(&mut self, seconds: f64, size_px: Vec2, facts: &Facts) -> Hand {
+        let rests = self.tap.take().is_some();
+        self.go_on_scrolling(seconds, facts);
         let mut moved = false;
         while let Some(&act) = self.waiting.front() {
-            if Self::is_press(&act, facts) {
+            if Self::is_press(&act) {
                 // A press waits for the frame that knows what is under the cursor, and until the last tap was released.
-                if !moved && !rests {
+                if !moved && !rests && self.pushed == 0.0 {
                     self.waiting.pop_front();
                     return self.press(act, size_px, facts);
                 }
                 break;
             }
             self.waiting.pop_front();
-            self.move_by(act, size_px);
+            self.move_by(act, size_px, facts);
             moved = true;
         }
         self.hand(size_px, facts, false)
     }
 
-    /// Whether an act wants a frame of its own.
-    fn is_press(act: &Act, facts: &Facts) -> bool {
-        match act {
-            Act::Button(..) | Act::Tap(_) | Act::Focus(_) => true,
-            Act::Wheel(_) => facts.met.is_some_and(|met| met.scrolls),
-            Act::Moved(_) | Act::Drag(_) | Act::Across(_) | Act::Look(_) => false,
+    /// The left hand in that frame: its stick alone, far away from everything, and only where that undoes.
+    #[must_use]
+    pub fn left(&self, facts: &Facts) -> Hand {
+        if !self.focused || !facts.left_undoes {
+            return Hand::ABSENT;
+        }
+        let away = Pose {
+            orientation: pointing(Vec3::Y),
+            position: GRIP_FROM_TIP,
+        };
+        Hand {
+            tracked: true,
+            aim: away,
+            grip: away,
+            stick: Vec2::new(self.flick(), 0.0),
+            ..Hand::ABSENT
         }
     }
 
-    fn move_by(&mut self, act: Act, size_px: Vec2) {
+    /// Pushes the stick as far as the rest of a notch wants it in a frame of so many seconds.
+    fn go_on_scrolling(&mut self, seconds: f64, facts: &Facts) {
+        if !facts.met.is_some_and(|met| met.scrolls) {
+            self.scroll = 0.0;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "a frame's seconds")]
+        let most = SCROLL_POINTS * seconds.clamp(0.0, LONGEST) as f32;
+        let points = self.scroll.clamp(-most, most);
+        self.scroll -= points;
+        self.pushed = if points == 0.0 { 0.0 } else { points / most };
+    }
+
+    /// Whether an act wants a frame of its own.
+    fn is_press(act: &Act) -> bool {
+        match act {
+            Act::Button(..) | Act::Tap(_) | Act::Focus(_) => true,
+            Act::Wheel(_) | Act::Moved(_) | Act::Drag(_) | Act::Across(_) | Act::Look(_) => false,
+        }
+    }
+
+    fn move_by(&mut self, act: Act, size_px: Vec2, facts: &Facts) {
         match act {
             Act::Moved(to) => {
                 let by = to - self.cursor;
@@ -245,6 +287,10 @@ impl Pointer {
                     Some(Drag::Pan) => self.camera.pan(by, size_px.y),
                     None => {}
                 }
+            }
+            Act::Wheel(notches) if facts.met.is_some_and(|met| met.scrolls) => {
+                let points = self.scroll + notches * NOTCH_POINTS;
+                self.scroll = points.clamp(-MOST_POINTS, MOST_POINTS);
             }
             Act::Wheel(notches) => self.camera.zoom(notches),
             Act::Drag(drag) => self.drag = drag,
@@ -265,14 +311,13 @@ impl Pointer {
                 }
             }
             Act::Tap(tap) => self.tap = Some(tap),
-            Act::Wheel(notches) => self.scroll = notches,
             Act::Focus(focused) => {
                 self.focused = focused;
                 // What was down is up by the time the window hears of keys and buttons again.
                 (self.trigger, self.squeeze) = (false, false);
                 (self.drag, self.across, self.holding) = (None, None, None);
             }
-            Act::Moved(_) | Act::Drag(_) | Act::Across(_) | Act::Look(_) => {}
+            Act::Wheel(_) | Act::Moved(_) | Act::Drag(_) | Act::Across(_) | Act::Look(_) => {}
         }
         let grips = self.holding.is_some() && !held_before;
         let hand = self.hand(size_px, facts, grips);
@@ -324,6 +369,15 @@ impl Pointer {
         })
     }
 
+    /// The stick to its sides.
+    fn flick(&self) -> f32 {
+        match self.tap {
+            Some(Tap::Undo) => -1.0,
+            Some(Tap::Redo) => 1.0,
+            _ => 0.0,
+        }
+    }
+
     /// The hand as it is now; `grips`: in this frame it takes what is under the cursor.
     fn hand(&self, size_px: Vec2, facts: &Facts, grips: bool) -> Hand {
         if !self.focused {
@@ -342,11 +396,7 @@ impl Pointer {
             },
         };
         let full = |down: bool| if down { 1.0 } else { 0.0 };
-        let flick = match self.tap {
-            Some(Tap::Undo) => -1.0,
-            Some(Tap::Redo) => 1.0,
-            _ => 0.0,
-        };
+        let flick = if facts.left_undoes { 0.0 } else { self.flick() };
         Hand {
             tracked: true,
             aim,
@@ -356,7 +406,7 @@ impl Pointer {
             },
             trigger: full(self.trigger),
             squeeze: full(self.squeeze),
-            stick: Vec2::new(flick, self.scroll.clamp(-1.0, 1.0)),
+            stick: Vec2::new(flick, self.pushed),
             lower: self.tap == Some(Tap::Grow),
             upper: self.tap == Some(Tap::Back),
         }

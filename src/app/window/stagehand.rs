@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use anyhow::{Context as _, Result};
+use glam::{Affine3A, Vec3};
 use ramus_xr::{Acquired, Frame, Headset};
 
 use super::camera::Camera;
@@ -16,6 +17,7 @@ use crate::app::workshop::Workshop;
 use crate::app::{export, take_home};
 use crate::world::Met;
 use crate::world::scene::Scene;
+use crate::world::stage::StageParams;
 
 /// Most pictures in a row beside each other in a folder.
 const MOST_PICTURES: u32 = 10_000;
@@ -41,6 +43,7 @@ impl<'a> Stagehand<'a> {
 
     fn look(&self, workshop: &Workshop, picture: &Picture) {
         let world = workshop.world();
+        let room = world.room();
         // The pointer's ray is the room's, as a headset's would be.
         let stage_from_room = world.stage_from_room();
         let room_from_stage = stage_from_room.inverse();
@@ -55,6 +58,7 @@ impl<'a> Stagehand<'a> {
                 place: in_room(met.place),
                 ..met
             }),
+            left_undoes: room.turning && room.left_handed,
         });
         self.wire
             .moving
@@ -87,16 +91,31 @@ impl<'a> Stagehand<'a> {
     }
 }
 
-/// An eye that sees the whole tree, or where it will stand.
+/// An eye that sees the whole tree, or where it will stand: in the room, as every eye, and that stands on the stage as the
+/// person set it.
 fn before_tree(workshop: &Workshop) -> Camera {
     let mut scene = Scene::default();
     workshop.world().scene(&mut scene);
-    let bounds = scene.tree.as_ref().and_then(|placed| {
+    let tree = scene.tree.as_ref().and_then(|placed| {
         let (low, high) = placed.tree.bounds()?;
-        let [low, high] = [low, high].map(|point| placed.world_from_tree.transform_point3(point));
-        Some((low.min(high), low.max(high)))
+        Some(boxed([low, high], &placed.world_from_tree))
     });
-    Camera::before(bounds)
+    let place = StageParams::default().tree;
+    let on_stage = tree.unwrap_or([place, place + Vec3::Y * 2.0]);
+    let room_from_stage = workshop.world().stage_from_room().inverse();
+    Camera::before(boxed(on_stage, &room_from_stage))
+}
+
+/// The box around a box that stands elsewhere, lowest and highest corner.
+fn boxed(corners: [Vec3; 2], place: &Affine3A) -> [Vec3; 2] {
+    let corner = |n: usize| {
+        let [x, y, z] = [0, 1, 2].map(|axis| corners[n >> axis & 1][axis]);
+        place.transform_point3(Vec3::new(x, y, z))
+    };
+    let first = [corner(0); 2];
+    (1..8)
+        .map(corner)
+        .fold(first, |[low, high], at| [low.min(at), high.max(at)])
 }
 
 /// Writes what the window shows under the next free number.
@@ -176,5 +195,43 @@ impl Watcher for Stagehand<'_> {
 
     fn ended(&mut self, headset: &mut dyn Headset) {
         self.inner.ended(headset);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+    use crate::world::{World, history::History};
+
+    #[test]
+    fn a_lifted_person_sees_the_tree_where_it_stands() {
+        let mut workshop = Workshop::unsaved(World::new(History::default())).unwrap();
+        let level = before_tree(&workshop).pose();
+        let mut settings = workshop.settings();
+        settings.room.lift = 0.5;
+        workshop.set(settings);
+        let lifted = before_tree(&workshop).pose();
+        let on_stage = workshop
+            .world()
+            .stage_from_room()
+            .transform_point3(lifted.position);
+        assert!(on_stage.distance(level.position) < 1e-3, "{on_stage}");
+        assert_eq!(lifted.orientation, level.orientation);
+    }
+
+    #[test]
+    fn a_box_that_is_turned_is_within_its_box() {
+        let quarter = Affine3A::from_rotation_y(std::f32::consts::FRAC_PI_2);
+        let turned = boxed([Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0)], &quarter);
+        let expected = [Vec3::new(0.0, 0.0, -1.0), Vec3::new(3.0, 2.0, 0.0)];
+        for (corner, expected) in turned.into_iter().zip(expected) {
+            assert!(corner.distance(expected) < 1e-5, "{corner}");
+        }
+        assert_eq!(boxed(expected, &Affine3A::IDENTITY), expected);
     }
 }

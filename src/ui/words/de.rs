@@ -257,6 +257,10 @@ pub(super) const SAID: &[(&str, &str)] = &[
         "Eine eigene Regel verschwand mit der, für die sie stand: Rückgängig holt beide zurück.",
     ),
     (
+        "A rule of yours says what branches there: the new branch grows when that rule names it, or is as drawn.",
+        "Eine eigene Regel sagt, was dort verzweigt: der neue Ast wächst, wenn sie ihn nennt oder wieder wie gezeichnet ist.",
+    ),
+    (
         "So many files wait to be written that this one is left out: ask again when they are there.",
         "So viele Dateien warten darauf, geschrieben zu werden, dass diese entfällt: später noch einmal.",
     ),

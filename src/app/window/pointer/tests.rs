@@ -12,12 +12,14 @@ use proptest::prelude::*;
 use super::*;
 
 const SIZE: Vec2 = Vec2::new(1280.0, 800.0);
+const FRAME: f64 = 0.008;
 const SELECTED: Vec3 = Vec3::new(0.0, 0.92, -0.6);
 
 fn facts() -> Facts {
     Facts {
         selected: Some(SELECTED),
         met: None,
+        left_undoes: false,
     }
 }
 
@@ -44,7 +46,7 @@ fn tip(hand: &Hand) -> Vec3 {
 fn shown(pointer: &mut Pointer, facts: &Facts) -> Vec<(bool, bool, f32, bool, bool)> {
     let mut frames = Vec::new();
     while pointer.is_busy() {
-        let hand = pointer.step(SIZE, facts);
+        let hand = pointer.step(FRAME, SIZE, facts);
         assert!(hand.is_sane(), "{hand:?}");
         frames.push((
             hand.trigger > 0.5,
@@ -80,11 +82,11 @@ fn a_button_has_the_cursor_of_the_frame_before() {
     pointer.take(Act::Moved(Vec2::new(700.0, 300.0)));
     pointer.take(Act::Button(Button::Trigger, true));
     pointer.take(Act::Moved(Vec2::new(10.0, 10.0)));
-    let before = pointer.step(SIZE, &facts());
-    let pressed = pointer.step(SIZE, &facts());
+    let before = pointer.step(FRAME, SIZE, &facts());
+    let pressed = pointer.step(FRAME, SIZE, &facts());
     assert!(before.trigger < 0.5 && pressed.trigger > 0.5);
     assert_eq!(before.aim, pressed.aim);
-    assert!(pointer.step(SIZE, &facts()).aim != pressed.aim);
+    assert!(pointer.step(FRAME, SIZE, &facts()).aim != pressed.aim);
 }
 
 #[test]
@@ -118,12 +120,15 @@ fn the_pointer_means_what_the_eye_sees_there() {
     let mut pointer = pointer();
     let eye = pointer.camera.pose().position;
     let node = pointer.ray(SIZE).at(0.7);
-    assert_eq!(pointer.step(SIZE, &met(node, true)).aim.position, eye);
+    assert_eq!(
+        pointer.step(FRAME, SIZE, &met(node, true)).aim.position,
+        eye
+    );
     // Through the rim the trigger draws as if it was not there.
-    let through = pointer.step(SIZE, &met(node, false));
-    assert_eq!(through.aim, pointer.step(SIZE, &facts()).aim);
+    let through = pointer.step(FRAME, SIZE, &met(node, false));
+    assert_eq!(through.aim, pointer.step(FRAME, SIZE, &facts()).aim);
     pointer.take(Act::Button(Button::Trigger, true));
-    let draws = pointer.step(SIZE, &met(node, false));
+    let draws = pointer.step(FRAME, SIZE, &met(node, false));
     assert!(draws.trigger > 0.5 && (tip(&draws).z - SELECTED.z).abs() < 1e-4);
 }
 
@@ -132,17 +137,17 @@ fn what_is_gripped_stays_under_the_cursor_and_does_not_jump() {
     let mut pointer = pointer();
     let cursor = SIZE * 0.5 + Vec2::new(30.0, 40.0);
     pointer.take(Act::Moved(cursor));
-    pointer.step(SIZE, &facts());
+    pointer.step(FRAME, SIZE, &facts());
     // A little beside the ray, as the tolerance allows.
     let node = pointer.ray(SIZE).at(1.2) + Vec3::new(0.01, 0.005, 0.0);
     pointer.take(Act::Button(Button::Squeeze, true));
-    let gripped = pointer.step(SIZE, &met(node, true));
+    let gripped = pointer.step(FRAME, SIZE, &met(node, true));
     assert_eq!(gripped.aim.position, pointer.camera.pose().position);
-    let held = pointer.step(SIZE, &facts());
+    let held = pointer.step(FRAME, SIZE, &facts());
     assert!(tip(&held).distance(node) < 1e-4, "it stays where it is");
     assert_eq!(held.grip, gripped.grip, "and so does the platform");
     pointer.take(Act::Moved(cursor + Vec2::new(100.0, 0.0)));
-    let moved = pointer.step(SIZE, &facts());
+    let moved = pointer.step(FRAME, SIZE, &facts());
     let by = tip(&moved) - node;
     assert!(
         by.x > 0.05 && by.y.abs() < 1e-3 && by.z.abs() < 1e-3,
@@ -150,7 +155,7 @@ fn what_is_gripped_stays_under_the_cursor_and_does_not_jump() {
     );
     assert!((moved.grip.position - held.grip.position).distance(by) < 1e-4);
     pointer.take(Act::Button(Button::Squeeze, false));
-    let let_go = pointer.step(SIZE, &facts());
+    let let_go = pointer.step(FRAME, SIZE, &facts());
     assert!(
         let_go.squeeze < 0.5 && let_go.aim == moved.aim,
         "where it was held last"
@@ -162,9 +167,9 @@ fn what_is_gripped_stays_under_the_cursor_and_does_not_jump() {
 fn a_window_without_the_keyboard_lets_go() {
     let mut pointer = pointer();
     pointer.take(Act::Button(Button::Trigger, true));
-    pointer.step(SIZE, &facts());
+    pointer.step(FRAME, SIZE, &facts());
     pointer.take(Act::Focus(false));
-    assert_eq!(pointer.step(SIZE, &facts()), Hand::ABSENT);
+    assert_eq!(pointer.step(FRAME, SIZE, &facts()), Hand::ABSENT);
     // The click that brings the window back draws only after a frame with nothing pressed.
     pointer.take(Act::Focus(true));
     pointer.take(Act::Button(Button::Trigger, true));
@@ -177,16 +182,65 @@ fn the_wheel_comes_nearer_or_scrolls() {
     let far = pointer.camera;
     pointer.take(Act::Wheel(1.0));
     pointer.take(Act::Wheel(1.0));
-    assert_eq!(pointer.step(SIZE, &facts()).stick, Vec2::ZERO);
+    assert_eq!(pointer.step(FRAME, SIZE, &facts()).stick, Vec2::ZERO);
     assert!(pointer.camera != far && !pointer.is_busy());
-    let mut panel = met(SELECTED, true);
-    panel.met.as_mut().unwrap().scrolls = true;
     let near = pointer.camera;
-    pointer.take(Act::Wheel(-1.0));
-    assert_eq!(pointer.step(SIZE, &panel).stick, Vec2::new(0.0, -1.0));
-    assert!(pointer.is_busy());
-    assert_eq!(pointer.step(SIZE, &panel).stick, Vec2::ZERO);
+    // A notch is three lines, however often the window draws.
+    for seconds in [0.002, FRAME, 0.05, 3.0] {
+        pointer.take(Act::Wheel(-1.0));
+        pointer.take(Act::Button(Button::Trigger, true));
+        pointer.take(Act::Button(Button::Trigger, false));
+        let mut points = 0.0;
+        while pointer.is_busy() {
+            let hand = pointer.step(seconds, SIZE, &panel());
+            assert!(
+                hand.trigger == 0.0 || hand.stick == Vec2::ZERO,
+                "one after the other"
+            );
+            points += f64::from(hand.stick.y * SCROLL_POINTS) * seconds.min(LONGEST);
+        }
+        assert!(
+            (points + 54.0).abs() < 0.1,
+            "{points} points in frames of {seconds} s"
+        );
+    }
     assert_eq!(pointer.camera, near);
+    // What is left of it goes nowhere else.
+    pointer.take(Act::Wheel(4.0));
+    pointer.step(FRAME, SIZE, &panel());
+    assert!(pointer.step(FRAME, SIZE, &panel()).stick.y > 0.5);
+    assert_eq!(pointer.step(FRAME, SIZE, &facts()).stick, Vec2::ZERO);
+    assert!(!pointer.is_busy());
+}
+
+fn panel() -> Facts {
+    let mut facts = met(SELECTED, true);
+    facts.met.as_mut().unwrap().scrolls = true;
+    facts
+}
+
+#[test]
+fn undo_is_the_stick_that_undoes() {
+    for (tap, x) in [(Tap::Undo, -1.0), (Tap::Redo, 1.0)] {
+        for left_undoes in [false, true] {
+            let facts = Facts {
+                left_undoes,
+                ..facts()
+            };
+            let mut pointer = pointer();
+            pointer.take(Act::Tap(tap));
+            let right = pointer.step(FRAME, SIZE, &facts);
+            let left = pointer.left(&facts);
+            assert!(left.is_sane() && left.tracked == left_undoes);
+            let expected = if left_undoes { [x, 0.0] } else { [0.0, x] };
+            assert_eq!([left.stick.x, right.stick.x], expected);
+            pointer.step(FRAME, SIZE, &facts);
+            assert_eq!(pointer.left(&facts).stick, Vec2::ZERO);
+            pointer.take(Act::Focus(false));
+            pointer.step(FRAME, SIZE, &facts);
+            assert_eq!(pointer.left(&facts), Hand::ABSENT);
+        }
+    }
 }
 
 #[test]
@@ -196,11 +250,11 @@ fn a_drag_moves_the_eye_alone() {
     pointer.take(Act::Drag(Some(Drag::Orbit)));
     pointer.take(Act::Moved(SIZE * 0.5 + Vec2::X * 80.0));
     pointer.take(Act::Drag(None));
-    let hand = pointer.step(SIZE, &facts());
+    let hand = pointer.step(FRAME, SIZE, &facts());
     assert!(pointer.camera != before && hand.trigger == 0.0 && hand.squeeze == 0.0);
     let turned = pointer.camera;
     pointer.take(Act::Moved(SIZE * 0.2));
-    pointer.step(SIZE, &facts());
+    pointer.step(FRAME, SIZE, &facts());
     assert_eq!(pointer.camera, turned);
 }
 
@@ -216,7 +270,7 @@ proptest! {
         let across = [None, Some(Axis::X), Some(Axis::Y), Some(Axis::Z)][usize::from(axis)];
         pointer.take(Act::Moved(Vec2::new(x, y)));
         pointer.take(Act::Across(across));
-        let hand = pointer.step(SIZE, &facts());
+        let hand = pointer.step(FRAME, SIZE, &facts());
         prop_assert!(hand.is_sane());
         let ray = camera.ray(Vec2::new(x, y), SIZE);
         let normal = match across {
