@@ -11,6 +11,7 @@ mod panels {
     mod lessons;
     pub(crate) mod pictures;
     mod recorded;
+    mod tools;
     pub(crate) mod visitor;
 }
 
