@@ -8,6 +8,8 @@
 
 mod panels {
     mod accidents;
+    mod controllers;
+    mod guide;
     mod lessons;
     pub(crate) mod pictures;
     mod recorded;

@@ -3,21 +3,18 @@
 //! Numbers first: in each still the hand is in sight, and something happened since the one before. Then the guide's own
 //! pictures are compared; `UPDATE_SNAPSHOTS=1` draws them anew: look at them before you commit them.
 
-use std::path::Path;
-
 use glam::{Mat3, Quat, Vec2, Vec3};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{RgbImage, imageops};
+use image::RgbImage;
 use ramus::app::picture::Picture;
 use ramus::app::portrait::{self, looking_at};
 use ramus::world::{hands::HandParams, panels::PanelId};
 use ramus_xr::View;
 
+use super::guide::{compare, far, strip};
 use super::visitor::{LEFT, RIGHT, Visitor};
 
-/// Side of a still, and what lies between two, pixels.
+/// Side of a still, pixels.
 const SIDE: u32 = 300;
-const GAP: u32 = 4;
 
 const ROOT: Vec3 = Vec3::new(0.0, 0.9, -0.55);
 /// From the right and from below, as an arm comes that draws.
@@ -437,7 +434,10 @@ fn panel(show: &mut Show<'_>) {
     show.still();
 }
 
-const TOOLS: &[(&str, fn(&mut Show<'_>))] = &[
+/// Its picture's name, and how it is used.
+type Tool = (&'static str, fn(&mut Show<'_>));
+
+const TOOLS: &[Tool] = &[
     ("draw", draw),
     ("free-hand", free_hand),
     ("branch", branch),
@@ -455,52 +455,6 @@ const TOOLS: &[(&str, fn(&mut Show<'_>))] = &[
     ("panel", panel),
 ];
 
-fn strip(stills: &[RgbImage]) -> RgbImage {
-    let count = u32::try_from(stills.len()).unwrap();
-    let white = image::Rgb([255; 3]);
-    let mut strip = RgbImage::from_pixel(count * (SIDE + GAP) - GAP, SIDE, white);
-    for (n, still) in (0..).zip(stills) {
-        imageops::replace(&mut strip, still, n * i64::from(SIDE + GAP), 0);
-    }
-    strip
-}
-
-/// Pixels that are clearly of another colour.
-fn far(one: &RgbImage, other: &RgbImage) -> usize {
-    assert_eq!(one.dimensions(), other.dimensions());
-    let pairs = one.pixels().zip(other.pixels());
-    let far = |a: &image::Rgb<u8>, b: &image::Rgb<u8>| (0..3).any(|n| a.0[n].abs_diff(b.0[n]) > 32);
-    pairs.filter(|(a, b)| far(a, b)).count()
-}
-
-/// Compares with the guide's picture, or draws it anew.
-fn compare(name: &str, strip: &RgbImage) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("docs/src/images/tools")
-        .join(format!("{name}.png"));
-    if std::env::var_os("UPDATE_SNAPSHOTS").is_some_and(|value| value == "1") {
-        save(&file, strip);
-    }
-    let shown = image::open(&file).unwrap().to_rgb8();
-    let far = far(strip, &shown);
-    let part = strip.pixels().len() / 50;
-    assert!(far < part, "{name}: {far} pixels are not as in the guide");
-}
-
-/// In steps of four, which nobody sees, a picture takes less than half the room.
-fn save(file: &Path, strip: &RgbImage) {
-    const MOST_BYTES: u64 = 150_000;
-    let mut coarse = strip.clone();
-    for byte in coarse.iter_mut() {
-        *byte = (*byte & 0b1111_1100) | 0b10;
-    }
-    let into = std::fs::File::create(file).unwrap();
-    let png = PngEncoder::new_with_quality(into, CompressionType::Best, FilterType::Adaptive);
-    coarse.write_with_encoder(png).unwrap();
-    let bytes = std::fs::metadata(file).unwrap().len();
-    assert!(bytes <= MOST_BYTES, "{}: {bytes} bytes", file.display());
-}
-
 #[test]
 fn each_tool_is_seen_in_the_hand() {
     let gpu = portrait::open_gpu().unwrap();
@@ -516,7 +470,7 @@ fn each_tool_is_seen_in_the_hand() {
                 "{name}: nothing is seen to happen ({far} pixels)"
             );
         }
-        compare(name, &strip(&show.stills));
+        compare(&format!("tools/{name}"), &strip(&show.stills));
     }
     assert_eq!(gpu.messages().count(), 0, "validation is silent");
 }
