@@ -13,6 +13,7 @@ mod panels {
     mod lessons;
     pub(crate) mod pictures;
     mod recorded;
+    mod room;
     mod tools;
     pub(crate) mod visitor;
 }
