@@ -280,12 +280,17 @@ fn copies(show: &mut Show<'_>) {
     show.set("Draw");
     show.set("draw branches with their mirror image");
     show.click(TRUNK[1]);
-    show.click(Vec3::new(0.09, 0.22, 0.03));
+    show.reach(Vec3::new(0.09, 0.22, 0.03));
     show.still();
+    show.pull(true);
+    show.pull(false);
     show.set("draw branches with their mirror image");
     show.five_around();
     show.click(TRUNK[0]);
-    show.click(Vec3::new(0.13, 0.1, 0.03));
+    show.reach(Vec3::new(0.13, 0.1, 0.03));
+    show.still();
+    show.pull(true);
+    show.pull(false);
     show.still();
 }
 
