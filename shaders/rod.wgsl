@@ -45,6 +45,10 @@ fn rod_vertex(
 }
 
 fn shade(point: Point) -> vec3f {
+    // What is wholly black is the dark edge of the view: there the sun must not shine back.
+    if all(point.color.rgb == vec3f(0.0)) {
+        return vec3f(0.0);
+    }
     let normal = normalize(point.normal);
     let offset = point.world - point.eye;
     let to_eye = -normalize(offset);

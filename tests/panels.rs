@@ -8,9 +8,13 @@
 
 mod panels {
     mod accidents;
+    mod controllers;
+    mod guide;
     mod lessons;
     pub(crate) mod pictures;
     mod recorded;
+    mod room;
+    mod tools;
     pub(crate) mod visitor;
 }
 
@@ -495,4 +499,32 @@ fn another_project_is_taken_up_and_nothing_is_lost() {
     assert_eq!(visitor.document().step, 1);
     visitor.workshop.close().unwrap();
     assert_eq!(read_project(&elm).unwrap().step, 1);
+}
+
+#[test]
+fn a_recording_stays_with_its_project() {
+    use ramus::app::{
+        store::Store,
+        workshop::{Workshop, WorkshopParams},
+    };
+    use ramus::ui::Recent;
+    let folder = tempfile::tempdir().unwrap();
+    let [oak, elm] = ["oak", "elm"].map(|name| folder.path().join(format!("{name}.ramus")));
+    let opened = Store::open(&oak).unwrap();
+    let workshop = Workshop::new(opened, WorkshopParams::default()).unwrap();
+    let mut visitor = Visitor::at(workshop);
+    visitor.workshop.stay_in_project();
+    visitor.workshop.offer(vec![Recent {
+        project: elm,
+        picture: None,
+    }]);
+    visitor.click(RIGHT, PanelId::Bench, "File");
+    visitor.click(RIGHT, PanelId::Bench, "Go on with it");
+    assert_eq!(visitor.workshop.project(), Some(&*oak));
+    let board = visitor.workshop.scene().board.clone().unwrap();
+    let told = board.content.message.clone().unwrap();
+    assert!(
+        told.contains("a recording stays with one project"),
+        "{told}"
+    );
 }

@@ -137,16 +137,18 @@ mod tests {
         reason = "a test that stops says enough by stopping"
     )]
 
-    use ramus_xr::Frame;
     use ramus_xr::quad::QuadImages;
     use ramus_xr::simulated::Simulated;
+    use ramus_xr::{Frame, Tick};
 
     use super::*;
+    use crate::app::again::may_come_back;
     use crate::app::demonstration;
     use crate::app::picture::Picture;
-    use crate::app::session::{self, Nobody};
+    use crate::app::session::{self, Nobody, SessionEnd};
     use crate::app::workshop::Workshop;
     use crate::render::Gpu;
+    use crate::render::layer_tests::counting::allocations;
     use crate::render::layer_tests::{Readable, device};
     use crate::world::{World, history::History};
 
@@ -161,6 +163,23 @@ mod tests {
         most: usize,
         quads: Vec<(Readable, Option<QuadPlace>)>,
         acquired: usize,
+        /// How many more frames there are before it is lost.
+        left: Option<usize>,
+        /// Allocations of this thread up to each frame.
+        allocated: Vec<u64>,
+    }
+
+    impl Runtime {
+        fn new(gpu: Gpu, most: usize) -> Self {
+            Self {
+                gpu,
+                most,
+                quads: Vec::new(),
+                acquired: 0,
+                left: None,
+                allocated: Vec::with_capacity(1000),
+            }
+        }
     }
 
     /// The simulated headset with quads.
@@ -170,7 +189,16 @@ mod tests {
     }
 
     impl Headset for WithQuads<'_> {
-        ramus_xr::forward_headset!(inner: describe, extent, swapchain, wait, begin, views, end, vibrate, request_exit);
+        ramus_xr::forward_headset!(inner: describe, extent, swapchain, begin, views, end, vibrate, request_exit);
+
+        fn wait(&mut self) -> Result<Tick, HeadsetError> {
+            self.runtime.allocated.push(allocations());
+            if let Some(left) = &mut self.runtime.left {
+                let lost = || HeadsetError::Lost("it is gone".to_owned());
+                *left = left.checked_sub(1).ok_or_else(lost)?;
+            }
+            self.inner.wait()
+        }
 
         fn make_quad(&mut self, extent: vk::Extent2D) -> Result<Option<QuadId>, HeadsetError> {
             let quads = &mut self.runtime.quads;
@@ -212,12 +240,7 @@ mod tests {
             Some(Self {
                 workshop,
                 picture: Picture::offscreen(&gpu, EYE.width, EYE.height).unwrap(),
-                runtime: Runtime {
-                    gpu,
-                    most,
-                    quads: Vec::new(),
-                    acquired: 0,
-                },
+                runtime: Runtime::new(gpu, most),
                 frame: demonstration::first_tree().unwrap()[0],
             })
         }
@@ -228,19 +251,47 @@ mod tests {
             settings.layers = layers;
             settings.room.lift = lift;
             self.workshop.set(settings);
-            let frames = (0..10_u8).map(|number| Frame {
-                time: self.frame.time + f64::from(number) / 72.0,
-                ..self.frame
+            self.play(10).unwrap();
+            self.picture.read(None).unwrap()
+        }
+
+        /// So many frames in which the head moves about a little.
+        fn play(&mut self, count: u8) -> Result<(), SessionEnd> {
+            let frames = (1..=count).map(|number| {
+                let mut frame = self.frame;
+                frame.time += f64::from(number) / 72.0;
+                let last = number == count;
+                frame.head.position.x += if last { 0.0 } else { 0.001 * f32::from(number) };
+                frame
             });
             let frames: Vec<_> = frames.collect();
-            self.frame.time = frames[9].time + 1.0 / 72.0;
+            self.frame.time = frames[frames.len() - 1].time;
             let mut headset = WithQuads {
                 inner: Simulated::new(frames, EYE),
                 runtime: &mut self.runtime,
             };
             let picture = Some(&mut self.picture);
-            session::run(&mut headset, &mut self.workshop, picture, &mut Nobody).unwrap();
-            self.picture.read(None).unwrap()
+            session::run(&mut headset, &mut self.workshop, picture, &mut Nobody)
+        }
+
+        /// What a lost session does to the workshop, and everything that belongs to the runtime made anew.
+        fn come_back(&mut self) {
+            self.workshop.let_go();
+            let gpu = self.runtime.gpu.clone();
+            self.picture = Picture::offscreen(&gpu, EYE.width, EYE.height).unwrap();
+            self.runtime = Runtime::new(gpu, self.runtime.most);
+        }
+
+        /// How much of each quad is painted, from 0 to 1.
+        fn paper(&self) -> Vec<f64> {
+            let painted = self.runtime.quads.iter().map(|(quad, _)| {
+                let picture = quad.read();
+                let paper = picture.pixels().filter(|pixel| pixel.0[3] == 255).count();
+                #[allow(clippy::cast_precision_loss, reason = "few pixels")]
+                let part = paper as f64 / picture.pixels().len() as f64;
+                part
+            });
+            painted.collect()
         }
 
         /// The same scene without its panels, drawn by a picture of its own.
@@ -283,15 +334,11 @@ mod tests {
             .collect();
         assert_eq!(centers.len(), 3, "board, bench and tutorial");
         assert_eq!(room.shown(), centers, "where they stood");
-        for (quad, _) in &room.runtime.quads {
-            let paper = quad
-                .read()
-                .pixels()
-                .filter(|pixel| pixel.0[3] == 255)
-                .count();
-            let all = (quad.images.extent().width * quad.images.extent().height) as usize;
-            assert!(paper * 10 > all * 9, "{paper} of {all} pixels are painted");
-        }
+        assert!(
+            room.paper().iter().all(|&part| part > 0.9),
+            "{:?}",
+            room.paper()
+        );
         let acquired = room.runtime.acquired;
         assert!(acquired < 10, "copied when painted only: {acquired} times");
 
@@ -308,6 +355,38 @@ mod tests {
         room.see(true, 0.0);
         assert_eq!(room.shown(), centers);
         assert_eq!(room.runtime.quads.len(), 3, "and used again");
+        room.silent();
+    }
+
+    #[test]
+    fn after_a_loss_layers_are_made_anew_and_show_the_panels() {
+        let Some(mut room) = Room::new(8) else { return };
+        let seen = room.see(true, 0.0);
+        let (shown, paper) = (room.shown(), room.paper());
+        assert_eq!(shown.len(), 3);
+        for at in [0, 1, 5] {
+            room.runtime.left = Some(at);
+            let end = room.play(20).unwrap_err();
+            assert!(may_come_back(&end), "{end}");
+            room.come_back();
+            assert_eq!(room.see(true, 0.0), seen, "the scene without panels");
+            assert_eq!((room.shown(), room.paper()), (shown.clone(), paper.clone()));
+        }
+        room.silent();
+    }
+
+    #[test]
+    fn a_warm_frame_with_layers_allocates_nothing() {
+        let Some(mut room) = Room::new(8) else { return };
+        room.see(true, 0.0);
+        assert_eq!(room.shown().len(), 3);
+        room.runtime.allocated.clear();
+        room.play(60).unwrap();
+        let warm = &room.runtime.allocated[20..60];
+        assert_eq!(warm[39] - warm[0], 0, "allocations in 39 frames");
+        let before = allocations();
+        drop(std::hint::black_box(Box::new(before)));
+        assert!(allocations() > before, "the counter counts");
         room.silent();
     }
 

@@ -15,6 +15,7 @@ pub mod film;
 pub mod headset;
 mod layers;
 pub mod memory;
+pub mod opening;
 pub mod person;
 pub mod picture;
 pub mod portrait;

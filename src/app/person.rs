@@ -36,53 +36,6 @@ struct Kept {
     recent: Vec<PathBuf>,
 }
 
-/// How the workshop stands when a recording begins: panels lie differently in another language, so a recording says it in a comment, and
-/// replaying begins there.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Opening {
-    settings: Settings,
-    /// The lesson that is going on.
-    teaching: Option<usize>,
-}
-
-/// How a comment begins that has an [`Opening`].
-const OPENING: &str = "ramus: ";
-
-impl Opening {
-    /// As a workshop stands now.
-    #[must_use]
-    pub fn of(workshop: &Workshop) -> Self {
-        Self {
-            settings: workshop.settings(),
-            teaching: workshop.world().lesson().map(|(number, _)| number),
-        }
-    }
-
-    /// Of a recorded session; none where it says nothing.
-    #[must_use]
-    pub fn of_session(session: &Path) -> Option<Self> {
-        let comments = ramus_xr::session::first_comments(session);
-        comments
-            .iter()
-            .find_map(|comment| serde_json::from_str(comment.strip_prefix(OPENING)?).ok())
-    }
-
-    /// The comment that says it.
-    #[must_use]
-    pub fn comment(&self) -> String {
-        let said = serde_json::to_string(self).unwrap_or_default();
-        format!("{OPENING}{said}")
-    }
-
-    /// Brings a workshop there.
-    pub fn apply(&self, workshop: &mut Workshop) {
-        workshop.set(self.settings);
-        if let Some(lesson) = self.teaching {
-            workshop.teach(lesson);
-        }
-    }
-}
-
 /// A person, and where they are remembered.
 #[derive(Clone, Debug, Default)]
 pub struct Person {
@@ -334,37 +287,6 @@ mod tests {
         assert_eq!(second.settings(), settings);
         assert!(second.world().lesson().is_none());
         assert_eq!(second.world().room().lift, 0.3);
-    }
-
-    #[test]
-    fn a_recording_says_how_the_workshop_stood() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.session");
-        let mut first = workshop();
-        let mut settings = first.settings();
-        settings.language = Language::German;
-        settings.room.turning = true;
-        first.set(settings);
-        first.teach(4);
-        let tape = ramus_xr::record::Tape::new(Vec::new());
-        let written = tape
-            .with_comment(&Opening::of(&first).comment())
-            .finish()
-            .unwrap();
-        std::fs::write(&path, &written).unwrap();
-        let opening = Opening::of_session(&path).unwrap();
-        let mut second = workshop();
-        opening.apply(&mut second);
-        assert_eq!(Opening::of(&second), Opening::of(&first));
-        for other in [
-            "ramus-session 1\n",
-            "",
-            "ramus-session 1\n# ramus: {\n",
-            "\u{0}",
-        ] {
-            std::fs::write(&path, other).unwrap();
-            assert_eq!(Opening::of_session(&path), None);
-        }
     }
 
     #[test]

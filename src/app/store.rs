@@ -250,12 +250,20 @@ impl Store {
         std::fs::metadata(Self::journal_of(project)).is_ok_and(|data| data.len() > 0)
     }
 
-    /// Begins a new project whatever is at `project`: an older file lies there unchanged until the session is closed.
-    /// Work that a killed session left in its journal is saved beside it.
+    /// Begins an empty project ([`Self::begin_with`]).
     ///
     /// # Errors
     /// [`StoreError`]; no file is changed then.
     pub fn begin(project: &Path) -> Result<Opened, StoreError> {
+        Self::begin_with(project, Document::default())
+    }
+
+    /// Begins a project with a document, whatever is at `project`: an older file lies there unchanged until the session is
+    /// closed. Work that a killed session left in its journal is saved beside it.
+    ///
+    /// # Errors
+    /// [`StoreError`]; no file is changed then.
+    pub fn begin_with(project: &Path, document: Document) -> Result<Opened, StoreError> {
         if project.exists() {
             check_place(project)?;
         }
@@ -276,7 +284,7 @@ impl Store {
             }
         }
         let left = Left {
-            history: History::default(),
+            history: History::new(document),
             journal: None,
             message,
         };

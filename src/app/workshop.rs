@@ -72,6 +72,8 @@ pub struct Workshop {
     last: Option<Frame>,
     /// The actions up to the last save.
     saved: u64,
+    /// No other project is taken up: a recording holds one.
+    stays: bool,
 }
 
 fn grow(grower: &mut Grower, (id, sketch, step): &Wanted, cancel: &AtomicBool) -> Ready {
@@ -130,6 +132,7 @@ impl Workshop {
             held: [None; 2],
             last: None,
             saved: 0,
+            stays: false,
         })
     }
 
@@ -250,12 +253,22 @@ impl Workshop {
         self.panels.offer(recent);
     }
 
+    /// From now on no other project is taken up.
+    pub fn stay_in_project(&mut self) {
+        self.stays = true;
+    }
+
     /// Saves the project and goes on with another one; where either cannot be done, this one stays.
     fn go_on_with(&mut self, project: &Path) {
         let there = std::path::absolute(project).ok();
         let here = self.project().map(std::path::absolute);
         if here.is_some_and(|here| here.ok() == there) {
             return self.world.show_message("You are in it.".into());
+        }
+        if self.stays {
+            let told =
+                "This session is recorded, and a recording stays with one project: end it first.";
+            return self.world.show_message(told.into());
         }
         let told = match self.exchange(project) {
             Ok(told) => told,

@@ -13,13 +13,14 @@ use super::progress::Progress;
 use crate::app::album::{Album, OnFrame};
 use crate::app::film::Film;
 use crate::app::headset::{self, Opened};
-use crate::app::person::Opening;
+use crate::app::opening::Opening;
 use crate::app::picture::Picture;
 use crate::app::session::{SessionEnd, Watcher};
 use crate::app::store::Store;
 use crate::app::workshop::{Workshop, WorkshopParams};
 use crate::app::{portrait, session, take_home, window};
 use crate::world::World;
+use crate::world::document::Document;
 use crate::world::history::History;
 
 /// Pixels of one eye of the simulated headset.
@@ -68,6 +69,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     // Read whole before anything is changed: a broken session makes no project.
     let frames =
         ramus_xr::session::read_file(path).with_context(|| format!("cannot play {name}"))?;
+    let opening = Opening::of_session(path).with_context(|| format!("cannot play {name}"))?;
     let total = frames.len();
     let journal = args.project.as_deref().map(Store::journal_of);
     let outputs = [&args.project, &journal, &args.glb, &args.lsys];
@@ -82,10 +84,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let mut pictures = Pictures::new(args, Box::new(|frame| progress.show(frame, total)))?;
     // Behind the pictures' folder, which is made and may hold them.
     check_places(args.glb.iter().chain(&args.lsys))?;
-    let mut workshop = open(args.project.as_deref())?;
-    if let Some(opening) = Opening::of_session(&args.session) {
-        opening.apply(&mut workshop);
-    }
+    let mut workshop = open(args.project.as_deref(), opening.document())?;
+    opening.apply(&mut workshop);
     let outcome = match stage {
         Stage::Simulated(mut picture, extent) => {
             let mut simulated = Simulated::new(frames, extent);
@@ -231,12 +231,13 @@ fn open_window(session: &Path) -> Result<window::Opened> {
     Ok(window::Opened::open(&format!("{name} – Ramus"), files)?)
 }
 
-fn open(project: Option<&Path>) -> Result<Workshop> {
+fn open(project: Option<&Path>, document: &Document) -> Result<Workshop> {
     let params = WorkshopParams::default();
+    let document = document.clone();
     Ok(match project {
-        None => Workshop::unsaved(World::new(History::default()))?,
+        None => Workshop::unsaved(World::new(History::new(document)))?,
         Some(path) => {
-            let opened = Store::begin(path)?;
+            let opened = Store::begin_with(path, document)?;
             if let Some(message) = &opened.message {
                 whisper!("ramus: {message}");
             }

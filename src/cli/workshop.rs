@@ -19,7 +19,8 @@ use super::replay::EXTENT;
 use crate::app::again::Patience;
 use crate::app::album::Album;
 use crate::app::headset::{self, News};
-use crate::app::person::{Opening, Person};
+use crate::app::opening::Opening;
+use crate::app::person::Person;
 use crate::app::picture::Picture;
 use crate::app::session::{self, Nobody, SessionEnd};
 use crate::app::store::{Store, keep_older, older_one, read_project};
@@ -214,7 +215,7 @@ fn at_work(door: Door, args: &Args) -> Result<()> {
     let mut person = Person::here();
     person.enter(&mut workshop);
     let tape = args.record.as_deref().map(recording).transpose()?;
-    let mut tape = tape.map(|tape| tape.with_comment(&Opening::of(&workshop).comment()));
+    let mut tape = tape.map(|tape| begin_recording(tape, &mut workshop));
     let patience = Patience::of(Duration::from_secs(args.patience));
     let outcome = door.run(&mut tape, &mut workshop, &project, &patience);
     let recorded = match (tape, &args.record) {
@@ -234,6 +235,13 @@ fn at_work(door: Door, args: &Args) -> Result<()> {
         Err(_) => error.into(),
     });
     both(kept, both(outcome, recorded))
+}
+
+/// Says what the recording begins with; it stays with that project.
+fn begin_recording(tape: Tape<Recording>, workshop: &mut Workshop) -> Tape<Recording> {
+    workshop.stay_in_project();
+    let comments = Opening::of(workshop).comments();
+    comments.iter().fold(tape, |tape, it| tape.with_comment(it))
 }
 
 impl Door {

@@ -19,7 +19,7 @@ use std::{fmt::Write as _, sync::Arc};
 use glam::DVec3;
 
 use super::{
-    Sketch, Stroke, Wrap,
+    Letter, Sketch, Stroke, Wrap,
     dictionary::{Dictionary, number},
     own_rules::with_own,
 };

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::{Letter, Sketch, Stroke, quantize};
+use super::{Letter, NodeRef, Sketch, Stroke, quantize};
 
 /// How far an image's node may be from where it is expected, metres: two steps of the grid and a half.
 const IMAGE_SLACK: f64 = 0.000_25;
@@ -135,6 +135,30 @@ impl Sketch {
         twins
     }
 
+    /// What symmetry would add to a segment drawn from a node to a place: where each copy starts and ends, in the sketch.
+    pub fn copies_of_segment(
+        &self,
+        from: NodeRef,
+        to: Vec3,
+        symmetry: Symmetry,
+    ) -> impl Iterator<Item = [Vec3; 2]> + '_ {
+        // A branch that is begun there, or the one that goes on; the trunk that goes on is neither.
+        let goes_on = self.stroke(from.letter).filter(|_| self.is_apex(from));
+        let at = goes_on.map_or(Some(from), |stroke| stroke.attachment);
+        let start = at.and_then(|at| self.position(at));
+        symmetry.images().filter_map(move |image| {
+            let start = start?;
+            let end = start + image.of(to - start);
+            let Some(stroke) = goes_on else {
+                return Some([start, end]);
+            };
+            let is_twin = |other: &&Arc<Stroke>| image.is_image(stroke, other);
+            let twin = self.strokes.iter().find(is_twin)?;
+            let apex = NodeRef::new(twin.letter, from.node);
+            Some([self.position(apex)?, end])
+        })
+    }
+
     /// Adds the copies of a branch that has just been drawn; images that fall on each other are one.
     pub(super) fn add_copies(
         &mut self,
@@ -166,7 +190,6 @@ mod tests {
         reason = "a test that fails shows the line"
     )]
     use super::*;
-    use crate::sketch::NodeRef;
 
     fn trunk() -> (Sketch, NodeRef) {
         let up: Vec<Vec3> = (1..=4_u8).map(|n| Vec3::Y * 0.2 * f32::from(n)).collect();
@@ -201,6 +224,29 @@ mod tests {
             })
             .collect();
         assert_eq!(ends.len(), 6, "each stands elsewhere");
+    }
+
+    #[test]
+    fn what_is_foretold_of_copies_is_what_is_drawn() {
+        let (mut sketch, mut from) = trunk();
+        let symmetry = Symmetry {
+            turns: 3,
+            mirror: true,
+        };
+        for to in [Vec3::new(0.2, 0.5, 0.05), Vec3::new(0.3, 0.7, 0.06)] {
+            let told: Vec<_> = sketch.copies_of_segment(from, to, symmetry).collect();
+            let (after, apex) = sketch.draw_curve(from, &[to], &[1], symmetry).unwrap();
+            assert_eq!(told.len(), 5);
+            for (stroke, [start, end]) in after.strokes[2..].iter().zip(told) {
+                let drawn = |node| after.position(NodeRef::new(stroke.letter, node)).unwrap();
+                assert!(drawn(apex.node).distance(end) < 2e-4);
+                assert!(drawn(apex.node - 1).distance(start) < 2e-4);
+            }
+            (sketch, from) = (after, apex);
+        }
+        let top = sketch.apex(Letter::TRUNK).unwrap();
+        let none = sketch.copies_of_segment(top, Vec3::Y, symmetry);
+        assert_eq!(none.count(), 0, "the trunk has no copies");
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The tutorial's panel: what to do, with which part of the controller that is in hand, and a picture of it.
 
 use egui::{
-    Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, RichText, Stroke, StrokeKind, Ui,
-    Vec2, pos2, vec2,
+    Align, Color32, CornerRadius, FontId, Painter, Pos2, Rect, RichText, Stroke, StrokeKind, Ui,
+    Vec2, pos2, text::LayoutJob, vec2,
 };
 
 use super::{
@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, view: &View<'_>, wishes: &mut Vec<Wish>) {
             let name = part_name(lesson.part(), view.buttons, language);
             Drawing::new(ui.painter(), rect, view.buttons).draw(lesson.part(), &name);
         });
-        ui.with_layout(egui::Layout::bottom_up(egui::Align::Min), |ui| {
+        ui.with_layout(egui::Layout::bottom_up(Align::Min), |ui| {
             ui.horizontal(|ui| {
                 if ui
                     .add_enabled(number > 0, egui::Button::new(words.lesson_back))
@@ -131,8 +131,14 @@ fn part_name(part: Part, buttons: &Buttons, language: Language) -> String {
 enum Kind {
     /// A stick and two buttons on a plate.
     Stick,
+    /// A stick alone, which does what the buttons would.
+    StickAlone,
     /// A round touchpad on a wand.
     Wand,
+    /// A touchpad on a short handle, a button at its shoulder.
+    Shoulder,
+    /// Two buttons.
+    Simple,
     /// A bare hand.
     Hand,
     /// A pen.
@@ -152,8 +158,14 @@ fn kind(buttons: &Buttons) -> Kind {
         Kind::Hand
     } else if has(&buttons.draw, "middle") {
         Kind::Pen
+    } else if has(&buttons.draw, "select") {
+        Kind::Simple
+    } else if has(&buttons.grab, "shoulder") {
+        Kind::Shoulder
     } else if has(&buttons.undo, "pad") {
         Kind::Wand
+    } else if has(&buttons.grow, "stick") {
+        Kind::StickAlone
     } else {
         Kind::Stick
     }
@@ -164,6 +176,8 @@ struct Drawing<'a> {
     painter: &'a Painter,
     origin: Pos2,
     scale: f32,
+    /// Room for the name, points.
+    width: f32,
     kind: Kind,
 }
 
@@ -178,6 +192,7 @@ impl<'a> Drawing<'a> {
             painter,
             origin: pos2(rect.center().x - side * 0.5, rect.min.y),
             scale,
+            width: rect.width(),
             kind: kind(buttons),
         }
     }
@@ -212,29 +227,59 @@ impl<'a> Drawing<'a> {
     fn draw(&self, part: Part, name: &str) {
         match self.kind {
             Kind::Stick => self.stick(part),
+            Kind::StickAlone => self.stick_alone(part),
             Kind::Wand => self.wand(part),
+            Kind::Shoulder => self.shoulder(part),
+            Kind::Simple => self.simple(part),
             Kind::Hand => self.hand(part),
             Kind::Pen => self.pen(part),
             Kind::Mouse => self.mouse(part),
         }
-        self.painter.text(
-            self.at(50.0, 102.0),
-            Align2::CENTER_TOP,
-            name,
-            FontId::proportional(14.0),
-            INK,
-        );
+        self.caption(name);
+    }
+
+    /// The part's name below, in two lines where it is long.
+    fn caption(&self, name: &str) {
+        let font = FontId::proportional(14.0);
+        let mut job = LayoutJob::simple(name.to_owned(), font, INK, self.width);
+        job.halign = Align::Center;
+        let galley = self.painter.layout_job(job);
+        self.painter.galley(self.at(50.0, 102.0), galley, INK);
     }
 
     /// Seen from the side of the thumb: ring, plate with stick and buttons, handle, trigger before it, grip on it.
     fn stick(&self, part: Part) {
+        self.ring(part);
+        self.circle([42.0, 34.0, 9.5], part == Part::Undo);
+        self.circle([60.0, 38.0, 5.5], part == Part::Grow);
+        self.circle([63.0, 24.0, 5.5], part == Part::Back);
+    }
+
+    fn stick_alone(&self, part: Part) {
+        self.ring(part);
+        self.pad([50.0, 30.0, 13.0], part);
+    }
+
+    fn ring(&self, part: Part) {
         self.block([14.0, 26.0, 16.0, 20.0], 6, part == Part::Draw);
         self.block([36.0, 40.0, 28.0, 56.0], 10, part == Part::Hand);
         self.block([26.0, 56.0, 14.0, 24.0], 6, part == Part::Grab);
         self.circle([50.0, 30.0, 27.0], part == Part::Hand);
-        self.circle([42.0, 34.0, 9.5], part == Part::Undo);
-        self.circle([60.0, 38.0, 5.5], part == Part::Grow);
-        self.circle([63.0, 24.0, 5.5], part == Part::Back);
+    }
+
+    /// A stick or a touchpad that grows at its top, steps back at its bottom, and undoes and redoes at its sides.
+    fn pad(&self, [x, y, radius]: [f32; 3], part: Part) {
+        self.circle([x, y, radius], false);
+        let to_edge = radius * 0.64;
+        let sides = part == Part::Undo;
+        for (across, down, lit) in [
+            (0.0, -to_edge, part == Part::Grow),
+            (0.0, to_edge, part == Part::Back),
+            (-to_edge, 0.0, sides),
+            (to_edge, 0.0, sides),
+        ] {
+            self.circle([x + across, y + down, radius * 0.27], lit);
+        }
     }
 
     fn wand(&self, part: Part) {
@@ -242,10 +287,21 @@ impl<'a> Drawing<'a> {
         self.block([38.0, 24.0, 24.0, 74.0], 10, part == Part::Hand);
         self.block([24.0, 40.0, 14.0, 18.0], 6, part == Part::Draw);
         self.block([56.0, 66.0, 10.0, 18.0], 4, part == Part::Grab);
-        let pad = matches!(part, Part::Undo);
-        self.circle([50.0, 46.0, 11.0], pad);
-        self.circle([50.0, 39.0, 3.0], part == Part::Grow);
-        self.circle([50.0, 53.0, 3.0], part == Part::Back);
+        self.pad([50.0, 46.0, 11.0], part);
+    }
+
+    fn shoulder(&self, part: Part) {
+        self.block([32.0, 8.0, 36.0, 40.0], 14, part == Part::Hand);
+        self.block([38.0, 40.0, 24.0, 56.0], 10, part == Part::Hand);
+        self.block([18.0, 14.0, 15.0, 11.0], 4, part == Part::Grab);
+        self.block([20.0, 30.0, 14.0, 18.0], 6, part == Part::Draw);
+        self.pad([50.0, 26.0, 14.0], part);
+    }
+
+    fn simple(&self, part: Part) {
+        self.block([36.0, 6.0, 28.0, 90.0], 12, part == Part::Hand);
+        self.circle([50.0, 24.0, 9.5], part == Part::Draw);
+        self.circle([50.0, 48.0, 5.5], part == Part::Grow);
     }
 
     /// Thumb and index finger meet for a pinch; the other three close for a grip.
@@ -268,10 +324,12 @@ impl<'a> Drawing<'a> {
         self.block([10.0, 62.0, 26.0, 24.0], 5, keys);
     }
 
+    /// Its tip down; the buttons by their places: front, middle, back.
     fn pen(&self, part: Part) {
-        self.block([44.0, 10.0, 12.0, 70.0], 6, part == Part::Hand);
-        self.block([47.0, 80.0, 6.0, 12.0], 3, part == Part::Draw);
-        self.block([45.5, 44.0, 9.0, 14.0], 4, part == Part::Grab);
-        self.circle([50.0, 66.0, 4.0], part == Part::Grow);
+        self.block([44.0, 6.0, 12.0, 76.0], 6, part == Part::Hand);
+        self.block([47.0, 82.0, 6.0, 12.0], 3, part == Part::Draw);
+        self.block([45.5, 26.0, 9.0, 12.0], 4, part == Part::Grab);
+        self.block([45.5, 41.0, 9.0, 14.0], 4, part == Part::Draw);
+        self.block([45.5, 58.0, 9.0, 12.0], 4, part == Part::Grow);
     }
 }

@@ -527,6 +527,38 @@ impl World {
         scene.board = Some(self.board.placed(stage));
     }
 
+    /// What a hand's trigger would make: a pale piece, and its copies.
+    fn draw_ghost(&self, hand: usize, scene: &mut Scene) {
+        let WorldParams { stage, palette, .. } = &self.params;
+        let Some(ghost) = self.tools.ghost(hand) else {
+            return;
+        };
+        let mut piece = |from, to| {
+            scene.rods.push(Rod {
+                from,
+                to,
+                radius: stage.line_radius,
+                color: palette.ghost,
+            });
+            scene.balls.push(Ball {
+                center: to,
+                radius: stage.selected_radius,
+                color: palette.ghost,
+            });
+        };
+        piece(ghost.from, ghost.to);
+        let (document, miniature) = (self.shown(), &self.tools.miniature);
+        let to = miniature.sketch_from_stage.transform_point3(ghost.to);
+        let symmetry = self.tools.params.settings.copies();
+        let copies = document
+            .sketch
+            .copies_of_segment(document.selected, to, symmetry);
+        for ends in copies {
+            let [from, to] = ends.map(|at| miniature.stage_from_sketch.transform_point3(at));
+            piece(from, to);
+        }
+    }
+
     /// A controller, its ray, and what its trigger would make.
     fn draw_hand(&self, hand: usize, scene: &mut Scene) {
         let WorldParams { stage, palette, .. } = &self.params;
@@ -542,19 +574,7 @@ impl World {
             hand,
             trigger: sample.trigger,
         });
-        if let Some(ghost) = self.tools.ghost(hand) {
-            scene.rods.push(Rod {
-                from: ghost.from,
-                to: ghost.to,
-                radius: stage.line_radius,
-                color: palette.ghost,
-            });
-            scene.balls.push(Ball {
-                center: ghost.to,
-                radius: stage.selected_radius,
-                color: palette.ghost,
-            });
-        }
+        self.draw_ghost(hand, scene);
         let on_panel = matches!(state.hold, tools::Hold::Panel { .. });
         if state.hold != tools::Hold::Nothing && !on_panel {
             return;

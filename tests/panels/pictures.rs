@@ -38,7 +38,7 @@ fn draw(visitor: &mut Visitor, picture: &mut Picture, views: &[View; 2]) -> Rgba
     side_by_side(&picture.read(None).unwrap())
 }
 
-fn save(image: &RgbaImage, name: &str) {
+pub(super) fn save(image: &RgbaImage, name: &str) {
     if let Ok(folder) = std::env::var("RAMUS_SEEN") {
         image
             .save(std::path::Path::new(&folder).join(name))

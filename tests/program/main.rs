@@ -20,6 +20,7 @@ mod explain;
 mod fmt;
 mod memory;
 mod older;
+mod opening;
 mod outputs;
 mod project;
 mod refusals;

@@ -101,10 +101,11 @@ pub fn read_file(path: &Path) -> Result<Vec<Frame>, SessionError> {
     SessionReader::new(BufReader::new(file))?.collect()
 }
 
-/// The comments of a session file before its first frame, without their sign; what cannot be read ends them.
+/// The comments of a session file before its first frame, 4096 lines of it at most, without their sign; what cannot be read
+/// ends them.
 #[must_use]
 pub fn first_comments(path: &Path) -> Vec<String> {
-    const MOST: usize = 16;
+    const MOST: usize = 4096;
     let Ok(file) = File::open(path) else {
         return Vec::new();
     };

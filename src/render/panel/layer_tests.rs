@@ -20,6 +20,9 @@ use crate::render::{
 };
 use crate::world::scene::{Board, Scene};
 
+#[path = "../../../tests/counting/mod.rs"]
+pub(crate) mod counting;
+
 /// A device under the validation layer, or none (said aloud) where there is no Vulkan; CI must have one.
 pub(crate) fn device() -> Option<Gpu> {
     Gpu::new(&Headless::default(), &GpuParams::checked())

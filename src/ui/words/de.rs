@@ -267,6 +267,10 @@ pub(super) const SAID: &[(&str, &str)] = &[
     ("Nothing to undo.", "Nichts rückgängig zu machen."),
     ("Nothing to redo.", "Nichts zu wiederholen."),
     ("You are in it.", "Es ist schon offen."),
+    (
+        "This session is recorded, and a recording stays with one project: end it first.",
+        "Diese Sitzung wird aufgezeichnet, und eine Aufzeichnung bleibt bei einem Projekt: erst beenden.",
+    ),
     ("Going on with {}.", "Weiter geht es mit {}."),
     ("Written: {}", "Geschrieben: {}"),
     (
