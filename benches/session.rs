@@ -8,7 +8,11 @@
 #[path = "../tests/workshops/mod.rs"]
 mod workshops;
 
+use std::collections::HashSet;
+use std::ffi::{OsStr, OsString};
 use std::fs;
+use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
@@ -21,28 +25,35 @@ use ramus::render::Gpu;
 use ramus_xr::{Frame, Hand};
 use workshops::tall;
 
-/// How the threads of Mesa's software device begin their names.
+/// How the threads of Mesa's software device begin their names, those of them that have one.
 const DRIVER_THREADS: [&str; 3] = ["llvmpipe", "lvp", "vk"];
 
-/// CPU time of the other threads that are ours: the worker's and those of parallel loops. None where the system does
-/// not say (it is Linux that does): then only the loop's thread counts.
+/// The threads of this process that began with the device: its queue's has no name of its own. They do what a graphics
+/// card would do.
+static OF_DEVICE: OnceLock<HashSet<OsString>> = OnceLock::new();
+
+/// Where the system tells of our threads; nothing where it does not (it is Linux that does).
+fn threads() -> impl Iterator<Item = PathBuf> {
+    let threads = fs::read_dir("/proc/self/task").into_iter().flatten();
+    threads.filter_map(|thread| Some(thread.ok()?.path()))
+}
+
+/// CPU time of the other threads that are ours: the worker's and those of parallel loops.
 fn other_threads() -> Duration {
     let own = fs::read_link("/proc/thread-self").unwrap_or_default();
-    let Ok(threads) = fs::read_dir("/proc/self/task") else {
-        return Duration::ZERO;
-    };
-    let of_thread = |folder: std::path::PathBuf| {
+    let of_device = |number: &OsStr| OF_DEVICE.get().is_some_and(|all| all.contains(number));
+    let of_thread = |folder: PathBuf| {
+        let number = folder.file_name()?;
         let name = fs::read_to_string(folder.join("comm")).ok()?;
         let is_driver = DRIVER_THREADS.iter().any(|start| name.starts_with(start));
+        if is_driver || of_device(number) || own.file_name() == Some(number) {
+            return None;
+        }
         let spent = fs::read_to_string(folder.join("schedstat")).ok()?;
         let nanoseconds = spent.split_whitespace().next()?.parse().ok()?;
-        (!is_driver).then(|| Duration::from_nanos(nanoseconds))
+        Some(Duration::from_nanos(nanoseconds))
     };
-    threads
-        .filter_map(|thread| Some(thread.ok()?.path()))
-        .filter(|folder| folder.file_name() != own.file_name())
-        .filter_map(of_thread)
-        .sum()
+    threads().filter_map(of_thread).sum()
 }
 
 /// A workshop with its picture, and the frame it is at.
@@ -117,6 +128,10 @@ fn session(criterion: &mut Criterion) {
             return;
         }
     };
+    let main = fs::read_link("/proc/thread-self").unwrap_or_default();
+    let numbers = threads().filter_map(|folder| Some(folder.file_name()?.to_owned()));
+    let of_device = numbers.filter(|number| main.file_name() != Some(number));
+    OF_DEVICE.set(of_device.collect()).unwrap();
     let mut group = criterion.benchmark_group("session");
     group
         .sample_size(20)

@@ -9,6 +9,8 @@ pub mod app;
 pub mod cli;
 #[forbid(unsafe_code)]
 pub mod lsystem;
+#[forbid(unsafe_code)]
+pub mod mesh;
 pub mod render;
 #[forbid(unsafe_code)]
 pub mod sketch;

@@ -288,6 +288,17 @@ proptest! {
     }
 
     #[test]
+    fn nodes_stand_where_each_is_asked_for(sketch in sketches()) {
+        for (at, place) in sketch.nodes() {
+            prop_assert_eq!(sketch.position(at), Some(place), "{:?}", at);
+        }
+        for (at, from, to) in sketch.segments() {
+            let below = NodeRef::new(at.letter, at.node - 1);
+            prop_assert_eq!([sketch.position(below), sketch.position(at)], [Some(from), Some(to)], "{:?}", at);
+        }
+    }
+
+    #[test]
     fn a_grower_gives_what_growing_anew_gives(
         one in sketches(), other in sketches(),
         visits in proptest::collection::vec((any::<bool>(), 0..9_u32, 0..4_u8), 1..8),

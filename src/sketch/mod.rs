@@ -12,9 +12,9 @@
 //! Coordinates are multiples of 0.1 mm and angles of 0.001° ([`quantize`]), so that the same hand
 //! movements give the same sketch, bit for bit, whatever headset reported them.
 
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::tree::error::shortest;
@@ -241,7 +241,7 @@ impl Sketch {
     /// Where a letter's stroke starts, metres in the sketch's axes from its root.
     #[must_use]
     pub fn start(&self, letter: Letter) -> Option<Vec3> {
-        let mut sum = glam::DVec3::ZERO;
+        let mut sum = DVec3::ZERO;
         let mut stroke = self.stroke(letter)?;
         // An attachment names an earlier stroke, so this ends; the range bounds it in any case.
         for _ in 0..self.strokes.len() {
@@ -259,12 +259,30 @@ impl Sketch {
         Some(self.start(at.letter)? + offset)
     }
 
+    /// Where each stroke starts, in their order, as [`Self::start`] gives it: all of them in one pass.
+    fn starts(&self) -> Vec<DVec3> {
+        let mut place_of: HashMap<Letter, usize> = HashMap::with_capacity(self.strokes.len());
+        let mut starts: Vec<DVec3> = Vec::with_capacity(self.strokes.len());
+        for (place, stroke) in self.strokes.iter().enumerate() {
+            // An attachment names an earlier stroke.
+            let start = stroke.attachment.and_then(|at| {
+                let parent = *place_of.get(&at.letter)?;
+                let offset = self.strokes.get(parent)?.offset(at.node)?;
+                Some(starts.get(parent)? + offset.as_dvec3())
+            });
+            starts.push(start.unwrap_or_default());
+            place_of.insert(stroke.letter, place);
+        }
+        starts
+    }
+
     /// Every node once with its place: the root, then each stroke's nodes 1, 2, … (a branch's node 0
     /// is a node of its parent).
     pub fn nodes(&self) -> impl Iterator<Item = (NodeRef, Vec3)> + '_ {
         let root = std::iter::once((NodeRef::ROOT, Vec3::ZERO));
-        root.chain(self.strokes.iter().flat_map(|stroke| {
-            let start = self.start(stroke.letter).unwrap_or_default();
+        let lines = self.strokes.iter().zip(self.starts());
+        root.chain(lines.flat_map(|(stroke, start)| {
+            let start = start.as_vec3();
             (1..)
                 .zip(&stroke.points)
                 .map(move |(node, &offset)| (NodeRef::new(stroke.letter, node), start + offset))
@@ -273,8 +291,9 @@ impl Sketch {
 
     /// Every segment once: its upper node, and the places of its lower and upper end.
     pub fn segments(&self) -> impl Iterator<Item = (NodeRef, Vec3, Vec3)> + '_ {
-        self.strokes.iter().flat_map(|stroke| {
-            let start = self.start(stroke.letter).unwrap_or_default();
+        let lines = self.strokes.iter().zip(self.starts());
+        lines.flat_map(|(stroke, start)| {
+            let start = start.as_vec3();
             let below = std::iter::once(start).chain(stroke.points.iter().map(move |&p| start + p));
             (1..)
                 .zip(below.zip(&stroke.points))

@@ -301,7 +301,7 @@ impl<'a> Drawing<'a> {
     fn simple(&self, part: Part) {
         self.block([36.0, 6.0, 28.0, 90.0], 12, part == Part::Hand);
         self.circle([50.0, 24.0, 9.5], part == Part::Draw);
-        self.circle([50.0, 48.0, 5.5], part == Part::Grow);
+        self.circle([50.0, 48.0, 5.5], part == Part::Grab);
     }
 
     /// Thumb and index finger meet for a pinch; the other three close for a grip.

@@ -231,7 +231,7 @@ mod tests {
         use Action::{Grab, Haptic, Lower, Stick, Upper};
         for profile in PROFILES {
             let missing: &[Action] = match profile.path.rsplit('/').next().unwrap() {
-                "simple_controller" => &[Grab, Stick, Upper],
+                "simple_controller" => &[Stick, Lower, Upper],
                 "hand_interaction_ext" => &[Stick, Lower, Upper, Haptic],
                 "mx_ink_stylus_logitech" => &[Stick, Upper],
                 _ => &[],

@@ -102,10 +102,10 @@ const STICK: Binding = both(Action::Stick, "/input/thumbstick");
 const LOWER: Binding = each(Action::Lower, "/input/x/click", "/input/a/click");
 const UPPER: Binding = each(Action::Upper, "/input/y/click", "/input/b/click");
 
-/// Two buttons: select draws, menu grows.
+/// Two buttons: select draws, menu grabs; growing and undoing are on the bench, which select uses.
 const SIMPLE: &[Binding] = &[
     both(Action::Draw, "/input/select/click"),
-    both(Action::Lower, "/input/menu/click"),
+    both(Action::Grab, "/input/menu/click"),
     AIM,
     GRIP,
     HAPTIC,
@@ -288,7 +288,7 @@ mod tests {
                 "generic_controller",
                 "trigger, grip, button 1, button 2, stick",
             ),
-            ("simple_controller", "select, , menu, , "),
+            ("simple_controller", "select, menu, , , "),
             ("hand_interaction_ext", "pinch, fist, , , "),
             ("mx_ink_stylus_logitech", "middle, back, front, , "),
         ] {
