@@ -17,11 +17,12 @@ use std::time::Duration;
 
 use cpu_time::ThreadTime;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use ramus::app::picture::Picture;
 use ramus::app::portrait;
 use ramus::app::workshop::Workshop;
 use ramus::render::Gpu;
+use ramus::world::panels::PanelId;
 use ramus_xr::{Frame, Hand};
 use workshops::tall;
 
@@ -103,6 +104,45 @@ impl<'a> Loop<'a> {
         own + other_threads().saturating_sub(others)
     }
 
+    /// Where a place of the bench is (metres right of and below its upper left corner).
+    fn on_bench(&mut self, at: Vec2) -> Vec3 {
+        let panels = &self.workshop.scene().panels;
+        let slot = PanelId::Bench.slot();
+        let bench = panels.iter().find(|panel| panel.slot == slot).unwrap();
+        let from_middle = at - Vec2::from(bench.size) * 0.5;
+        let at = Vec3::new(from_middle.x, -from_middle.y, 0.0);
+        bench.world_from_panel.transform_point3(at)
+    }
+
+    /// Points the right hand at a place of the bench, from before it.
+    fn point(&mut self, at: Vec2) {
+        let to = self.on_bench(at);
+        let from = Vec3::new(-0.55, 1.2, -0.25);
+        let hand = &mut self.frame.hands[1];
+        hand.aim.position = from;
+        hand.aim.orientation = Quat::from_rotation_arc(Vec3::NEG_Z, (to - from).normalize());
+    }
+
+    /// A loop whose right hand has the bench's slider of speed, and the slider's place.
+    fn with_slider(mut self) -> (Self, Vec2) {
+        /// How far a slider is below the middle of its name, metres.
+        const BELOW: f32 = 0.04;
+        self.workshop.keep_texts();
+        self.next(0.011);
+        let name = self.workshop.find_text(PanelId::Bench, "speed", 1).unwrap();
+        let slider = Vec2::new(0.1, name.y + BELOW);
+        self.point(slider);
+        self.next(0.011);
+        self.frame.hands[1].trigger = 1.0;
+        self.next(0.011);
+        let before = self.workshop.world().speed();
+        self.point(slider + Vec2::X * 0.1);
+        self.next(0.011);
+        self.next(0.011);
+        assert_ne!(self.workshop.world().speed(), before, "it is dragged");
+        (self, slider)
+    }
+
     /// The frame in which the right hand does something, after one in which it does nothing.
     fn act(&mut self, act: impl FnOnce(&mut Hand)) -> Duration {
         self.next(0.011);
@@ -139,7 +179,7 @@ fn session(criterion: &mut Criterion) {
         .measurement_time(Duration::from_secs(5));
 
     let mut measure =
-        |what: &str, mut frames: Loop<'_>, spent: fn(&mut Loop<'_>, bool) -> Duration| {
+        |what: &str, mut frames: Loop<'_>, spent: &dyn Fn(&mut Loop<'_>, bool) -> Duration| {
             let id = BenchmarkId::new(what, frames.segments());
             group.bench_function(id, |bencher| {
                 bencher.iter_custom(|rounds| {
@@ -155,7 +195,7 @@ fn session(criterion: &mut Criterion) {
     measure(
         "hands moving",
         Loop::new(&gpu, tall(4, 401)),
-        |frames, left| {
+        &|frames, left| {
             frames.frame.hands[0].aim.position.x = if left { 0.3 } else { 0.31 };
             frames.next(0.011)
         },
@@ -163,25 +203,30 @@ fn session(criterion: &mut Criterion) {
     measure(
         "a pointer moving on the bench",
         Loop::new(&gpu, tall(4, 401)),
-        |frames, left| {
-            // From before the bench, straight at it, across its parts.
-            let hand = &mut frames.frame.hands[1];
-            let from = Vec3::new(-0.55, 1.2, -0.25);
-            let to = Vec3::new(-0.72, if left { 1.1 } else { 1.15 }, -0.52);
-            hand.aim.position = from;
-            hand.aim.orientation = Quat::from_rotation_arc(Vec3::NEG_Z, (to - from).normalize());
+        &|frames, left| {
+            // Across its parts.
+            frames.point(Vec2::new(0.2, if left { 0.2 } else { 0.25 }));
+            frames.next(0.011)
+        },
+    );
+    let (dragging, slider) = Loop::new(&gpu, tall(4, 401)).with_slider();
+    measure(
+        "a slider dragged on the bench",
+        dragging,
+        &|frames, left| {
+            frames.point(slider + Vec2::X * if left { 0.05 } else { 0.1 });
             frames.next(0.011)
         },
     );
     measure(
         "a step back or forward",
         Loop::new(&gpu, tall(2, 366)),
-        |frames, back| frames.act(|hand| (hand.upper, hand.lower) = (back, !back)),
+        &|frames, back| frames.act(|hand| (hand.upper, hand.lower) = (back, !back)),
     );
     measure(
         "a branch undone or redone",
         Loop::new(&gpu, tall(2, 366)),
-        |frames, back| frames.act(|hand| hand.stick.x = if back { -1.0 } else { 1.0 }),
+        &|frames, back| frames.act(|hand| hand.stick.x = if back { -1.0 } else { 1.0 }),
     );
     group.finish();
 }

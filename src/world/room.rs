@@ -321,7 +321,7 @@ fn draw_figure(feet: Vec3, tall: f32, scene: &mut Scene) {
 /// A black ring about the line of sight: what lies more than some 25° aside is dark. Rods and balls that are wholly black are
 /// drawn without light.
 fn draw_vignette(head: &Pose, scene: &mut Scene) {
-    const PIECES: u8 = 16;
+    const PIECES: u8 = 64;
     const BLACK: Color = [0.0, 0.0, 0.0, 1.0];
     let at = |piece: u8| {
         let angle = f32::from(piece % PIECES) / f32::from(PIECES) * TAU;
