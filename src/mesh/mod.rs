@@ -1,5 +1,9 @@
 //! Scanned models: triangles in space, read from other programs' files, checked and told about.
 
+#[cfg(test)]
+mod made;
+pub mod report;
+
 use glam::{DVec3, Vec3};
 
 /// Triangles in space, as a file has them: nothing is joined, turned or left out.
