@@ -1,4 +1,4 @@
-//! Times of the report on a mesh. `cargo bench --bench mesh_report [-- NAME]`
+//! Times of the report on a mesh and of the search for places where it passes through itself. `cargo bench --bench mesh_report [-- NAME]`
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -11,6 +11,7 @@ use std::time::Duration;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use ramus::mesh::Mesh;
+use ramus::mesh::intersect::{IntersectParams, intersections};
 use ramus::mesh::report::{ReportParams, report};
 
 /// A ring with a hole, of 2 · round · rows triangles.
@@ -66,6 +67,11 @@ fn benches_of_reports(criterion: &mut Criterion) {
             b.iter(|| report(mesh, &ReportParams::default(), &never, &mut |_, _| {}).unwrap())
         });
     }
+    group.bench_function("intersections", |b| {
+        b.iter(|| {
+            intersections(&torus, &IntersectParams::default(), &never, &mut |_, _| {}).unwrap()
+        })
+    });
     group.finish();
 }
 

@@ -1,5 +1,6 @@
 //! Scanned models: triangles in space, read from other programs' files, checked and told about.
 
+pub mod intersect;
 #[cfg(test)]
 mod made;
 pub mod report;
