@@ -2,8 +2,10 @@
 
 pub mod intersect;
 #[cfg(test)]
-mod made;
+pub(crate) mod made;
+pub mod problem;
 pub mod report;
+pub mod unit;
 
 use glam::{DVec3, Vec3};
 
