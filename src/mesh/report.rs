@@ -17,6 +17,7 @@
 mod components;
 mod edges;
 mod fans;
+mod hollow;
 mod loops;
 mod turning;
 mod union;
@@ -158,8 +159,12 @@ impl Report {
 
     /// What the closed components enclose, less their hollows; what two of them share counts twice. None where no component is closed.
     pub fn volume(&self) -> Option<f64> {
+        // Hollows are in the largest component, and there is nothing to take them off where that has no volume.
+        let largest = self.components.first();
+        let solid = largest.is_some_and(|largest| largest.signed_volume.is_some());
         self.components
             .iter()
+            .filter(|component| solid || !component.hollow)
             .filter_map(|component| {
                 let volume = component.signed_volume?;
                 Some(if component.hollow {

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::hollow;
 use super::union::Sets;
 use super::{Face, NONE, is_left_out};
 use crate::mesh::Mesh;
@@ -34,7 +35,7 @@ pub struct Component {
     /// What it encloses, once its triangles are turned to agree; below zero where they show their backs to the outside. None where it is
     /// open, has non-manifold edges or cannot be oriented.
     pub signed_volume: Option<f64>,
-    /// It is inside out but within the box of the largest component, which is not: then it is taken for the wall of a hollow.
+    /// It is inside out but inside the largest component: the wall of a hollow, which is right.
     pub hollow: bool,
     /// Smallest corner of its box.
     pub min: DVec3,
@@ -70,7 +71,7 @@ impl Component {
     }
 
     /// The box has another wholly inside.
-    fn surrounds(&self, other: &Self) -> bool {
+    pub(super) fn surrounds(&self, other: &Self) -> bool {
         self.min.cmplt(other.min).all() && self.max.cmpgt(other.max).all()
     }
 }
@@ -181,7 +182,7 @@ pub(super) fn components(mesh: &Mesh, findings: &Findings) -> Vec<Component> {
             .filter(|_| has_volume)
             .map(|sum| sum / 6.0);
     }
-    mark_hollows(&mut all);
+    hollow::mark(mesh, findings.of_triangle, &mut all);
     all
 }
 
@@ -247,17 +248,5 @@ fn add_triangles(mesh: &Mesh, findings: &Findings, all: &mut [Component]) {
             None => sixfold,
         };
         component.signed_volume = component.signed_volume.map(|sum| sum + sixfold);
-    }
-}
-
-fn mark_hollows(all: &mut [Component]) {
-    let Some((largest, others)) = all.split_first_mut() else {
-        return;
-    };
-    if largest.signed_volume.is_none_or(|volume| volume <= 0.0) {
-        return;
-    }
-    for other in others {
-        other.hollow = other.is_inside_out() && largest.surrounds(other);
     }
 }

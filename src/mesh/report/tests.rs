@@ -170,6 +170,15 @@ fn what_is_inside_out_is_told_unless_it_is_a_hollow() {
     let hollow = look(&made::both(&made::cube(), &cavity));
     assert!(hollow.components[1].hollow && !hollow.components[1].is_inside_out());
     assert!(hollow.volume().unwrap() < 1.0);
+    // A box with a window still has its hollow, and what is in the box of a ring but not in the ring is none.
+    let mut open = made::cube();
+    open.triangles.pop();
+    let open = look(&made::both(&open, &cavity));
+    assert!(open.components[1].hollow && open.components[0].boundary_loops == 1);
+    assert_eq!(open.volume(), None);
+    let in_the_hole = made::placed(inverted.clone(), 0.1, Vec3::ZERO);
+    let ring = look(&made::both(&made::torus(30, 20), &in_the_hole));
+    assert!(ring.components[1].is_inside_out());
     let beside = look(&made::both(
         &made::cube(),
         &made::placed(inverted, 0.1, Vec3::splat(5.0)),
