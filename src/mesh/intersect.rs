@@ -1,20 +1,24 @@
 //! Where a surface passes through itself: pairs of triangles that share no vertex and yet have a point in common.
 //!
-//! A hierarchy of boxes (obvhs, PLOC) gives for each triangle those whose boxes touch its own; [`meet`] then decides exactly. Triangles
+//! A hierarchy of boxes (obvhs, PLOC) is gone down against itself, which finds each pair of triangles whose boxes touch once; [`meet`] then
+//! decides exactly. (Asked for each triangle from the top, it would be gone down much oftener and find each pair twice.) Triangles
 //! count as closed: an edge that ends on another triangle, a corner that rests on it and faces that lie on each other are all told.
 //! Triangles with a common vertex (or two of equal coordinates) are neighbours and never told, even where one is folded onto the other;
 //! triangles without area and those with vertices that are not there or not finite are left to the [report](super::report).
 //!
-//! Work is done in blocks of triangles in their order, so that what is told does not depend on the number of threads, and ends soon after
-//! the bound is reached: parts pushed into each other thousands of times would have more pairs than memory.
+//! Parts pushed into each other thousands of times would have more pairs than memory, so the search ends when there are more than a bound.
+//! Then it goes on in the order of the triangles, until there are as many as the bound: what is told never depends on the number of threads.
 
 mod meet;
 
+use std::collections::VecDeque;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use glam::Vec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
@@ -22,8 +26,11 @@ pub use self::meet::meet;
 use super::Mesh;
 use super::report::is_line;
 
-/// Triangles between two looks at the flag, and between two tellings of progress.
+/// Triangles between two tellings of progress, where pairs are looked for in order.
 const BLOCK: usize = 1 << 14;
+
+/// Pieces of work, where all pairs are looked for.
+const JOBS: usize = 1 << 12;
 
 /// How far to look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +66,7 @@ impl Intersections {
     }
 }
 
-/// Finds the pairs. `progress` gets how many triangles of how many are done. None when `cancel` was set.
+/// Finds the pairs. `progress` gets how many parts of the work of how many are done. None when `cancel` was set.
 pub fn intersections(
     mesh: &Mesh,
     params: &IntersectParams,
@@ -67,36 +74,13 @@ pub fn intersections(
     progress: &mut dyn FnMut(usize, usize),
 ) -> Option<Intersections> {
     let hierarchy = Hierarchy::new(mesh);
-    let mut found = Intersections {
-        complete: true,
-        ..Intersections::default()
+    let all = hierarchy.all_pairs(params.pairs_most, cancel, progress);
+    let found = Intersections {
+        complete: all.is_some(),
+        pairs: all.unwrap_or_else(|| hierarchy.first_pairs(params.pairs_most, cancel, progress)),
     };
-    for (block, queries) in hierarchy.boxes.chunks(BLOCK).enumerate() {
-        if cancel.load(Ordering::Relaxed) {
-            return None;
-        }
-        let first = block * BLOCK;
-        progress(first, hierarchy.boxes.len());
-        let most = params.pairs_most - found.pairs.len();
-        let range = first..first + queries.len();
-        let pairs = match hierarchy.pairs_of(range.clone(), most, cancel) {
-            Some(pairs) => pairs,
-            None => {
-                found.complete = false;
-                hierarchy.first_pairs_of(range, most, cancel)
-            }
-        };
-        found.pairs.extend(pairs);
-        if !found.complete {
-            break;
-        }
-    }
-    // A query that was cut short has not found all.
-    if cancel.load(Ordering::Relaxed) {
-        return None;
-    }
-    progress(hierarchy.boxes.len(), hierarchy.boxes.len());
-    Some(found)
+    // What was cut short has not found all.
+    (!cancel.load(Ordering::Relaxed)).then_some(found)
 }
 
 /// The triangles that can meet others, and boxes over them.
@@ -134,10 +118,127 @@ impl<'a> Hierarchy<'a> {
         }
     }
 
+    /// All pairs, sorted; None where there are more than `most`.
+    fn all_pairs(
+        &self,
+        most: usize,
+        cancel: &AtomicBool,
+        progress: &mut dyn FnMut(usize, usize),
+    ) -> Option<Vec<[u32; 2]>> {
+        let jobs = self.jobs();
+        let count = AtomicUsize::new(0);
+        let is_over = || count.load(Ordering::Relaxed) > most || cancel.load(Ordering::Relaxed);
+        let mut found = Vec::new();
+        for (done, part) in jobs.chunks(JOBS / 32).enumerate() {
+            progress(done * (JOBS / 32), jobs.len());
+            found.par_extend(part.par_iter().flat_map_iter(|job| {
+                let (mut open, mut pairs) = (vec![*job], Vec::new());
+                while let Some(nodes) = open.pop().filter(|_| !is_over()) {
+                    let before = pairs.len();
+                    pairs.extend(self.split(nodes, &mut open));
+                    count.fetch_add(pairs.len() - before, Ordering::Relaxed);
+                }
+                pairs
+            }));
+        }
+        progress(jobs.len(), jobs.len());
+        found.par_sort_unstable();
+        (count.into_inner() <= most).then_some(found)
+    }
+
+    /// Pairs of nodes below which all pairs are, enough of them for all threads.
+    fn jobs(&self) -> Vec<[u32; 2]> {
+        let mut jobs: VecDeque<[u32; 2]> = VecDeque::new();
+        // A node that is a triangle has no pairs below it.
+        jobs.extend((self.boxes.len() > 1).then_some([0, 0]));
+        let mut parts = Vec::new();
+        while jobs.len() < JOBS
+            && let Some(job) = jobs.pop_front()
+        {
+            match self.is_pair(job) {
+                true => parts.push(job),
+                false => {
+                    self.split(job, &mut jobs);
+                }
+            }
+        }
+        parts.extend(jobs);
+        parts
+    }
+
+    /// Both are triangles.
+    fn is_pair(&self, [a, b]: [u32; 2]) -> bool {
+        a != b
+            && [a, b]
+                .iter()
+                .all(|node| self.bvh.nodes[*node as usize].is_leaf())
+    }
+
+    /// Looks at all pairs below two nodes, or below one where both are the same: gives the pair where both are triangles that meet, else
+    /// adds to `open` what is a level below.
+    fn split(&self, [a, b]: [u32; 2], open: &mut impl Extend<[u32; 2]>) -> Option<[u32; 2]> {
+        let [one, other] = [a, b].map(|node| &self.bvh.nodes[node as usize]);
+        if a == b {
+            let (left, right) = (one.first_index, one.first_index + 1);
+            let inner = !one.is_leaf();
+            open.extend(
+                [[left, left], [right, right], [left, right]]
+                    .into_iter()
+                    .filter(|_| inner),
+            );
+            return None;
+        }
+        if !one.aabb().intersect_aabb(other.aabb()) {
+            return None;
+        }
+        let one_is_larger = one.aabb().half_area() > other.aabb().half_area();
+        match (one.is_leaf(), other.is_leaf()) {
+            (true, true) => return self.pair(one, other),
+            (false, leaf) if leaf || one_is_larger => {
+                open.extend([[one.first_index, b], [one.first_index + 1, b]]);
+            }
+            _ => open.extend([[a, other.first_index], [a, other.first_index + 1]]),
+        }
+        None
+    }
+
+    /// The numbers of two triangles, if they meet.
+    fn pair(&self, one: &Bvh2Node, other: &Bvh2Node) -> Option<[u32; 2]> {
+        let [one, other] =
+            [one, other].map(|leaf| self.bvh.primitive_indices[leaf.first_index as usize] as usize);
+        let (one, other) = (one.min(other), one.max(other));
+        let triangle = corners(self.mesh, self.numbers[one])?;
+        self.meets(triangle, other)
+            .then(|| [self.numbers[one], self.numbers[other]])
+    }
+
+    /// The first `most` pairs, of more.
+    fn first_pairs(
+        &self,
+        most: usize,
+        cancel: &AtomicBool,
+        progress: &mut dyn FnMut(usize, usize),
+    ) -> Vec<[u32; 2]> {
+        let mut found = Vec::new();
+        for first in (0..self.boxes.len()).step_by(BLOCK) {
+            progress(first, self.boxes.len());
+            let (block, left) = (
+                first..self.boxes.len().min(first + BLOCK),
+                most - found.len(),
+            );
+            let Some(pairs) = self.pairs_of(block.clone(), left, cancel) else {
+                found.extend(self.first_pairs_of(block, left, cancel));
+                break;
+            };
+            found.extend(pairs);
+        }
+        found
+    }
+
     /// All pairs of these triangles with later ones, sorted; None where there are more than `most`.
     fn pairs_of(
         &self,
-        of: std::ops::Range<usize>,
+        of: Range<usize>,
         most: usize,
         cancel: &AtomicBool,
     ) -> Option<Vec<[u32; 2]>> {
@@ -160,12 +261,7 @@ impl<'a> Hierarchy<'a> {
     }
 
     /// The first `most` pairs of these triangles with later ones.
-    fn first_pairs_of(
-        &self,
-        of: std::ops::Range<usize>,
-        most: usize,
-        cancel: &AtomicBool,
-    ) -> Vec<[u32; 2]> {
+    fn first_pairs_of(&self, of: Range<usize>, most: usize, cancel: &AtomicBool) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         for one in of {
             self.find(one, usize::MAX, cancel, &mut pairs);

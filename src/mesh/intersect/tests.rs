@@ -234,6 +234,19 @@ fn the_bound_cuts_the_sorted_list() {
 }
 
 #[test]
+fn more_pairs_than_the_bound_are_those_that_come_first_in_many_blocks_too() {
+    let fine = made::torus(200, 100);
+    let pushed = made::both(&fine, &made::placed(fine.clone(), 1.0, Vec3::splat(0.21)));
+    let all = look(&pushed);
+    assert!(all.complete && all.pairs.len() > 1000);
+    for most in [1, all.pairs.len() / 2, all.pairs.len() - 1] {
+        let some = look_by(&pushed, most);
+        assert!(!some.complete);
+        assert_eq!(some.pairs, all.pairs[..most]);
+    }
+}
+
+#[test]
 fn anything_may_be_asked() {
     let apart = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| f32::MAX * p);
     let far = Mesh {
