@@ -8,6 +8,7 @@
 //!
 //! Parts pushed into each other thousands of times would have more pairs than memory, so the search ends when there are more than a bound.
 //! Then it goes on in the order of the triangles, until there are as many as the bound: what is told never depends on the number of threads.
+//! Boxes and hierarchy take about 240 bytes a triangle while they are built.
 
 mod meet;
 
