@@ -1,3 +1,5 @@
+//! The screen and the JSON object of made models.
+
 #![allow(
     clippy::unwrap_used,
     clippy::missing_assert_message,

@@ -1,3 +1,5 @@
+//! Known pairs, and any triangles beside their shadows and beside brute force.
+
 #![allow(
     clippy::unwrap_used,
     clippy::missing_assert_message,

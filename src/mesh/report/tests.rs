@@ -1,3 +1,5 @@
+//! Meshes of known facts, and any meshes beside what slow tables find.
+
 #![allow(
     clippy::unwrap_used,
     clippy::missing_assert_message,
