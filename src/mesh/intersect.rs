@@ -1,6 +1,6 @@
 //! Where a surface passes through itself: pairs of triangles that share no vertex and yet have a point in common.
 //!
-//! A hierarchy of boxes (obvhs, PLOC) is gone down against itself, which finds each pair of triangles whose boxes touch once; [`meet`] then
+//! A hierarchy of boxes (obvhs, PLOC) is gone down against itself, which finds each pair of triangles whose boxes touch once; [`fn@meet`] then
 //! decides exactly. (Asked for each triangle from the top, it would be gone down much oftener and find each pair twice.) Triangles
 //! count as closed: an edge that ends on another triangle, a corner that rests on it and faces that lie on each other are all told.
 //! Triangles with a common vertex (or two of equal coordinates) are neighbours and never told, even where one is folded onto the other;
