@@ -22,6 +22,9 @@ mod explain;
 mod fmt;
 mod import;
 mod inputs;
+// Joins the commands with the readers of models.
+#[cfg(test)]
+mod inspect;
 mod moment;
 mod outputs;
 mod progress;

@@ -1,5 +1,12 @@
 //! Scanned models: triangles in space, read from other programs' files, checked and told about.
 
+pub mod intersect;
+#[cfg(test)]
+pub(crate) mod made;
+pub mod problem;
+pub mod report;
+pub mod unit;
+
 use glam::{DVec3, Vec3};
 
 /// Triangles in space, as a file has them: nothing is joined, turned or left out.
