@@ -10,10 +10,10 @@ use clap::Args as ClapArgs;
 use self::facts::Facts;
 use super::print_result;
 use super::progress::Progress;
-use crate::mesh::Mesh;
 use crate::mesh::intersect::{IntersectParams, Intersections, intersections};
 use crate::mesh::report::{Report, ReportParams, report};
 use crate::mesh::unit::{Scale, Unit};
+use crate::mesh::{Mesh, ReadLimits, read};
 
 mod facts;
 mod text;
@@ -34,6 +34,19 @@ pub(super) struct Loaded {
     pub(super) format: String,
     /// The unit that the format prescribes, if it does.
     pub(super) unit: Option<Unit>,
+    /// Faces of fewer than three corners, which were left out.
+    pub(super) skipped_faces: usize,
+}
+
+/// Reads a model from its file.
+pub(super) fn load(path: &Path, cancel: &AtomicBool) -> Result<Loaded> {
+    let model = read(path, &ReadLimits::default(), cancel)?;
+    Ok(Loaded {
+        mesh: model.mesh,
+        format: model.format.to_string(),
+        unit: None,
+        skipped_faces: model.skipped_faces,
+    })
 }
 
 /// A model and all that was found out about it.
@@ -41,6 +54,7 @@ struct Inspected<'a> {
     path: &'a Path,
     format: &'a str,
     scale: Option<Scale>,
+    skipped_faces: usize,
     report: Report,
     intersections: Intersections,
 }
@@ -74,6 +88,7 @@ fn inspect<'a>(path: &'a Path, loaded: &'a Loaded, cancel: &AtomicBool) -> Resul
     Ok(Inspected {
         path,
         format: &loaded.format,
+        skipped_faces: loaded.skipped_faces,
         scale: stated.or_else(|| Scale::guessed(report.size().max_element())),
         report,
         intersections,

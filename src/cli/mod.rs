@@ -22,8 +22,6 @@ mod explain;
 mod fmt;
 mod import;
 mod inputs;
-// Joins the commands with the readers of models.
-#[cfg(test)]
 mod inspect;
 mod moment;
 mod outputs;
@@ -54,6 +52,7 @@ use clap::{Parser, Subcommand};
         ramus replay assets/sessions/first-tree.session --png out\n  \
         ramus derive assets/grammars/honda.lsys --steps 10 --export tree.glb\n  \
         ramus fmt *.lsys                              lay grammars out in the canonical way\n  \
+        ramus inspect duct.ply                        what a scanned model is like and what is wrong with it\n  \
         ramus doctor                                  what this machine has and what it lacks"
 )]
 struct Cli {
@@ -75,6 +74,8 @@ enum Command {
     Fmt(fmt::Args),
     /// Writes a grammar of cpfg, L-Py or Houdini in the notation of Ramus.
     Import(import::Args),
+    /// Says what a scanned model is like and what is wrong with it.
+    Inspect(inspect::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
     Doctor,
 }
@@ -92,6 +93,7 @@ pub fn run() -> ExitCode {
         Some(Command::Derive(args)) => derive::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Import(args)) => import::run(&args),
+        Some(Command::Inspect(args)) => inspect::run(&args, inspect::load),
         Some(Command::Doctor) => doctor::run(),
     };
     match result {

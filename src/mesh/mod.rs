@@ -1,15 +1,20 @@
 //! Scanned models: triangles in space, read from other programs' files, checked and told about.
 
+mod error;
 pub mod intersect;
 #[cfg(test)]
 pub(crate) mod made;
 pub mod problem;
+mod read;
 pub mod report;
 pub mod unit;
 
+pub use error::{MeshError, Place};
+pub use read::{Format, Model, ReadLimits, read, read_bytes};
+
 use glam::{DVec3, Vec3};
 
-/// Triangles in space, as a file has them: nothing is joined, turned or left out.
+/// Triangles in space, as a file has them: nothing is turned or left out, and nothing joined but the corners of STL files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Where coordinates are counted from, in the file's unit: scans stand far from zero, where single precision would round them

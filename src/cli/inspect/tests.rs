@@ -14,6 +14,7 @@ fn loaded(mesh: Mesh, unit: Option<Unit>) -> Loaded {
         mesh,
         format: "PLY".to_owned(),
         unit,
+        skipped_faces: 0,
     }
 }
 

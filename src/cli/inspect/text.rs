@@ -19,6 +19,11 @@ pub(super) fn screen(facts: &Facts) -> String {
         grouped(facts.vertices)
     );
     problems(facts, &mut text);
+    if facts.skipped_faces > 0 {
+        let skipped = grouped(facts.skipped_faces);
+        let told = format!("{skipped} faces of the file have fewer than three corners");
+        row(&mut text, "Left out", &told);
+    }
     row(&mut text, "Size", &size(facts));
     row(&mut text, "Unit", &unit(facts.scale, &facts.size));
     row(&mut text, "Surface", &surface(facts));

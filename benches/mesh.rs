@@ -1,0 +1,167 @@
+//! Times of models read from files, each of 1.3 million triangles. `cargo bench --bench mesh [-- NAME]`
+//!
+//! The files are written into a folder that goes away, and stand in the system's cache when they are read.
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    reason = "Criterion's macros make undocumented functions; a bench may end on an error; the surface is made with single precision"
+)]
+
+use std::f32::consts::TAU;
+use std::fs::File;
+use std::hint::black_box;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use glam::Vec3;
+use ramus::mesh::{self, Mesh, ReadLimits};
+
+/// Corners around the ring, and along it: two triangles for each pair.
+const AROUND: u32 = 650;
+const ALONG: u32 = 1000;
+
+/// A bent tube that closes, uneven so that no two coordinates agree.
+fn ring() -> Mesh {
+    let mut ring = Mesh::default();
+    for along in 0..ALONG {
+        let turn = along as f32 / ALONG as f32 * TAU;
+        for around in 0..AROUND {
+            let angle = around as f32 / AROUND as f32 * TAU;
+            let radius = 10.0 + (5.0 * turn).sin() + 0.3 * (7.0 * angle + turn).cos();
+            let from_middle = 60.0 + radius * angle.cos();
+            ring.positions.push(Vec3::new(
+                from_middle * turn.cos(),
+                from_middle * turn.sin(),
+                radius * angle.sin(),
+            ));
+            let next = (along + 1) % ALONG * AROUND;
+            let beside = (around + 1) % AROUND;
+            let here = along * AROUND;
+            let quad = [here + around, next + around, next + beside, here + beside];
+            ring.triangles.push([quad[0], quad[1], quad[2]]);
+            ring.triangles.push([quad[0], quad[2], quad[3]]);
+        }
+    }
+    ring
+}
+
+fn ply_header(to: &mut impl Write, ring: &Mesh, format: &str) {
+    write!(
+        to,
+        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        ring.positions.len(),
+        ring.triangles.len()
+    )
+    .unwrap();
+}
+
+fn binary_ply(to: &mut impl Write, ring: &Mesh) {
+    ply_header(to, ring, "binary_little_endian");
+    for value in ring.positions.iter().flat_map(|point| point.to_array()) {
+        to.write_all(&value.to_le_bytes()).unwrap();
+    }
+    for triangle in &ring.triangles {
+        to.write_all(&[3]).unwrap();
+        for corner in triangle {
+            to.write_all(&corner.to_le_bytes()).unwrap();
+        }
+    }
+}
+
+fn ascii_ply(to: &mut impl Write, ring: &Mesh) {
+    ply_header(to, ring, "ascii");
+    for Vec3 { x, y, z } in &ring.positions {
+        writeln!(to, "{x} {y} {z}").unwrap();
+    }
+    for [a, b, c] in &ring.triangles {
+        writeln!(to, "3 {a} {b} {c}").unwrap();
+    }
+}
+
+fn binary_stl(to: &mut impl Write, ring: &Mesh) {
+    to.write_all(&[0; 80]).unwrap();
+    to.write_all(&(ring.triangles.len() as u32).to_le_bytes())
+        .unwrap();
+    for triangle in &ring.triangles {
+        to.write_all(&[0; 12]).unwrap();
+        for corner in triangle {
+            for value in ring.positions[*corner as usize].to_array() {
+                to.write_all(&value.to_le_bytes()).unwrap();
+            }
+        }
+        to.write_all(&[0; 2]).unwrap();
+    }
+}
+
+fn ascii_stl(to: &mut impl Write, ring: &Mesh) {
+    writeln!(to, "solid ring").unwrap();
+    for triangle in &ring.triangles {
+        writeln!(to, "  facet normal 0 0 0\n    outer loop").unwrap();
+        for corner in triangle {
+            let Vec3 { x, y, z } = ring.positions[*corner as usize];
+            writeln!(to, "      vertex {x} {y} {z}").unwrap();
+        }
+        writeln!(to, "    endloop\n  endfacet").unwrap();
+    }
+    writeln!(to, "endsolid ring").unwrap();
+}
+
+fn obj(to: &mut impl Write, ring: &Mesh) {
+    for Vec3 { x, y, z } in &ring.positions {
+        writeln!(to, "v {x} {y} {z}").unwrap();
+    }
+    for triangle in &ring.triangles {
+        let [a, b, c] = triangle.map(|corner| corner + 1);
+        writeln!(to, "f {a} {b} {c}").unwrap();
+    }
+}
+
+/// Writes the ring in a format.
+type Writer = fn(&mut BufWriter<File>, &Mesh);
+
+fn written(folder: &Path, name: &str, ring: &Mesh, write: Writer) -> PathBuf {
+    let path = folder.join(name);
+    let mut to = BufWriter::new(File::create(&path).unwrap());
+    write(&mut to, ring);
+    to.flush().unwrap();
+    path
+}
+
+fn read_benches(criterion: &mut Criterion) {
+    let folder = tempfile::tempdir().unwrap();
+    let ring = ring();
+    let mut group = criterion.benchmark_group("read");
+    group
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(4))
+        .throughput(Throughput::Elements(ring.triangles.len() as u64));
+    let formats: [(&str, Writer); 5] = [
+        ("binary PLY", binary_ply),
+        ("ASCII PLY", ascii_ply),
+        ("binary STL", binary_stl),
+        ("ASCII STL", ascii_stl),
+        ("OBJ", obj),
+    ];
+    for (name, write) in formats {
+        let path = written(folder.path(), &name.replace(' ', "-"), &ring, write);
+        let never = AtomicBool::new(false);
+        let limits = ReadLimits::default();
+        let model = mesh::read(&path, &limits, &never).unwrap();
+        assert_eq!(model.format.to_string(), name);
+        assert_eq!(model.mesh.triangles.len(), ring.triangles.len());
+        assert_eq!(model.mesh.positions.len(), ring.positions.len());
+        group.bench_function(name, |bencher| {
+            bencher.iter_with_large_drop(|| mesh::read(black_box(&path), &limits, &never).unwrap());
+        });
+        std::fs::remove_file(path).unwrap();
+    }
+    group.finish();
+}
+
+criterion_group!(benches, read_benches);
+criterion_main!(benches);

@@ -1,0 +1,152 @@
+//! Vertices of equal coordinates made one, for files that have no vertex numbers.
+//!
+//! An open table of vertex numbers, probed in a row; keys are the coordinates themselves, which stand in the vertices' own array, so
+//! that a slot takes four bytes. Vertices are numbered as they first come, so the hash decides nothing that is seen, and it is
+//! seeded anew each time: a file cannot be made that fills one place of the table.
+
+use std::hash::{BuildHasher as _, RandomState};
+
+use super::points::Coordinate;
+use super::{MOST_VERTICES, Stop, Task};
+
+/// A slot without a vertex.
+const NONE: u32 = u32::MAX;
+
+/// Vertices, each of its own coordinates.
+pub(super) struct Joiner<C> {
+    points: Vec<[C; 3]>,
+    slots: Vec<u32>,
+    /// What a hash is shifted by to be a slot's number.
+    shift: u32,
+    seeds: [u64; 2],
+}
+
+impl<C: Coordinate> Joiner<C> {
+    /// With room for so many vertices; more come in, too.
+    pub(super) fn with_room(vertices: usize) -> Result<Self, Stop> {
+        let random = RandomState::new();
+        let mut joiner = Self {
+            points: super::with_room(vertices)?,
+            slots: Vec::new(),
+            shift: 0,
+            // Odd, so never zero.
+            seeds: [random.hash_one(0) | 1, random.hash_one(1) | 1],
+        };
+        joiner.place((vertices + vertices / 2).next_power_of_two().max(16))?;
+        Ok(joiner)
+    }
+
+    /// The number of the vertex with these coordinates.
+    #[inline]
+    pub(super) fn number(&mut self, point: [C; 3]) -> Result<u32, Stop> {
+        let mask = self.slots.len() - 1;
+        let mut slot = self.slot(point);
+        loop {
+            let number = self.slots[slot];
+            if number == NONE {
+                return self.add(point, slot);
+            }
+            if self.points[number as usize] == point {
+                return Ok(number);
+            }
+            slot = (slot + 1) & mask;
+        }
+    }
+
+    fn add(&mut self, point: [C; 3], slot: usize) -> Result<u32, Stop> {
+        let number = u32::try_from(self.points.len()).ok();
+        let number = number.filter(|&number| number != NONE);
+        let number = number.ok_or(Stop::TooMany {
+            what: "vertices",
+            most: MOST_VERTICES,
+        })?;
+        self.points.push(point);
+        self.slots[slot] = number;
+        if self.points.len() > self.slots.len() / 4 * 3 {
+            self.place(self.slots.len() * 2)?;
+        }
+        Ok(number)
+    }
+
+    /// Puts all vertices into so many slots, a power of two.
+    fn place(&mut self, slots: usize) -> Result<(), Stop> {
+        self.slots = Vec::new(); // given back before more is taken
+        let mut fresh = super::with_room(slots)?;
+        fresh.resize(slots, NONE);
+        self.slots = fresh;
+        self.shift = u64::BITS - slots.ilog2();
+        for (number, &point) in (0_u32..).zip(&self.points) {
+            let mut slot = self.slot(point);
+            while self.slots[slot] != NONE {
+                slot = (slot + 1) & (slots - 1);
+            }
+            self.slots[slot] = number;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn slot(&self, point: [C; 3]) -> usize {
+        let [x, y, z] = point.map(C::bits);
+        let [first, second] = self.seeds;
+        let hash = folded(folded(x ^ first, y ^ second) ^ first, z ^ second);
+        usize::try_from(hash >> self.shift).unwrap_or(0)
+    }
+
+    pub(super) fn check(&self, task: &Task<'_>) -> Result<(), Stop> {
+        task.check_vertices(self.points.len())
+    }
+
+    /// The vertices in the order in which they came.
+    pub(super) fn into_points(self) -> Vec<[C; 3]> {
+        self.points
+    }
+}
+
+/// Both halves of the product, each bit of which depends on all bits below it.
+#[inline]
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the halves of the product are wanted"
+)]
+fn folded(left: u64, right: u64) -> u64 {
+    let product = u128::from(left) * u128::from(right);
+    product as u64 ^ (product >> 64) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test that fails shows the line")]
+    use std::collections::HashMap;
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn a_map_joins_the_same(points in proptest::collection::vec(proptest::array::uniform3(-3_i8..3), 0..3000), room in 0_usize..100) {
+            let mut joiner = Joiner::with_room(room).unwrap();
+            let mut map = HashMap::new();
+            for point in points {
+                // −0 for 0 now and then.
+                let point = point.map(|value| f32::from(value) / 7.0 * if value % 2 == 0 { -1.0 } else { 1.0 });
+                let fresh = u32::try_from(map.len()).unwrap();
+                let expected = *map.entry(point.map(|value| (value + 0.0).to_bits())).or_insert(fresh);
+                prop_assert_eq!(joiner.number(point).unwrap(), expected);
+            }
+            prop_assert_eq!(joiner.into_points().len(), map.len());
+        }
+    }
+
+    #[test]
+    fn the_table_grows() {
+        let mut joiner = Joiner::with_room(0).unwrap();
+        for round in 0..2 {
+            for value in 0..50_000_u32 {
+                let number = joiner.number([f64::from(value), 0.0, 1.0]).unwrap();
+                assert_eq!(number, value, "round {round}");
+            }
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! Models from other programs' files; anything at all may stand in such a file.
+//!
+//! ```text
+//! file ─▶ bytes ─▶ kind ─▶ ply | stl | obj ─▶ points, triangles ─▶ points::mesh ─▶ Mesh
+//! ```
+//!
+//! The file is read whole before it is understood: mapping it would be no faster from the system's cache, and a mapped file that
+//! another program shortens ends the process. Its format is told by its content, since names of files lie. No number in a file
+//! makes memory be taken that the rest of the file could not fill. Faults are met where they stand, as bytes from the start;
+//! lines are counted only for the message.
+
+mod cursor;
+mod join;
+mod kind;
+mod obj;
+mod ply;
+mod points;
+mod stl;
+#[cfg(test)]
+mod tests;
+mod text;
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::{Mesh, MeshError, Place};
+
+/// Bytes that are read at once between two looks at whether to go on.
+const PIECE: u64 = 8 << 20;
+
+/// How much is read of a model; more is refused.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadLimits {
+    /// Length of the file, in bytes.
+    pub bytes: u64,
+    /// Vertices; vertex numbers end at 4294967294.
+    pub vertices: usize,
+    /// Triangles that all faces make.
+    pub triangles: usize,
+}
+
+impl Default for ReadLimits {
+    /// Several times the largest scans that are met: 4 GiB of file, 100 million vertices and triangles.
+    fn default() -> Self {
+        Self {
+            bytes: 4 << 30,
+            vertices: 100_000_000,
+            triangles: 100_000_000,
+        }
+    }
+}
+
+/// What a file is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// PLY, numbers as text.
+    AsciiPly,
+    /// PLY, numbers as bytes of either order.
+    BinaryPly,
+    /// STL as text.
+    AsciiStl,
+    /// STL as bytes.
+    BinaryStl,
+    /// Wavefront OBJ.
+    Obj,
+}
+
+impl Format {
+    /// Whether people may read it, so that places in it are lines.
+    fn is_text(self) -> bool {
+        !matches!(self, Self::BinaryPly | Self::BinaryStl)
+    }
+}
+
+impl std::fmt::Display for Format {
+    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        to.write_str(match self {
+            Self::AsciiPly => "ASCII PLY",
+            Self::BinaryPly => "binary PLY",
+            Self::AsciiStl => "ASCII STL",
+            Self::BinaryStl => "binary STL",
+            Self::Obj => "OBJ",
+        })
+    }
+}
+
+/// A model as its file has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Its surface, with one triangle at least; all vertex numbers are in range and all coordinates finite.
+    pub mesh: Mesh,
+    /// What it was written in.
+    pub format: Format,
+    /// Length of the file.
+    pub file_bytes: u64,
+    /// Faces of fewer than three vertices, which were left out.
+    pub skipped_faces: usize,
+}
+
+/// Reads a model; its format is told by its content.
+///
+/// Polygons are cut into fans from their first vertex. Coordinates are counted from an origin on each axis on which the model stands
+/// farther from zero than it is large, else from zero.
+///
+/// # Errors
+/// What is wrong first, with the line or byte, and the file.
+pub fn read(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Model, MeshError> {
+    let model = load(path, limits, cancel).and_then(|bytes| read_bytes(&bytes, limits, cancel));
+    model.map_err(|fault| match fault {
+        MeshError::Cancelled => fault,
+        fault => MeshError::In {
+            fault: Box::new(fault),
+            path: path.to_owned(),
+        },
+    })
+}
+
+/// Reads a model from the bytes of a file, as [`read`] does.
+///
+/// # Errors
+/// What is wrong first, with the line or byte.
+pub fn read_bytes(
+    bytes: &[u8],
+    limits: &ReadLimits,
+    cancel: &AtomicBool,
+) -> Result<Model, MeshError> {
+    let file_bytes = bytes.len() as u64;
+    check_length(file_bytes, limits)?;
+    let format = kind::of(bytes)?;
+    let task = Task { limits, cancel };
+    let read = match format {
+        Format::AsciiPly | Format::BinaryPly => ply::read(bytes, &task),
+        Format::AsciiStl => stl::ascii::read(bytes, &task),
+        Format::BinaryStl => stl::binary::read(bytes, &task),
+        Format::Obj => obj::read(bytes, &task),
+    };
+    let Surface {
+        mesh,
+        skipped_faces,
+    } = read.map_err(|stop| stop.told(format, bytes))?;
+    if mesh.triangles.is_empty() {
+        return Err(MeshError::NoTriangle {
+            format,
+            vertices: mesh.positions.len(),
+        });
+    }
+    Ok(Model {
+        mesh,
+        format,
+        file_bytes,
+        skipped_faces,
+    })
+}
+
+fn check_length(bytes: u64, limits: &ReadLimits) -> Result<(), MeshError> {
+    let most = limits.bytes;
+    if bytes > most {
+        return Err(MeshError::TooLong { bytes, most });
+    }
+    Ok(())
+}
+
+/// The whole file.
+fn load(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Vec<u8>, MeshError> {
+    // Asked before it is opened: to open a pipe waits for its other end.
+    let about = std::fs::metadata(path)?;
+    if !about.is_file() {
+        return Err(MeshError::NotAFile);
+    }
+    check_length(about.len(), limits)?;
+    let mut bytes = Vec::new();
+    usize::try_from(about.len())
+        .ok()
+        .and_then(|length| bytes.try_reserve_exact(length).ok())
+        .ok_or(MeshError::Memory(about.len()))?;
+    let mut file = File::open(path)?;
+    loop {
+        if cancel.load(Ordering::Relaxed) {
+            return Err(MeshError::Cancelled);
+        }
+        let read = file.by_ref().take(PIECE).read_to_end(&mut bytes)?;
+        // The file may have grown meanwhile.
+        check_length(bytes.len() as u64, limits)?;
+        if (read as u64) < PIECE {
+            return Ok(bytes);
+        }
+    }
+}
+
+/// What a reader made of a file.
+struct Surface {
+    mesh: Mesh,
+    skipped_faces: usize,
+}
+
+/// What each reader is given beside the bytes.
+struct Task<'a> {
+    limits: &'a ReadLimits,
+    cancel: &'a AtomicBool,
+}
+
+/// Why a reader ended early.
+#[derive(Debug)]
+enum Stop {
+    Cancelled,
+    /// A fault at a byte from the start of what was read, as the rest of a sentence.
+    Fault {
+        at: usize,
+        problem: String,
+    },
+    TooMany {
+        what: &'static str,
+        most: usize,
+    },
+    Memory(u64),
+}
+
+impl Stop {
+    fn fault(at: usize, problem: impl Into<String>) -> Self {
+        let problem = problem.into();
+        Self::Fault { at, problem }
+    }
+
+    /// The same fault when what was read began at this byte of the file.
+    fn moved(self, by: usize) -> Self {
+        match self {
+            Self::Fault { at, problem } => Self::Fault {
+                at: at + by,
+                problem,
+            },
+            other => other,
+        }
+    }
+
+    /// As people are told it.
+    fn told(self, format: Format, bytes: &[u8]) -> MeshError {
+        match self {
+            Self::Cancelled => MeshError::Cancelled,
+            Self::TooMany { what, most } => MeshError::TooMany { what, most },
+            Self::Memory(bytes) => MeshError::Memory(bytes),
+            Self::Fault { at, problem } => {
+                let place = if format.is_text() {
+                    let before = bytes.get(..at).unwrap_or(bytes);
+                    Place::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
+                } else {
+                    Place::Byte(at)
+                };
+                MeshError::Damaged {
+                    format,
+                    place,
+                    problem,
+                }
+            }
+        }
+    }
+}
+
+impl Task<'_> {
+    /// Asked every few milliseconds of work.
+    fn go_on(&self) -> Result<(), Stop> {
+        if self.cancel.load(Ordering::Relaxed) {
+            return Err(Stop::Cancelled);
+        }
+        Ok(())
+    }
+
+    fn check_vertices(&self, count: usize) -> Result<(), Stop> {
+        within("vertices", count, self.limits.vertices.min(MOST_VERTICES))
+    }
+
+    fn check_triangles(&self, count: usize) -> Result<(), Stop> {
+        within("triangles", count, self.limits.triangles)
+    }
+}
+
+/// Vertices that have numbers of 32 bits, one number left over for "none".
+const MOST_VERTICES: usize = u32::MAX as usize;
+
+fn within(what: &'static str, count: usize, most: usize) -> Result<(), Stop> {
+    if count > most {
+        return Err(Stop::TooMany { what, most });
+    }
+    Ok(())
+}
+
+/// An empty vector with room for so many; the caller has seen that the file can fill it.
+fn with_room<T>(count: usize) -> Result<Vec<T>, Stop> {
+    let mut room = Vec::new();
+    let bytes = count.saturating_mul(size_of::<T>()) as u64;
+    let given = room.try_reserve_exact(count);
+    given.map_err(|_| Stop::Memory(bytes))?;
+    Ok(room)
+}

@@ -1,0 +1,172 @@
+//! Rows of one size in a binary file, on all cores: vertices, and faces that are all triangles.
+//!
+//! Whoever calls goes through the same rows value by value where this gives nothing, so nothing is said here of what is wrong.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::header::{Element, Number, Property};
+use super::{Coordinate, Stop, Task};
+use crate::mesh::read::points::is_coordinate;
+use crate::mesh::read::with_room;
+
+/// Rows that a thread takes at once.
+const ROWS: usize = 1 << 14;
+
+/// The number of which the bytes are these, as many as its type has.
+#[inline]
+pub(super) fn value(bytes: &[u8], number: Number, is_big: bool) -> f64 {
+    /// The first bytes, zeros where there are none.
+    fn first<const COUNT: usize>(bytes: &[u8], is_big: bool) -> [u8; COUNT] {
+        let mut first: [u8; COUNT] = bytes.first_chunk().copied().unwrap_or([0; COUNT]);
+        if is_big {
+            first.reverse();
+        }
+        first
+    }
+    match number {
+        Number::I8 => i8::from_le_bytes(first(bytes, is_big)).into(),
+        Number::U8 => u8::from_le_bytes(first(bytes, is_big)).into(),
+        Number::I16 => i16::from_le_bytes(first(bytes, is_big)).into(),
+        Number::U16 => u16::from_le_bytes(first(bytes, is_big)).into(),
+        Number::I32 => i32::from_le_bytes(first(bytes, is_big)).into(),
+        Number::U32 => u32::from_le_bytes(first(bytes, is_big)).into(),
+        Number::F32 => f32::from_le_bytes(first(bytes, is_big)).into(),
+        Number::F64 => f64::from_le_bytes(first(bytes, is_big)),
+    }
+}
+
+/// A value as a whole number.
+#[inline]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "only values in range are cast"
+)]
+pub(super) fn whole(value: f64) -> Option<u32> {
+    let is_whole = (0.0..=f64::from(u32::MAX)).contains(&value) && value.fract() == 0.0;
+    is_whole.then_some(value as u32)
+}
+
+/// Rows of one size.
+pub(super) struct Rows<'a> {
+    bytes: &'a [u8],
+    range: Range<usize>,
+    row: usize,
+    element: &'a Element,
+    /// Where each property begins in a row.
+    places: Vec<usize>,
+    is_big: bool,
+}
+
+impl<'a> Rows<'a> {
+    /// The rows of an element that has no list, or only the one that is named, of three items in each row; none where it has others or
+    /// the file is too short.
+    pub(super) fn new(
+        bytes: &'a [u8],
+        at: usize,
+        element: &'a Element,
+        list: Option<usize>,
+        is_big: bool,
+    ) -> Option<Self> {
+        let mut row = 0;
+        let mut places = Vec::with_capacity(element.properties.len());
+        for (place, property) in element.properties.iter().enumerate() {
+            places.push(row);
+            row += match *property {
+                Property::Scalar(number) => number.bytes(),
+                Property::List { count, item } if list == Some(place) => {
+                    count.bytes() + 3 * item.bytes()
+                }
+                Property::List { .. } => return None,
+            };
+        }
+        let end = at.checked_add(row.checked_mul(element.rows)?)?;
+        bytes.get(at..end).filter(|_| row > 0)?;
+        Some(Self {
+            bytes,
+            range: at..end,
+            row,
+            element,
+            places,
+            is_big,
+        })
+    }
+
+    /// Where they end.
+    pub(super) fn end(&self) -> usize {
+        self.range.end
+    }
+
+    /// The vertices, unless a coordinate is none.
+    pub(super) fn points<C: Coordinate>(
+        &self,
+        axes: [usize; 3],
+        task: &Task<'_>,
+    ) -> Result<Option<Vec<[C; 3]>>, Stop> {
+        let mut columns = [(0, Number::F32); 3];
+        for (column, axis) in columns.iter_mut().zip(axes) {
+            let Property::Scalar(number) = self.element.properties[axis] else {
+                return Ok(None);
+            };
+            *column = (self.places[axis], number);
+        }
+        self.each(task, |row| {
+            let point = columns.map(|(place, number)| value(&row[place..], number, self.is_big));
+            let is_good = point.into_iter().all(is_coordinate);
+            is_good.then(|| point.map(C::nearest))
+        })
+    }
+
+    /// The triangles, unless a face is none or names a vertex that is not there.
+    pub(super) fn triangles(
+        &self,
+        list: usize,
+        vertices: usize,
+        task: &Task<'_>,
+    ) -> Result<Option<Vec<[u32; 3]>>, Stop> {
+        let Property::List { count, item } = self.element.properties[list] else {
+            return Ok(None);
+        };
+        let items = self.places[list] + count.bytes();
+        let columns = [0, 1, 2].map(|corner| items + corner * item.bytes());
+        self.each(task, |row| {
+            if value(&row[self.places[list]..], count, self.is_big) != 3.0 {
+                return None;
+            }
+            let corners = columns.map(|place| whole(value(&row[place..], item, self.is_big)));
+            let [Some(a), Some(b), Some(c)] = corners else {
+                return None;
+            };
+            let is_good = [a, b, c].iter().all(|&corner| (corner as usize) < vertices);
+            is_good.then_some([a, b, c])
+        })
+    }
+
+    /// What each row gives, unless one gives nothing.
+    fn each<T: Copy + Default + Send>(
+        &self,
+        task: &Task<'_>,
+        of_row: impl Fn(&[u8]) -> Option<T> + Sync,
+    ) -> Result<Option<Vec<T>>, Stop> {
+        let mut made = with_room(self.element.rows)?;
+        made.resize(self.element.rows, T::default());
+        let bytes = &self.bytes[self.range.clone()];
+        let is_good = made
+            .par_chunks_mut(ROWS)
+            .zip(bytes.par_chunks(ROWS * self.row))
+            .map(|(made, rows)| {
+                task.go_on()?;
+                for (to, row) in made.iter_mut().zip(rows.chunks_exact(self.row)) {
+                    let Some(value) = of_row(row) else {
+                        return Ok(false);
+                    };
+                    *to = value;
+                }
+                Ok(true)
+            })
+            .try_reduce(|| true, |left, right| Ok(left && right))?;
+        Ok(is_good.then_some(made))
+    }
+}

@@ -1,0 +1,53 @@
+//! STL, the format of printers: triangles, each with its own corners. Corners of equal coordinates are joined while they are read,
+//! since a surface in pieces has no neighbours. Normals are passed over: the corners' order has them, and files lie about them.
+
+pub(super) mod ascii;
+pub(super) mod binary;
+
+use super::join::Joiner;
+use super::points::{Coordinate, mesh};
+use super::{Stop, Surface, Task, with_room};
+
+/// Triangles between two looks at whether to go on.
+const TRIANGLES: usize = 1 << 14;
+
+/// Triangles of which the corners are joined.
+struct Joined<C> {
+    joiner: Joiner<C>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl<C: Coordinate> Joined<C> {
+    /// With room for so many triangles of a closed surface, which has half as many vertices.
+    fn with_room(triangles: usize) -> Result<Self, Stop> {
+        Ok(Self {
+            joiner: Joiner::with_room(triangles / 2 + triangles / 64)?,
+            triangles: with_room(triangles)?,
+        })
+    }
+
+    #[inline]
+    fn add(&mut self, [a, b, c]: [[C; 3]; 3], task: &Task<'_>) -> Result<(), Stop> {
+        if self.triangles.len().is_multiple_of(TRIANGLES) {
+            task.go_on()?;
+            task.check_triangles(self.triangles.len() + 1)?;
+            self.joiner.check(task)?;
+        }
+        let corners = [
+            self.joiner.number(a)?,
+            self.joiner.number(b)?,
+            self.joiner.number(c)?,
+        ];
+        self.triangles.push(corners);
+        Ok(())
+    }
+
+    fn into_surface(self, task: &Task<'_>) -> Result<Surface, Stop> {
+        task.check_triangles(self.triangles.len())?;
+        self.joiner.check(task)?;
+        Ok(Surface {
+            mesh: mesh(self.joiner.into_points(), self.triangles),
+            skipped_faces: 0,
+        })
+    }
+}

@@ -1,0 +1,154 @@
+//! What reading a model takes from the allocator at most beside the file's bytes: a small multiple of the mesh, and for files that
+//! announce what they do not hold next to nothing.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    reason = "a test that fails shows the line; its files are small"
+)]
+
+#[path = "counting/peak.rs"]
+mod peak;
+
+use std::fmt::Write as _;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
+
+use ramus::mesh::{Mesh, MeshError, Model, ReadLimits, read_bytes};
+
+/// Corners around a tube, and along it.
+const AROUND: u32 = 200;
+const ALONG: u32 = 500;
+
+/// Where tests share a process they take turns.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Reads, and says how many bytes were taken at most.
+fn measured(bytes: &[u8]) -> (Result<Model, MeshError>, usize) {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    rayon::join(|| (), || ()); // the pool's threads are there before it is measured
+    let before = peak::restart();
+    let read = read_bytes(bytes, &ReadLimits::default(), &AtomicBool::new(false));
+    (read, peak::most() - before)
+}
+
+fn size(mesh: &Mesh) -> usize {
+    size_of_val(mesh.positions.as_slice()) + size_of_val(mesh.triangles.as_slice())
+}
+
+fn takes_little(name: &str, bytes: &[u8]) {
+    let (read, taken) = measured(bytes);
+    let size = size(&read.unwrap().mesh);
+    let ratio = taken as f64 / size as f64;
+    println!("{name}: {taken} bytes for a mesh of {size}, {ratio:.2} times");
+    assert!(ratio <= 2.5, "{name} takes {ratio:.2} times its mesh");
+}
+
+fn point(number: u32) -> [f32; 3] {
+    let angle = (number % AROUND) as f32 / AROUND as f32 * std::f32::consts::TAU;
+    [angle.cos(), (number / AROUND) as f32 * 0.01, angle.sin()]
+}
+
+fn triangles() -> Vec<[u32; 3]> {
+    let quads = (0..AROUND * (ALONG - 1)).map(|here| {
+        let beside = here - here % AROUND + (here + 1) % AROUND;
+        [here, beside, here + AROUND, beside + AROUND]
+    });
+    quads
+        .flat_map(|[a, b, c, d]| [[a, b, c], [b, d, c]])
+        .collect()
+}
+
+fn ply(format: &str) -> String {
+    format!(
+        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        AROUND * ALONG,
+        triangles().len()
+    )
+}
+
+#[test]
+fn ply_takes_little() {
+    let mut text = ply("ascii").replace("float", "double");
+    let mut bytes = ply("binary_little_endian").into_bytes();
+    for point in (0..AROUND * ALONG).map(point) {
+        writeln!(text, "{} {} {}", point[0], point[1], point[2]).unwrap();
+        point.map(|value| bytes.extend(value.to_le_bytes()));
+    }
+    for [a, b, c] in triangles() {
+        writeln!(text, "3 {a} {b} {c}").unwrap();
+        bytes.push(3);
+        [a, b, c].map(|corner| bytes.extend(corner.to_le_bytes()));
+    }
+    takes_little("ASCII PLY of doubles", text.as_bytes());
+    takes_little("binary PLY", &bytes);
+}
+
+#[test]
+fn stl_takes_little() {
+    let triangles = triangles();
+    let surface = triangles.iter().map(|triangle| triangle.map(point));
+    stl("a surface", surface);
+    // No two triangles share a corner: the worst that may come.
+    let soup = (0..triangles.len()).map(|number| {
+        [0.0, 1.0, 2.0].map(|corner| [corner, number as f32, number as f32 * corner])
+    });
+    stl("a soup", soup);
+}
+
+fn stl(name: &str, triangles: impl ExactSizeIterator<Item = [[f32; 3]; 3]>) {
+    let mut text = "solid\n".to_owned();
+    let mut bytes = vec![0; 80];
+    bytes.extend((triangles.len() as u32).to_le_bytes());
+    for triangle in triangles {
+        bytes.extend([0; 12]);
+        text += "facet normal 0 0 0\nouter loop\n";
+        for [x, y, z] in triangle {
+            [x, y, z].map(|value| bytes.extend(value.to_le_bytes()));
+            writeln!(text, "vertex {x} {y} {z}").unwrap();
+        }
+        bytes.extend([0; 2]);
+        text += "endloop\nendfacet\n";
+    }
+    text += "endsolid\n";
+    takes_little(&format!("binary STL of {name}"), &bytes);
+    takes_little(&format!("ASCII STL of {name}"), text.as_bytes());
+}
+
+#[test]
+fn obj_takes_little() {
+    let count = AROUND * ALONG;
+    let mut text = String::new();
+    for [x, y, z] in (0..count).map(point) {
+        writeln!(text, "v {x} {y} {z}").unwrap();
+    }
+    let mut back = text.clone();
+    for triangle in triangles() {
+        let [a, b, c] = triangle.map(|corner| corner + 1);
+        writeln!(text, "f {a} {b} {c}").unwrap();
+        let [a, b, c] = triangle.map(|corner| i64::from(corner) - i64::from(count));
+        writeln!(back, "f {a} {b} {c}").unwrap();
+    }
+    takes_little("OBJ", text.as_bytes());
+    takes_little("OBJ counted back", back.as_bytes());
+}
+
+#[test]
+fn what_is_announced_takes_nothing() {
+    let mut stl = vec![0; 80];
+    stl.extend(u32::MAX.to_le_bytes());
+    let ply = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex 99999999\nproperty float x\nproperty float y\nproperty float z\nelement face 99999999\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0 0 0 0 0 0"
+        )
+    };
+    for bytes in [
+        stl,
+        ply("ascii").into_bytes(),
+        ply("binary_big_endian").into_bytes(),
+    ] {
+        let (read, taken) = measured(&bytes);
+        assert!(read.is_err(), "no such model");
+        assert!(taken < 64 << 10, "{taken} bytes were taken");
+    }
+}
