@@ -18,6 +18,7 @@ mod disk;
 mod doctor;
 mod explain;
 mod fmt;
+mod inspect;
 mod memory;
 mod older;
 mod opening;

@@ -1,0 +1,87 @@
+//! `ramus inspect`: files as a person has them, good and bad.
+
+use super::*;
+
+/// A tetrahedron whose last triangle is missing.
+const OPEN: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+    element face 3\nproperty list uchar int vertex_indices\nend_header\n\
+    0 0 0\n30 0 0\n0 30 0\n0 0 30\n3 0 2 1\n3 0 1 3\n3 0 3 2\n";
+
+#[test]
+fn a_model_is_told_on_one_screen_and_as_json() {
+    let folder = folder();
+    // Its name lies.
+    let model = folder.path().join("bone.stl");
+    fs::write(&model, OPEN).unwrap();
+    let screen = succeed(ramus().arg("inspect").arg(&model));
+    for told in [
+        "ASCII PLY, 3 triangles",
+        "! 1 open end",
+        "millimetres (guessed by size)",
+        "open, area",
+    ] {
+        assert!(screen.contains(told), "{told}\n{screen}");
+    }
+    let json = succeed(ramus().arg("inspect").arg(&model).arg("--json"));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["triangles"], 3);
+    assert_eq!(json["watertight"], false);
+    assert_eq!(json["open_ends"][0]["edges"], 3);
+}
+
+fn inspect(model: &Path) -> Output {
+    ramus().arg("inspect").arg(model).output().unwrap()
+}
+
+#[test]
+fn what_is_no_model_is_refused_in_one_sentence() {
+    let folder = folder();
+    let announced = OPEN.replace("vertex 4", "vertex 4000000000");
+    let out_of_range = OPEN.replace("3 0 3 2", "3 0 3 7");
+    let cases: [(&str, &[u8], &str); 6] = [
+        ("empty.ply", b"", "empty"),
+        (
+            "letter.obj",
+            b"Dear Sir or Madam,\n",
+            "no format that is known",
+        ),
+        ("scan.glb", b"glTF\x02\0\0\0", "glTF"),
+        ("huge.ply", announced.as_bytes(), "4000000000"),
+        ("wrong.ply", out_of_range.as_bytes(), "line 16"),
+        ("points.obj", b"v 0 0 0\nv 1 0 0\n", "no triangle"),
+    ];
+    for (name, bytes, told) in cases {
+        let model = folder.path().join(name);
+        fs::write(&model, bytes).unwrap();
+        refused(&inspect(&model), &[told, name]);
+    }
+    refused(&inspect(&folder.path().join("none.stl")), &["none.stl"]);
+    refused(&inspect(folder.path()), &["plain file"]);
+}
+
+/// Each real model there is, as the list of models has it.
+#[test]
+fn real_models_are_told_about() {
+    let Ok(shared) = std::env::var("RAMUS_SHARED") else {
+        eprintln!("skipped: RAMUS_SHARED is not set");
+        return;
+    };
+    for (name, triangles, told) in [
+        ("truth/c_y60.ply", 62_484, ""),
+        (
+            "real/vmtk_aorta-surface-open-ends.stl",
+            11_887,
+            "3 open ends",
+        ),
+        ("real/blood_vessels_mc.ply", 30_536, ""),
+        ("real/skeletor_722817260.obj", 13_772, "non-manifold"),
+        ("real/eztree_ash_small.ply", 5_616, "self-intersections"),
+    ] {
+        let model = Path::new(&shared).join("models").join(name);
+        let json = succeed(ramus().arg("inspect").arg(&model).arg("--json"));
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["triangles"], triangles, "{name}");
+        let screen = succeed(ramus().arg("inspect").arg(&model));
+        assert!(screen.contains(told), "{name}: {screen}");
+    }
+}
