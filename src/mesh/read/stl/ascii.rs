@@ -16,7 +16,7 @@ const PIECES: usize = 2;
 /// Bytes of a facet, about: fewer make room for more triangles than there are.
 const FACET: usize = 256;
 /// Lines between two looks at whether to go on.
-const LINES: usize = 1 << 14;
+const LINES: usize = 1 << 12;
 
 /// Corners of a facet.
 type Facet = [[f64; 3]; 3];
