@@ -4,6 +4,7 @@
 #![allow(
     missing_docs,
     clippy::unwrap_used,
+    clippy::missing_assert_message,
     clippy::cast_possible_truncation,
     reason = "Criterion's macros make undocumented functions; a bench may end on an error; the surface is made with single precision"
 )]

@@ -402,6 +402,7 @@ fn modules(text: &str) -> impl Iterator<Item = &str> {
 #[cfg(test)]
 mod tests {
     #![allow(
+        clippy::unwrap_used,
         clippy::missing_assert_message,
         reason = "a test that fails shows the line"
     )]

@@ -228,7 +228,7 @@ mod tests {
     /// What each profile cannot do, which is to be known and told (`docs/src/controls.md`).
     #[test]
     fn each_profile_reaches_all_but_what_it_has_no_part_for() {
-        use Action::{Grab, Haptic, Lower, Stick, Upper};
+        use Action::{Haptic, Lower, Stick, Upper};
         for profile in PROFILES {
             let missing: &[Action] = match profile.path.rsplit('/').next().unwrap() {
                 "simple_controller" => &[Stick, Lower, Upper],

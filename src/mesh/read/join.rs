@@ -9,8 +9,8 @@ use std::hash::{BuildHasher as _, RandomState};
 use super::points::Coordinate;
 use super::{MOST_VERTICES, Stop, Task};
 
-/// A slot without a vertex.
-const NONE: u32 = u32::MAX;
+/// No vertex.
+pub(super) const NONE: u32 = u32::MAX;
 
 /// Vertices, each of its own coordinates.
 pub(super) struct Joiner<C> {
@@ -32,7 +32,8 @@ impl<C: Coordinate> Joiner<C> {
             // Odd, so never zero.
             seeds: [random.hash_one(0) | 1, random.hash_one(1) | 1],
         };
-        joiner.place((vertices + vertices / 2).next_power_of_two().max(16))?;
+        // Half of them empty at first: most vertices are then found where they are looked for.
+        joiner.place((vertices * 2).next_power_of_two().max(16))?;
         Ok(joiner)
     }
 
@@ -109,7 +110,7 @@ impl<C: Coordinate> Joiner<C> {
     clippy::cast_possible_truncation,
     reason = "the halves of the product are wanted"
 )]
-fn folded(left: u64, right: u64) -> u64 {
+pub(super) fn folded(left: u64, right: u64) -> u64 {
     let product = u128::from(left) * u128::from(right);
     product as u64 ^ (product >> 64) as u64
 }

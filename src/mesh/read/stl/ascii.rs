@@ -11,10 +11,12 @@ use super::super::text::{self, Piece};
 use super::super::{Stop, Surface, Task};
 use super::Joined;
 
-/// Pieces that are understood at once.
-const PIECES: usize = 8;
+/// Pieces that a thread understands before the corners are joined.
+const PIECES: usize = 2;
+/// Bytes of a facet, about: fewer make room for more triangles than there are.
+const FACET: usize = 256;
 /// Lines between two looks at whether to go on.
-const LINES: usize = 1 << 14;
+const LINES: usize = 1 << 12;
 
 /// Corners of a facet.
 type Facet = [[f64; 3]; 3];
@@ -26,10 +28,10 @@ pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surfa
         cursor.skip_blanks();
         cursor.word().eq_ignore_ascii_case(b"facet")
     });
-    let mut joined = Joined::<f64>::with_room(0)?;
+    let mut joined = Joined::<f64>::with_room(bytes.len() / FACET)?;
     let mut is_open = false;
     let mut last: Vec<Facets> = Vec::new();
-    for pieces in pieces.chunks(PIECES) {
+    for pieces in pieces.chunks(PIECES * rayon::current_num_threads()) {
         let (next, done) = rayon::join(
             || facets(pieces, task),
             || join(&mut joined, std::mem::take(&mut last), task),

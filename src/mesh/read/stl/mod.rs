@@ -9,7 +9,7 @@ use super::points::{Coordinate, mesh};
 use super::{Stop, Surface, Task, with_room};
 
 /// Triangles between two looks at whether to go on.
-const TRIANGLES: usize = 1 << 14;
+const TRIANGLES: usize = 1 << 12;
 
 /// Triangles of which the corners are joined.
 struct Joined<C> {
