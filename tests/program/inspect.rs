@@ -75,7 +75,11 @@ fn real_models_are_told_about() {
         ),
         ("real/blood_vessels_mc.ply", 30_536, ""),
         ("real/skeletor_722817260.obj", 13_772, "non-manifold"),
-        ("real/eztree_ash_small.ply", 5_616, "self-intersections"),
+        (
+            "real/eztree_ash_small.ply",
+            5_616,
+            "pass through each other",
+        ),
     ] {
         let model = Path::new(&shared).join("models").join(name);
         let json = succeed(ramus().arg("inspect").arg(&model).arg("--json"));

@@ -105,7 +105,7 @@ fn json_has_its_names_and_no_holes() {
     assert_eq!(
         names.join(" "),
         "area component_count components euler_characteristic file format manifold max min open_end_count open_ends orientable \
-         problems scale size triangles vertices volume watertight"
+         problems scale size skipped_faces triangles vertices volume watertight"
     );
     assert_eq!(json["components"][0]["triangles"], 12);
     assert_eq!(json["components"][0]["genus"], 0);
