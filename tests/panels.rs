@@ -76,6 +76,8 @@ fn a_slider_shows_at_once_and_is_one_edit() {
     for n in 1..=10_u8 {
         let to = from + Vec2::X * 0.015 * f32::from(n);
         visitor.point_on(RIGHT, PanelId::Bench, to);
+        // In this frame or the next.
+        visitor.frame();
         visitor.frame();
         seen.push(visitor.workshop.world().shown().sketch.divergence_deg);
         assert_eq!(visitor.workshop.edits(), before, "nothing is written yet");
@@ -97,6 +99,8 @@ fn a_press_that_loses_its_hand_ends_and_keeps_what_was_seen() {
         let row = visitor.find(PanelId::Bench, "divergence angle") + Vec2::new(0.0, 0.04);
         visitor.point_on(RIGHT, PanelId::Bench, Vec2::new(0.06, row.y));
         visitor.pull(RIGHT, true);
+        visitor.point_on(RIGHT, PanelId::Bench, Vec2::new(0.14, row.y));
+        visitor.frame();
         visitor.point_on(RIGHT, PanelId::Bench, Vec2::new(0.16, row.y));
         visitor.frame();
         let shown = visitor.workshop.world().shown().sketch.divergence_deg;

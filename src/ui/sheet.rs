@@ -1,8 +1,8 @@
 //! One panel's egui: a pointer in, wishes and painted triangles out.
 //!
 //! A sheet is laid out only when something about it changed: the pointer moved or pressed, a key was typed, what it shows is
-//! another thing, or egui itself asks for another look. What only follows, a pointer that passes over it or a tree that grows, is laid out
-//! in every other frame: more is not seen, and the frame has other things to do. A frame in which nothing happens costs a
+//! another thing, or egui itself asks for another look. What only follows, a pointer that passes over it, a slider in a hand or a tree that
+//! grows, is laid out in every other frame: a panel's time is short. Presses, releases, keys and scrolling wait for nothing. A frame in which nothing happens costs a
 //! comparison and allocates nothing. It runs without any device, so a recorded session that is played without a picture does
 //! what it did with one; time comes from the session for the same reason.
 
@@ -54,8 +54,8 @@ pub struct Sheet {
     hand: Option<usize>,
     /// A press whose pointer went away does not begin anew when it comes back.
     void: bool,
-    /// Typed, or pointed at, and not yet taken in.
-    waiting: Vec<Event>,
+    /// Typed and not yet taken in.
+    typed: Vec<Event>,
     /// In the last frame it was laid out, and did nothing but follow.
     follows: bool,
     hovered: Option<egui::Id>,
@@ -82,7 +82,7 @@ impl Sheet {
             pointer: None,
             hand: None,
             void: false,
-            waiting: Vec::new(),
+            typed: Vec::new(),
             follows: false,
             hovered: None,
             looked: Looked::default(),
@@ -140,7 +140,7 @@ impl Sheet {
 
     /// Types into what has the focus.
     pub fn type_in(&mut self, event: Event) {
-        self.waiting.push(event);
+        self.typed.push(event);
     }
 
     /// Looks at the sheet where that is needed. `changed`: what it shows is not what it showed.
@@ -154,17 +154,18 @@ impl Sheet {
         self.looked.tick = None;
         // Also where nothing is looked at: clicks long apart are no double click.
         self.time += seconds.clamp(0.0, LONGEST);
+        let seen = self.pointer;
         let events = self.events(pointer, seconds);
         if events.is_empty() && !changed && !self.again {
             self.follows = false;
             return self.looked;
         }
-        let held = self.pointer.is_some_and(|(_, pressed)| pressed);
         let moves = |event: &Event| matches!(event, Event::PointerMoved(_));
-        let follows = !held && events.iter().all(moves);
+        let follows = events.iter().all(moves);
         if follows && std::mem::take(&mut self.follows) {
             self.again = true;
-            self.waiting = events;
+            // Where it was seen last: a press that loses its hand ends there.
+            self.pointer = seen;
             return self.looked;
         }
         self.follows = follows;
@@ -175,7 +176,7 @@ impl Sheet {
 
     /// What the pointer and the keys did, as egui wants to hear it.
     fn events(&mut self, pointer: Option<PanelPointer>, seconds: f64) -> Vec<Event> {
-        let mut events = std::mem::take(&mut self.waiting);
+        let mut events = std::mem::take(&mut self.typed);
         let hand = pointer.map(|pointer| pointer.hand);
         if std::mem::replace(&mut self.hand, hand) != hand && self.lose_pointer(&mut events) {
             // Another hand has it from the next frame on: what was dragged must not jump there.
