@@ -11,7 +11,7 @@ fn lesson(visitor: &Visitor) -> Option<Lesson> {
     visitor.workshop.world().lesson().map(|(_, lesson)| lesson)
 }
 
-fn draw(visitor: &mut Visitor, tip: Vec3) {
+pub(crate) fn draw(visitor: &mut Visitor, tip: Vec3) {
     visitor.tip_to(RIGHT, ROOT + tip);
     visitor.pull(RIGHT, true);
     visitor.pull(RIGHT, false);

@@ -5,15 +5,18 @@
 use std::path::PathBuf;
 
 use ash::vk::Extent2D;
+use glam::Vec3;
 use ramus::app::session::{self, Nobody};
 use ramus::app::workshop::Workshop;
+use ramus::world::document::Document;
 use ramus::world::lesson::Lesson;
+use ramus::world::panels::PanelId;
 use ramus::world::{World, history::History, project};
 use ramus_xr::session as recorded;
 use ramus_xr::simulated::Simulated;
 
-use super::lessons::{does, rest};
-use super::visitor::Visitor;
+use super::lessons::{does, draw, rest};
+use super::visitor::{LEFT, Visitor};
 
 /// What must be done before a tool can be used.
 fn before(lesson: Lesson) -> &'static [Lesson] {
@@ -28,7 +31,10 @@ fn before(lesson: Lesson) -> &'static [Lesson] {
 }
 
 fn file(lesson: Lesson, ending: &str) -> PathBuf {
-    let name = format!("{lesson:?}").to_lowercase();
+    named(&format!("{lesson:?}").to_lowercase(), ending)
+}
+
+fn named(name: &str, ending: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("assets/sessions/tools")
         .join(format!("{name}.{ending}"))
@@ -80,5 +86,96 @@ fn each_tool_does_what_it_did_when_it_was_recorded() {
             String::from_utf8_lossy(&expected),
             "{lesson:?}"
         );
+    }
+}
+
+/// Sets something in the bench's tab, as a person does.
+fn sets(visitor: &mut Visitor, tab: &str, what: &str) {
+    visitor.click(LEFT, PanelId::Bench, tab);
+    visitor.click(LEFT, PanelId::Bench, what);
+}
+
+fn erases(visitor: &mut Visitor) {
+    sets(visitor, "Draw", "Eraser");
+    draw(visitor, Vec3::Y * 0.16);
+}
+
+fn snaps(visitor: &mut Visitor) {
+    sets(visitor, "Draw", "snap to angles");
+    draw(visitor, Vec3::new(0.004, 0.26, 0.0));
+}
+
+fn mirrors(visitor: &mut Visitor) {
+    sets(visitor, "Draw", "draw branches with their mirror image");
+    draw(visitor, Vec3::Y * 0.08);
+    draw(visitor, Vec3::new(0.08, 0.12, 0.02));
+}
+
+/// Turns by a snap, then goes where the ball falls.
+fn turns(visitor: &mut Visitor) {
+    sets(visitor, "Room", "turn and teleport by the stick");
+    // Away from the panels, which the stick would scroll.
+    let ahead = Vec3::new(-0.22, 0.1, -1.0).normalize();
+    visitor.tip_to_along(LEFT, Vec3::new(-0.25, 1.25, -0.35), ahead);
+    for [x, y] in [[1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]] {
+        visitor.frame.hands[LEFT].stick = glam::Vec2::new(x, y);
+        visitor.frame();
+    }
+}
+
+/// What a tool has made of a trunk of two pieces.
+type Made = fn(&Document, &Workshop) -> bool;
+
+/// Tools that no lesson teaches: name, hands, and what they make.
+const OTHERS: [(&str, fn(&mut Visitor), Made); 4] = [
+    ("eraser", erases, |made, _| {
+        made.sketch.strokes[0].points.len() == 1
+    }),
+    ("snap", snaps, |made, _| {
+        let trunk = &made.sketch.strokes[0].points;
+        trunk.len() == 3 && trunk[2].x == trunk[1].x
+    }),
+    ("mirror", mirrors, |made, _| made.sketch.strokes.len() == 3),
+    ("turning", turns, |_, workshop| {
+        let room = workshop.world().stage_from_room();
+        let (_, turn, place) = room.to_scale_rotation_translation();
+        turn.to_axis_angle().1 > 0.3 && place.length() > 0.3
+    }),
+];
+
+#[test]
+fn tools_of_the_bench_do_what_they_did_when_they_were_recorded() {
+    let update = std::env::var_os("UPDATE_SESSIONS").is_some();
+    for (name, hands, made) in OTHERS {
+        if update {
+            let mut visitor = Visitor::new();
+            for earlier in [Lesson::Draw, Lesson::DrawOn] {
+                does(&mut visitor, earlier);
+                rest(&mut visitor);
+            }
+            hands(&mut visitor);
+            rest(&mut visitor);
+            let bytes = recorded::to_bytes(&visitor.frames).unwrap();
+            std::fs::write(named(name, "session"), bytes).unwrap();
+        }
+        let frames = recorded::read_file(&named(name, "session")).unwrap();
+        let mut workshop = Workshop::unsaved(World::new(History::default())).unwrap();
+        let extent = Extent2D {
+            width: 64,
+            height: 64,
+        };
+        let mut headset = Simulated::new(frames, extent);
+        session::run(&mut headset, &mut workshop, None, &mut Nobody).unwrap();
+        assert!(
+            made(workshop.document(), &workshop),
+            "{name}: {:?}",
+            workshop.world().stage_from_room()
+        );
+        let bytes = project::to_bytes(workshop.document());
+        if update {
+            std::fs::write(named(name, "ramus"), &bytes).unwrap();
+        }
+        let expected = std::fs::read(named(name, "ramus")).unwrap();
+        assert!(bytes == expected, "{name} makes another project");
     }
 }
