@@ -123,11 +123,14 @@ fn turns(visitor: &mut Visitor) {
     }
 }
 
+/// What a person does with it.
+type Hands = fn(&mut Visitor);
+
 /// What a tool has made of a trunk of two pieces.
 type Made = fn(&Document, &Workshop) -> bool;
 
 /// Tools that no lesson teaches: name, hands, and what they make.
-const OTHERS: [(&str, fn(&mut Visitor), Made); 4] = [
+const OTHERS: [(&str, Hands, Made); 4] = [
     ("eraser", erases, |made, _| {
         made.sketch.strokes[0].points.len() == 1
     }),
