@@ -19,8 +19,12 @@ struct Said {
 }
 
 /// Bytes that may still be taken, as far as the system tells.
+///
+/// The worker threads are started first: what they take for themselves is no longer free, and one that starts while memory runs out ends
+/// the program (the C library has no other way to say that a thread's own storage cannot be had).
 #[must_use]
 pub fn room() -> Option<u64> {
+    rayon::broadcast(|_| drop(std::hint::black_box(Vec::<u8>::with_capacity(64))));
     let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
     Said {
         memory: read("/proc/meminfo"),

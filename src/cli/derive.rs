@@ -13,7 +13,7 @@ use super::inputs::grammar_text;
 use super::moment::{Moment, step_at, time};
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
-use super::progress::Progress;
+use super::progress::{Progress, start_watch};
 use super::unwritten::{self, Wanted};
 use crate::app::{export, memory, portrait};
 use crate::lsystem::report::Report;
@@ -113,6 +113,12 @@ struct Budget {
 }
 
 impl Budget {
+    /// What this process may take now, when all threads that the work needs run.
+    fn of(args: &Args) -> Self {
+        start_watch();
+        Self::new(args, memory::room())
+    }
+
     /// An eighth of what is free is left to threads, libraries and everybody else.
     fn new(args: &Args, room: Option<u64>) -> Self {
         let asked = args.memory.saturating_mul(MIB);
@@ -242,7 +248,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
             args.file.display()
         )
     })?;
-    let budget = Budget::new(args, memory::room());
+    let budget = Budget::of(args);
     let limits = Limits {
         bytes: budget.bytes,
         ..Limits::default()
@@ -364,7 +370,7 @@ fn write(args: &Args, drawing: Drawing, steps: u32, radii: &RadiusParams) -> Res
         );
     }
     // What the tree itself takes is taken.
-    write_files(args, drawing, radii, Budget::new(args, memory::room()))
+    write_files(args, drawing, radii, Budget::of(args))
 }
 
 /// What a drawing has besides segments, as a part of a sentence.

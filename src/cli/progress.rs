@@ -1,7 +1,7 @@
 //! Progress on standard error for whatever takes longer than a second.
 
 use std::io::{IsTerminal as _, Write as _};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
 /// Nothing is said before this long: short work stays silent.
@@ -37,21 +37,17 @@ impl Progress {
 
     /// Does work whose parts cannot be counted, and says now and then how long it has taken.
     pub(super) fn during<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
-        let (done, waiting) = mpsc::channel::<()>();
-        std::thread::scope(|scope| {
-            // Without a thread for it the work goes on in silence.
-            let _ = std::thread::Builder::new()
-                .name("ramus-progress".to_owned())
-                .spawn_scoped(scope, move || {
-                    let mut progress = Self::new(what);
-                    while waiting.recv_timeout(TERMINAL_PAUSE) == Err(RecvTimeoutError::Timeout) {
-                        progress.say(|taken| format!("{} s so far", taken.as_secs()));
-                    }
-                });
-            let result = work();
-            drop(done);
-            result
-        })
+        /// Takes the line away, even from work that panics.
+        struct Told;
+        impl Drop for Told {
+            fn drop(&mut self) {
+                drop(watched().take());
+            }
+        }
+        start_watch();
+        *watched() = Some(Self::new(what));
+        let _told = Told;
+        work()
     }
 
     /// Shows a line, if it is time to; says whether it was.
@@ -91,6 +87,37 @@ impl Drop for Progress {
             self.write("");
         }
     }
+}
+
+/// The work that [`Progress::during`] does now.
+fn watched() -> MutexGuard<'static, Option<Progress>> {
+    static WATCHED: Mutex<Option<Progress>> = Mutex::new(None);
+    WATCHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Starts the thread that tells of work whose parts cannot be counted, once for the process, and waits until it runs. Without a thread for
+/// it the work goes on in silence.
+///
+/// Large work calls it before it asks how much memory there is: a thread that starts while memory runs out ends the program.
+pub(super) fn start_watch() {
+    static STARTED: Once = Once::new();
+    STARTED.call_once(|| {
+        let (running, runs) = mpsc::channel();
+        let started = std::thread::Builder::new()
+            .name("ramus-progress".to_owned())
+            .spawn(move || {
+                let _ = running.send(());
+                loop {
+                    std::thread::sleep(TERMINAL_PAUSE);
+                    if let Some(progress) = watched().as_mut() {
+                        progress.say(|taken| format!("{} s so far", taken.as_secs()));
+                    }
+                }
+            });
+        if started.is_ok() {
+            let _ = runs.recv();
+        }
+    });
 }
 
 #[cfg(test)]
