@@ -6,7 +6,7 @@ use egui::{RichText, ScrollArea};
 
 use super::{
     LayoutParams, Painted,
-    theme::{INK, MESSAGE, PAPER, TITLE},
+    theme::{BOARD_TEXT, INK, MESSAGE, PAPER, TITLE},
     whole_pixels,
     words::Language,
 };
@@ -56,9 +56,9 @@ impl BoardUi {
         if let Some(viewport) = input.viewports.get_mut(&egui::ViewportId::ROOT) {
             viewport.native_pixels_per_point = Some(pixels_per_point);
         }
-        let output = self
-            .context
-            .run_ui(input, |ui| show_board(ui, &board.content, language));
+        let output = self.context.run_ui(input, |ui| {
+            show_board(ui, &board.content, language);
+        });
         let primitives = self
             .context
             .tessellate(output.shapes, output.pixels_per_point);
@@ -71,12 +71,13 @@ impl BoardUi {
     }
 }
 
-fn show_board(ui: &mut egui::Ui, content: &BoardContent, language: Language) {
+/// Returns whether all of it is to be seen.
+fn show_board(ui: &mut egui::Ui, content: &BoardContent, language: Language) -> bool {
     let frame = egui::Frame::new()
         .fill(PAPER)
         .inner_margin(14.0)
         .corner_radius(10.0);
-    egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+    let shown = egui::CentralPanel::default().frame(frame).show(ui, |ui| {
         ui.label(
             RichText::new(&content.title)
                 .color(TITLE)
@@ -91,17 +92,20 @@ fn show_board(ui: &mut egui::Ui, content: &BoardContent, language: Language) {
             );
         }
         ui.separator();
-        ScrollArea::vertical().show(ui, |ui| {
+        let lines = ScrollArea::vertical().show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
             for line in &content.lines {
                 ui.label(
                     RichText::new(language.say(line))
                         .color(INK)
                         .monospace()
-                        .size(14.0),
+                        .size(BOARD_TEXT),
                 );
             }
         });
+        lines.content_size.y <= lines.inner_rect.height()
     });
+    shown.inner
 }
 
 #[cfg(test)]
@@ -115,6 +119,7 @@ mod tests {
     use glam::Affine3A;
 
     use super::*;
+    use crate::world::{board::BoardParams, stage::StageParams};
 
     fn board(revision: u64, lines: usize) -> Board {
         let content = BoardContent {
@@ -153,6 +158,36 @@ mod tests {
                     true
                 })
         );
+    }
+
+    /// Nobody scrolls the board: what does not fit is not read.
+    #[test]
+    fn the_fullest_board_shows_all_its_lines() {
+        let size = StageParams::default().board_size.map(|metres| {
+            let LayoutParams {
+                pixels_per_metre,
+                pixels_per_point,
+            } = LayoutParams::default();
+            metres * pixels_per_metre / pixels_per_point
+        });
+        let most = BoardParams::default();
+        let fits = |lines| {
+            let mut board = (*board(1, lines).content).clone();
+            board.lines[0] = "M".repeat(most.columns);
+            let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, size.into());
+            let input = egui::RawInput {
+                screen_rect: Some(rect),
+                ..Default::default()
+            };
+            let mut fits = false;
+            let mut output = egui::Context::default().run_ui(input, |ui| {
+                fits = show_board(ui, &board, Language::German);
+            });
+            output.textures_delta.clear();
+            fits
+        };
+        assert!(fits(most.lines()));
+        assert!(!fits(2 * most.lines()));
     }
 
     #[test]

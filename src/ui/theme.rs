@@ -9,6 +9,9 @@ pub(super) const INK: Color32 = Color32::from_rgb(222, 226, 220);
 pub(super) const TITLE: Color32 = Color32::from_rgb(244, 238, 214);
 /// Okabe–Ito orange: told apart from the ink by everyone.
 pub(super) const MESSAGE: Color32 = Color32::from_rgb(230, 159, 0);
+/// Smallest text of panels, and the text of the board, which stands farther away; points. Both are a degree high at least from where a head is.
+pub(super) const SMALLEST: f32 = 14.0;
+pub(super) const BOARD_TEXT: f32 = 15.0;
 /// What can be used, what is under the hand, what is chosen.
 const PART: Color32 = Color32::from_rgb(48, 57, 64);
 const UNDER: Color32 = Color32::from_rgb(70, 84, 95);
@@ -39,7 +42,7 @@ pub(super) fn apply(context: &egui::Context) {
         style.interaction.selectable_labels = false;
         style.interaction.interact_radius = 6.0;
         for font in style.text_styles.values_mut() {
-            font.size = font.size.max(14.0);
+            font.size = font.size.max(SMALLEST);
         }
         let visuals = &mut style.visuals;
         visuals.panel_fill = PAPER;
@@ -63,4 +66,44 @@ pub(super) fn apply(context: &egui::Context) {
         }
         widgets.hovered.bg_stroke = Stroke::new(1.5, MESSAGE);
     });
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "each shows the figures")]
+    use glam::Vec3;
+
+    use super::*;
+    use crate::ui::LayoutParams;
+    use crate::world::scene::Scene;
+    use crate::world::{World, history::History};
+
+    /// The study's users could not read small print; a degree is what the guides of headsets ask for at least.
+    #[test]
+    fn text_is_a_degree_high_for_those_who_sit_and_those_who_stand() {
+        let mut scene = Scene::default();
+        World::new(History::default()).scene(&mut scene);
+        let LayoutParams {
+            pixels_per_metre,
+            pixels_per_point,
+        } = LayoutParams::default();
+        let board = scene.board.iter().map(|b| (b.world_from_board, BOARD_TEXT));
+        let panels = scene.panels.iter().map(|p| (p.world_from_panel, SMALLEST));
+        let mut seen = 0;
+        for (place, points) in board.chain(panels) {
+            for height in [1.2, 1.6] {
+                let distance = (Vec3::from(place.translation) - Vec3::Y * height).length();
+                let metres = points * pixels_per_point / pixels_per_metre;
+                let degrees = (metres / distance).atan().to_degrees();
+                assert!(degrees >= 1.0, "{degrees}° from {distance} m");
+                seen += 1;
+            }
+        }
+        assert_eq!(seen, 4, "the board and the bench");
+        let context = egui::Context::default();
+        apply(&context);
+        let style = context.global_style();
+        let smallest = style.text_styles.values().map(|font| font.size);
+        assert_eq!(smallest.fold(f32::MAX, f32::min), SMALLEST);
+    }
 }

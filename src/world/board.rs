@@ -25,9 +25,20 @@ pub struct BoardParams {
     pub rule_lines: usize,
 }
 
+/// Lines of facts and blank ones between, and the most that say what buttons do.
+const FACT_LINES: usize = 5;
+const HINT_LINES: usize = 8;
+
+impl BoardParams {
+    /// Most lines of a whole board.
+    #[must_use]
+    pub fn lines(&self) -> usize {
+        FACT_LINES + self.string_lines + self.rule_lines + HINT_LINES
+    }
+}
+
 impl Default for BoardParams {
     fn default() -> Self {
-        // With the hints these are at most 24 lines: 3 cm each on a board of 72 cm.
         Self {
             columns: 54,
             string_lines: 5,
@@ -572,7 +583,7 @@ mod tests {
             assert!(content.lines.iter().all(fits));
             let hints = buttons.hints();
             assert_eq!(hints.len(), lines);
-            let most = 2 + 3 + params.string_lines + params.rule_lines + hints.len();
+            let most = params.lines() + hints.len() - HINT_LINES;
             assert!(content.lines.len() <= most, "{}", content.lines.len());
             for hint in hints {
                 assert!(content.lines.contains(&hint), "uncut: {hint}");

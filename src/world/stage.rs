@@ -65,9 +65,10 @@ impl Default for StageParams {
             foot_height: 0.03,
             tree: Vec3::new(0.0, 0.0, -6.0),
             // Below the horizon and beside the platform: it hides neither the tree nor what is drawn.
-            board: Vec3::new(0.95, 0.95, -0.85),
+            // As near as its smallest text needs: a degree high from 1.35 m.
+            board: Vec3::new(0.874, 0.998, -0.782),
             board_faces: Vec3::new(0.0, 1.55, 0.0),
-            board_size: [0.92, 0.80],
+            board_size: [0.92, 0.92],
             node_radius: 0.008,
             line_radius: 0.004,
             selected_radius: 0.014,
