@@ -58,12 +58,13 @@ pub fn pictured_steps(last: u32) -> Vec<u32> {
         .collect()
 }
 
-/// Pictures the [`pictured_steps`] of a document, all from the place that shows the last one whole; gives how many.
+/// Pictures the [`pictured_steps`] of a document, whose scanned models are named from the folder `models`, all from the place that shows the last one whole; gives how many.
 ///
 /// # Errors
 /// Where a step cannot be grown, drawn or written.
 pub fn every_step(
     document: &Document,
+    models: &Path,
     picture: &mut Picture,
     folder: &Path,
     mut progress: impl FnMut(usize, usize),
@@ -78,6 +79,7 @@ pub fn every_step(
             ..document.clone()
         };
         let mut workshop = Workshop::unsaved(World::new(History::new(document)))?;
+        workshop.stay_with_models_of(models);
         // Nobody is there, and the newest step has grown whole at once: one frame is enough.
         workshop.update(&Frame::start());
         workshop.finish_tree();

@@ -15,10 +15,12 @@ pub mod film;
 pub mod headset;
 mod layers;
 pub mod memory;
+pub mod model_portrait;
 pub mod opening;
 pub mod person;
 pub mod picture;
 pub mod portrait;
+mod scans;
 pub mod session;
 
 pub mod store;

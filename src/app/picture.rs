@@ -9,12 +9,12 @@ use crate::app::layers::Layers;
 use crate::app::session::SessionEnd;
 use crate::app::worker::Worker;
 use crate::render::{
-    Backdrop, DrawReport, Eye, Fov, Gpu, Offscreen, Pose, RenderError, Renderer, RendererParams,
-    StereoImage, StereoMode, Surface, Target, TreeState, TreeUpload, probe,
+    Backdrop, DrawReport, Eye, Fov, Gpu, ModelUpload, Offscreen, Pose, RenderError, Renderer,
+    RendererParams, StereoImage, StereoMode, Surface, Target, TreeState, TreeUpload, probe,
 };
 use crate::ui::words::Language;
 use crate::ui::{BoardUi, Painted};
-use crate::world::scene::{PlacedTree, Scene};
+use crate::world::scene::{PlacedModel, PlacedTree, Scene};
 
 /// Where frames go.
 enum Images {
@@ -35,8 +35,9 @@ const SMALLEST: vk::Extent2D = vk::Extent2D {
     height: 16,
 };
 
-/// A prepared tree with its revision.
+/// A prepared tree with its revision, and a prepared model with its.
 type Upload = (u64, Result<TreeUpload, RenderError>);
+type PreparedModel = (u64, Result<ModelUpload, RenderError>);
 
 /// Draws the workshop for both eyes.
 pub struct Picture {
@@ -51,7 +52,11 @@ pub struct Picture {
     preparing: Option<u64>,
     /// Revision of the tree that could not be prepared: it is not tried again.
     refused: Option<u64>,
-    /// Why a tree is not in the picture, until it was told.
+    models: Worker<(Gpu, PlacedModel), PreparedModel>,
+    /// Revision of the model that is being prepared, and those of models that could not be.
+    preparing_model: Option<u64>,
+    refused_models: Vec<u64>,
+    /// Why a tree or a model is not in the picture, until it was told.
     trouble: Option<String>,
     /// The last draw showed an older tree than the scene's.
     behind: bool,
@@ -185,7 +190,11 @@ impl Picture {
         let uploads = Worker::start("ramus-upload", |(gpu, placed): &(Gpu, PlacedTree), _| {
             (placed.revision, TreeUpload::new(gpu, placed))
         })
-        .map_err(|error| RenderError::Unsupported(format!("no thread for uploads: {error}")))?;
+        .map_err(no_thread)?;
+        let models = Worker::start("ramus-models", |(gpu, placed): &(Gpu, PlacedModel), _| {
+            (placed.revision, ModelUpload::new(gpu, placed))
+        })
+        .map_err(no_thread)?;
         Ok(Self {
             images,
             renderer: Renderer::new(gpu, &params)?,
@@ -195,6 +204,9 @@ impl Picture {
             uploads,
             preparing: None,
             refused: None,
+            models,
+            preparing_model: None,
+            refused_models: Vec::new(),
             trouble: None,
             behind: false,
             missed: false,
@@ -280,8 +292,12 @@ impl Picture {
             self.take_upload(upload);
         }
         self.lay_out(scene)?;
+        if let Some(model) = self.models.poll() {
+            self.take_model(model);
+        }
         let target = self.images.target(acquired)?;
         let report = self.renderer.draw(scene, &eyes(views), &target)?;
+        self.ask_for_model(scene, report.model);
         if let (TreeState::Wanted(revision), Some(placed)) = (report.tree, &scene.tree)
             && self.preparing != Some(revision)
             && self.refused != Some(revision)
@@ -293,11 +309,31 @@ impl Picture {
             TreeState::None | TreeState::Shown => false,
             TreeState::Copying => true,
             TreeState::Wanted(revision) => self.refused != Some(revision),
-        };
+        } || self.waits_for_models(scene);
         Ok(report)
     }
 
-    /// Draws until the scene's own tree is in the picture, however large it is.
+    /// Has a model prepared that the renderer asks for; one at a time, since the worker keeps only the newest wish.
+    fn ask_for_model(&mut self, scene: &Scene, wanted: Option<u64>) {
+        let Some(revision) = wanted.filter(|wanted| !self.refused_models.contains(wanted)) else {
+            return;
+        };
+        if self.preparing_model.is_none()
+            && let Some(placed) = scene.models.iter().find(|model| model.revision == revision)
+        {
+            self.preparing_model = Some(revision);
+            self.models.ask((self.gpu.clone(), placed.clone()));
+        }
+    }
+
+    /// Whether a model that can be shown is not there yet.
+    fn waits_for_models(&self, scene: &Scene) -> bool {
+        let refused = |revision| self.refused_models.contains(&revision);
+        !self.renderer.has_models(scene)
+            && !scene.models.iter().any(|model| refused(model.revision))
+    }
+
+    /// Draws until the scene's own tree and models are in the picture, however large they are.
     ///
     /// # Errors
     /// As [`Self::draw`].
@@ -310,7 +346,16 @@ impl Picture {
         loop {
             let report = self.draw(scene, views, acquired)?;
             match report.tree {
-                TreeState::None | TreeState::Shown => return Ok(report),
+                TreeState::None | TreeState::Shown if !self.waits_for_models(scene) => {
+                    return Ok(report);
+                }
+                TreeState::None | TreeState::Shown => {
+                    if self.preparing_model.is_some()
+                        && let Some(model) = self.models.wait()
+                    {
+                        self.take_model(model);
+                    }
+                }
                 TreeState::Copying => {}
                 TreeState::Wanted(revision) if self.refused == Some(revision) => return Ok(report),
                 TreeState::Wanted(_) => {
@@ -344,6 +389,18 @@ impl Picture {
         self.trouble.take()
     }
 
+    /// A model that finds no room on the device ends no session: it is not shown, which is told.
+    fn take_model(&mut self, (revision, upload): PreparedModel) {
+        self.preparing_model = None;
+        match upload {
+            Ok(upload) => self.renderer.set_model(upload),
+            Err(error) => {
+                self.refused_models.push(revision);
+                self.trouble = Some(format!("the model cannot be shown: {error}"));
+            }
+        }
+    }
+
     /// A tree that finds no room on the device ends no session: the one before stays in view.
     fn take_upload(&mut self, (revision, upload): Upload) {
         // A newer one may have been asked for while this one was on its way.
@@ -356,6 +413,10 @@ impl Picture {
             }
         }
     }
+}
+
+fn no_thread(error: std::io::Error) -> RenderError {
+    RenderError::Unsupported(format!("no thread for uploads: {error}"))
 }
 
 impl Images {

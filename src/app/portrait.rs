@@ -54,7 +54,7 @@ const FINEST_PX: f32 = 0.9;
 pub const PAPER: Backdrop = Backdrop::Plain([0.956, 0.939, 0.888, 1.0]);
 
 /// Where an eye before a box (its middle, its extent) sees all of it, and no farther away than that takes.
-fn before_box(middle: Vec3, extent: Vec3, params: &PortraitParams) -> Vec3 {
+pub(super) fn before_box(middle: Vec3, extent: Vec3, params: &PortraitParams) -> Vec3 {
     let is_flat = extent.z < params.flat * extent.x.max(extent.y);
     let rise = if is_flat { 0.0 } else { params.rise };
     let back = Vec3::new(0.0, rise, 1.0).normalize();
@@ -188,6 +188,10 @@ fn extremes(scene: &Scene) -> Vec<Vec3> {
         && let Some((low, high)) = placed.tree.bounds()
     {
         corners(placed.world_from_tree, low, high);
+    }
+    for model in &scene.models {
+        let display = &model.display;
+        corners(model.world_from_model, display.low, display.high);
     }
     for plate in &scene.plates {
         // A plate is a disc of radius 1 from 0 down to −1.

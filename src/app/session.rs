@@ -1,5 +1,6 @@
 //! The frame loop: wait, input, world, draw, submit, on whatever headset there is.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use ramus_xr::{Acquired, Frame, Headset, HeadsetError, Tick};
@@ -51,6 +52,11 @@ pub trait Watcher {
         _acquired: Option<Acquired>,
     ) -> anyhow::Result<()> {
         Ok(())
+    }
+
+    /// Files of models that are to come onto the stage, once.
+    fn take_files(&mut self) -> Vec<PathBuf> {
+        Vec::new()
     }
 
     /// A sentence for the board, once.
@@ -166,6 +172,9 @@ fn draw(
     }
     if acquired.is_some() || !matches!(report.tree, TreeState::Wanted(_)) {
         watcher.drawn(workshop, picture, acquired)?;
+    }
+    for file in watcher.take_files() {
+        workshop.drop_model(&file);
     }
     if let Some(text) = watcher.take_message() {
         workshop.show_message(text);

@@ -4,6 +4,8 @@
 //! journal, its request for a tree to [`Grower`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
+mod scanned;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -12,6 +14,7 @@ use ramus_xr::profiles::Profile;
 use ramus_xr::{Frame, Hand, Pulse, View};
 
 use crate::app::convert::{buttons, input_from_frame};
+use crate::app::scans::Scans;
 use crate::app::store::{Opened, Store, StoreError};
 use crate::app::takeaway::Takeaway;
 use crate::app::worker::Worker;
@@ -53,6 +56,7 @@ pub struct Workshop {
     panels: Panels,
     settings: Settings,
     takeaway: Takeaway,
+    scans: Scans,
     /// Time of the last frame.
     clock: Option<f64>,
     store: Option<Store>,
@@ -74,6 +78,8 @@ pub struct Workshop {
     saved: u64,
     /// No other project is taken up: a recording holds one.
     stays: bool,
+    /// Where models are, if not beside the project.
+    models_in: Option<PathBuf>,
 }
 
 fn grow(grower: &mut Grower, (id, sketch, step): &Wanted, cancel: &AtomicBool) -> Ready {
@@ -119,6 +125,7 @@ impl Workshop {
             panels: Panels::new(&world),
             settings: Settings::default(),
             takeaway: Takeaway::start()?,
+            scans: Scans::start()?,
             clock: None,
             world,
             store,
@@ -133,6 +140,7 @@ impl Workshop {
             last: None,
             saved: 0,
             stays: false,
+            models_in: None,
         })
     }
 
@@ -161,6 +169,7 @@ impl Workshop {
             amplitude: haptic.amplitude,
         }));
         self.use_panels(frame.time);
+        self.follow_scans();
         self.keep_journal();
         self.grow_tree();
         &self.pulses
@@ -213,6 +222,8 @@ impl Workshop {
             Wish::Export(ending) => self.take_home(ending),
             Wish::Open(project) => self.go_on_with(&project),
             Wish::Draw(settings) => world.set_settings(settings),
+            Wish::Bring(file) => self.bring_named(&file),
+            Wish::FindModels => self.offer_models(),
             Wish::Teach(lesson) => world.teach(lesson),
         }
         if let Err(error) = done {
@@ -281,7 +292,7 @@ impl Workshop {
         self.keep_journal();
         self.save()?;
         // Trees that are on their way belong to this world, and the next one's wishes have the same numbers.
-        let worker = grow_worker()?;
+        let (worker, scans) = (grow_worker()?, Scans::start()?);
         let opened = Store::open(project)?;
         if let Some(store) = self.store.replace(opened.store) {
             // Everything is in the file already; what is left is the journal's end.
@@ -292,9 +303,10 @@ impl Workshop {
         world.set_settings(self.world.settings());
         world.take_buttons(self.world.buttons().clone());
         self.world = world;
-        self.worker = worker;
+        (self.worker, self.scans) = (worker, scans);
         self.growing = None;
         (self.grower, self.saved) = (Grower::default(), self.edits);
+        self.offer_models();
         let name = project.file_name().unwrap_or_default().to_string_lossy();
         Ok(opened
             .message

@@ -86,6 +86,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     check_places(args.glb.iter().chain(&args.lsys))?;
     let mut workshop = open(args.project.as_deref(), opening.document())?;
     opening.apply(&mut workshop);
+    workshop.stay_with_models_of(path.parent().unwrap_or(Path::new("")));
     let outcome = match stage {
         Stage::Simulated(mut picture, extent) => {
             let mut simulated = Simulated::new(frames, extent);

@@ -33,6 +33,9 @@ pub(super) struct Args {
     /// The project to go on with, or to begin (which takes a headset or a window)
     #[arg(long, value_name = "FILE.ramus")]
     project: Option<PathBuf>,
+    /// A scanned model to bring onto the stage (may be given more than once; takes a headset or a window)
+    #[arg(long, value_name = "FILE")]
+    model: Vec<PathBuf>,
     /// Where pictures and exports go
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -68,6 +71,9 @@ pub(super) struct RecordArgs {
     /// The project to go on with, or to begin (which takes a headset or a window)
     #[arg(long, value_name = "FILE.ramus")]
     project: Option<PathBuf>,
+    /// A scanned model to bring onto the stage (may be given more than once; takes a headset or a window)
+    #[arg(long, value_name = "FILE")]
+    model: Vec<PathBuf>,
     /// Where pictures and exports go
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -82,6 +88,7 @@ pub(super) struct RecordArgs {
 pub(super) fn record(args: RecordArgs) -> Result<()> {
     run(&Args {
         project: args.project,
+        model: args.model,
         out: args.out,
         record: Some(args.session),
         headset: args.headset,
@@ -94,6 +101,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
     if let Some(door) = door(args)? {
         return at_work(door, args);
     }
+    ensure!(
+        args.model.is_empty(),
+        "models are brought onto the stage in a headset or a window, and there is neither: `ramus inspect` looks at a model without"
+    );
     match &args.project {
         Some(_) if args.record.is_some() => {
             bail!(
@@ -214,6 +225,14 @@ fn at_work(door: Door, args: &Args) -> Result<()> {
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
     let mut person = Person::here();
     person.enter(&mut workshop);
+    workshop.offer_models();
+    for model in &args.model {
+        workshop.bring_model(model);
+    }
+    if args.record.is_some() {
+        // What a recording begins with is all there.
+        workshop.finish_models();
+    }
     let tape = args.record.as_deref().map(recording).transpose()?;
     let mut tape = tape.map(|tape| begin_recording(tape, &mut workshop));
     let patience = Patience::of(Duration::from_secs(args.patience));
@@ -447,9 +466,11 @@ fn look_at(project: &Path, out: &Path) -> Result<()> {
     let gpu = portrait::open_gpu()?;
     let mut picture = Picture::offscreen(&gpu, EXTENT.width, EXTENT.height)?;
     let mut progress = Progress::new("drawing");
-    let pictures = demonstration::every_step(&document, &mut picture, out, |step, most| {
-        progress.show(step, most);
-    })?;
+    let models = project.parent().unwrap_or(Path::new(""));
+    let pictures =
+        demonstration::every_step(&document, models, &mut picture, out, |step, most| {
+            progress.show(step, most);
+        })?;
     drop(progress);
     let world = World::new(crate::world::history::History::new(document));
     tell!("{}: {}.", project.display(), take_home::summary(&world));

@@ -1,5 +1,7 @@
 //! Scanned models: triangles in space, read from other programs' files, checked and told about.
 
+pub mod colour;
+pub mod display;
 mod error;
 pub mod intersect;
 #[cfg(test)]

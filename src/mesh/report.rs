@@ -34,6 +34,7 @@ use self::components::Findings;
 use self::edges::{Edges, Kinds, from_to};
 pub use self::loops::BoundaryLoop;
 use self::turning::Turning;
+pub(super) use self::weld::representatives;
 use super::Mesh;
 
 /// No vertex, triangle or component.
@@ -291,7 +292,7 @@ impl Report {
         }
         self.unused_vertices = numbers_where(positions.len(), |vertex| !used[vertex]);
         self.measure(mesh, &used);
-        let first = weld::representatives(positions, &used);
+        let first = representatives(positions, &used);
         self.duplicate_vertices =
             numbers_where(positions.len(), |vertex| first[vertex] as usize != vertex);
         let mut faces = mesh.triangles.clone();

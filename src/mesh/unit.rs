@@ -12,10 +12,10 @@
 //!
 //! It is a guess and called so; nothing is ever scaled by it unasked. A model of no size or of no finite size has no guess.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a number of a model's file stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Unit {
     /// 1 m.

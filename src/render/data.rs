@@ -114,7 +114,7 @@ impl RodData {
     }
 }
 
-fn rows(map: &Affine3A) -> [Vec4; 3] {
+pub(crate) fn rows(map: &Affine3A) -> [Vec4; 3] {
     let m = Mat4::from(*map).transpose();
     [m.x_axis, m.y_axis, m.z_axis]
 }

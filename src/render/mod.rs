@@ -8,7 +8,7 @@
 //!          └▶ Surface ──▶ a window
 //! ```
 //!
-//! Knows scenes, trees and egui's triangles; never tools; of headsets only the handles in `ramus_xr::vulkan`. The frame's path and what its
+//! Knows scenes, trees, models and egui's triangles; never tools; of headsets only the handles in `ramus_xr::vulkan`. The frame's path and what its
 //! synchronisation covers are written down in `docs/src/rendering.md`.
 
 mod data;
@@ -20,6 +20,7 @@ mod hidden;
 mod host;
 mod memory;
 mod meshes;
+mod model_upload;
 mod offscreen;
 mod organ_upload;
 mod panel;
@@ -43,6 +44,7 @@ pub use error::RenderError;
 pub use eye::{Eye, Fov, NEAR, Pose};
 pub use gpu::{DeviceInfo, Gpu, GpuInner, GpuParams};
 pub use host::Headless;
+pub use model_upload::ModelUpload;
 pub use offscreen::{COLOR_FORMAT, DEPTH_FORMAT, Offscreen, read_color, read_depth};
 pub use panel::LayerImage;
 #[cfg(test)]

@@ -10,6 +10,7 @@ use gpu_allocator::MemoryLocation;
 
 use super::{error::RenderError, gpu::Gpu, memory::Buffer, tree_upload::CHUNK_BYTES};
 use crate::{
+    mesh::display::octahedral,
     tree::{
         growth,
         organs::{LookTable, Organ, OrganMesh, Organist},
@@ -214,19 +215,4 @@ impl Maker<'_> {
         self.mesh.clear();
         Ok(made)
     }
-}
-
-/// A unit vector as two snorm16: the octahedron's faces unfolded into a square.
-fn octahedral(normal: Vec3) -> u32 {
-    let sum = normal.abs().element_sum().max(f32::MIN_POSITIVE);
-    let p = normal / sum;
-    let side = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
-    let [x, y] = if p.z >= 0.0 {
-        [p.x, p.y]
-    } else {
-        [(1.0 - p.y.abs()) * side(p.x), (1.0 - p.x.abs()) * side(p.y)]
-    };
-    #[allow(clippy::cast_possible_truncation, reason = "lies within ±32767")]
-    let [x, y] = [x, y].map(|part| (part * f32::from(i16::MAX)).round() as i16);
-    u32::from(x.cast_unsigned()) | u32::from(y.cast_unsigned()) << 16
 }

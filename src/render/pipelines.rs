@@ -7,6 +7,7 @@ use ash::vk;
 use super::{
     error::{RenderError, Trying as _},
     gpu::Gpu,
+    model_upload::ModelData,
     shaders,
 };
 
@@ -249,6 +250,12 @@ pub(crate) struct Pipelines {
     pub(crate) tree_layout: Layout,
     /// Set 0: the frame. Set 1: the panel's picture.
     pub(crate) board_layout: Layout,
+    /// Set 0: the frame. Set 1: a chunk of a model.
+    pub(crate) model_layout: Layout,
+    pub(crate) faces: Pipeline,
+    pub(crate) wire: Pipeline,
+    pub(crate) points: Pipeline,
+    pub(crate) x_rays: Pipeline,
     pub(crate) sky: Pipeline,
     pub(crate) ground: Pipeline,
     pub(crate) tubes: Pipeline,
@@ -278,6 +285,9 @@ impl Pipelines {
         let tree_layout = Layout::new(gpu, &[&frame, &[Kind::STORAGE_BUFFER; 3]], 0)?;
         let board_layout = Layout::new(gpu, &[&frame, &[Kind::SAMPLED_IMAGE, Kind::SAMPLER]], 0)?;
 
+        let immediates = u32::try_from(size_of::<ModelData>()).unwrap_or(0);
+        let model_layout = Layout::new(gpu, &[&frame, &[Kind::STORAGE_BUFFER; 3]], immediates)?;
+
         let plain = PipelineDesc {
             name: "the sky's pipeline",
             spirv: shaders::sky::SPIRV,
@@ -302,7 +312,7 @@ impl Pipelines {
             ..plain
         };
         let sphere = [vk::Format::R32G32B32A32_SFLOAT];
-        let model = [vk::Format::R32G32B32A32_SFLOAT; 2];
+        let solid_model = [vk::Format::R32G32B32A32_SFLOAT; 2];
         let tubes = PipelineDesc {
             name: "the tree's pipeline",
             spirv: shaders::tree::SPIRV,
@@ -327,6 +337,24 @@ impl Pipelines {
             cull: vk::CullModeFlags::NONE,
             ..solid
         };
+        let faces = PipelineDesc {
+            name: "the models' pipeline",
+            spirv: shaders::model::SPIRV,
+            vertex: shaders::model::MODEL_VERTEX,
+            fragment: Some(shaders::model::FACE_FRAGMENT),
+            cull: vk::CullModeFlags::NONE,
+            ..solid
+        };
+        let over = vk::PipelineColorBlendAttachmentState {
+            blend_enable: vk::TRUE,
+            src_color_blend_factor: vk::BlendFactor::SRC_ALPHA,
+            dst_color_blend_factor: vk::BlendFactor::ONE_MINUS_SRC_ALPHA,
+            color_blend_op: vk::BlendOp::ADD,
+            src_alpha_blend_factor: vk::BlendFactor::ZERO,
+            dst_alpha_blend_factor: vk::BlendFactor::ONE,
+            alpha_blend_op: vk::BlendOp::ADD,
+            color_write_mask: vk::ColorComponentFlags::RGBA,
+        };
         let cast = |desc: PipelineDesc<'static>| PipelineDesc {
             name: "the shadow's pipeline",
             fragment: None,
@@ -339,7 +367,26 @@ impl Pipelines {
             ..desc
         };
         let pipeline = |desc: PipelineDesc<'_>| Pipeline::new(gpu, &tree_layout, &desc);
+        let model = |desc: PipelineDesc<'_>| Pipeline::new(gpu, &model_layout, &desc);
         Ok(Self {
+            faces: model(faces)?,
+            wire: model(PipelineDesc {
+                fragment: Some(shaders::model::WIRE_FRAGMENT),
+                covered: true,
+                ..faces
+            })?,
+            points: model(PipelineDesc {
+                vertex: shaders::model::POINT_VERTEX,
+                fragment: Some(shaders::model::POINT_FRAGMENT),
+                ..faces
+            })?,
+            x_rays: model(PipelineDesc {
+                fragment: Some(shaders::model::X_RAY_FRAGMENT),
+                depth_write: false,
+                blend: Some(over),
+                ..faces
+            })?,
+            model_layout,
             sky: pipeline(plain)?,
             ground: pipeline(PipelineDesc {
                 name: "the ground's pipeline",
@@ -374,7 +421,7 @@ impl Pipelines {
                 spirv: shaders::solid::SPIRV,
                 vertex: shaders::solid::SOLID_VERTEX,
                 fragment: Some(shaders::solid::SOLID_FRAGMENT),
-                attributes: &model,
+                attributes: &solid_model,
                 ..solid
             })?,
             board: Pipeline::new(

@@ -5,6 +5,7 @@
 //! (multiview; or one pass an eye), submit. Nothing is allocated and no pipeline made once
 //! the buffers have grown to the scene.
 
+mod models;
 mod record;
 
 use ash::vk;
@@ -20,6 +21,7 @@ use super::{
     hidden::{Hidden, HiddenEyes},
     memory::Buffer,
     meshes::Meshes,
+    model_upload::ModelUpload,
     offscreen::{COLOR_FORMAT, DEPTH_FORMAT, check_extent},
     panel::{LayerImage, Panel},
     pipelines::{Formats, Pipelines},
@@ -77,8 +79,8 @@ pub struct RendererParams {
     pub sun: Vec3,
     /// Whether the tree throws a shadow.
     pub shadows: bool,
-    /// A new tree of up to so many segments is built and shown within the frame that brings it; a larger one must come
-    /// through [`Renderer::set_tree`].
+    /// A new tree of up to so many segments, or a model of so many triangles, is built and shown within the frame that brings it; larger ones must
+    /// come through [`Renderer::set_tree`] and [`Renderer::set_model`].
     pub direct_segments: usize,
 }
 
@@ -123,11 +125,14 @@ pub struct DrawReport {
     pub segments: u32,
     /// The tree.
     pub tree: TreeState,
+    /// The first model that is too large to prepare within a frame: give [`Renderer::set_model`] a [`ModelUpload`] of this revision made on a worker.
+    pub model: Option<u64>,
 }
 
 /// What waits until the frames that use it are done.
 enum Garbage {
     Tree(#[allow(dead_code, reason = "kept to be dropped later")] TreeUpload),
+    Model(#[allow(dead_code, reason = "kept to be dropped later")] ModelUpload),
     Buffer(#[allow(dead_code, reason = "kept to be dropped later")] Buffer),
 }
 
@@ -144,6 +149,7 @@ pub struct Renderer {
     hidden: Hidden,
     tree: Option<TreeUpload>,
     coming: Option<TreeUpload>,
+    models: Vec<ModelUpload>,
     scratch: Scratch,
     garbage: Vec<(u64, Garbage)>,
     frame: u64,
@@ -209,6 +215,7 @@ impl Renderer {
             shadow,
             tree: None,
             coming: None,
+            models: Vec::new(),
             scratch: Scratch::default(),
             garbage: Vec::new(),
             frame: 0,
@@ -332,6 +339,7 @@ impl Renderer {
         if copied && state == TreeState::Copying {
             state = TreeState::Shown;
         }
+        let (models, model) = self.update_models(scene, commands)?;
         let mut painted = false;
         for panel in &mut self.panels {
             painted |= panel.record(&self.gpu, commands, at, self.frame, done)?;
@@ -363,9 +371,10 @@ impl Renderer {
             set: self.slots[at].set,
             hidden: HiddenEyes::new(eyes),
             tree: self.tree.as_ref().filter(|_| placed.is_some()),
+            models: &scene.models,
         };
         let key = self.shadow_key(placed, &numbers);
-        if copied || painted {
+        if copied || painted || models {
             full_barrier(&self.gpu, commands, &[]);
         }
         let mut report = DrawReport {
@@ -373,6 +382,7 @@ impl Renderer {
             triangles: 0,
             segments: pass.tree.map_or(0, |tree| tree.segments),
             tree: state,
+            model,
         };
         if let Some(key) = key
             && self.shadow.drawn != Some(key)

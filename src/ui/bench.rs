@@ -3,6 +3,7 @@
 use egui::{Button, DragValue, RichText, ScrollArea, Slider, SliderClamping, Ui};
 
 use super::{
+    models::Models,
     panels::{Recent, View, Wish},
     projects::Projects,
     rules::Rules,
@@ -23,6 +24,7 @@ enum Tab {
     Shape,
     Letters,
     Rules,
+    Models,
     Room,
     File,
 }
@@ -37,6 +39,7 @@ pub(super) struct Bench {
     furthest: Option<f64>,
     rules: Rules,
     projects: Projects,
+    models: Models,
 }
 
 /// The files that a tree can be taken home as, by their endings.
@@ -61,6 +64,11 @@ impl Bench {
         self.projects = Projects::of(recent);
     }
 
+    /// Offers models to be brought.
+    pub(super) fn offer_models(&mut self, files: Vec<String>) {
+        self.models.offer(files);
+    }
+
     /// Lays the bench out.
     pub(super) fn show(&mut self, ui: &mut Ui, view: &View<'_>, wishes: &mut Vec<Wish>) {
         let words = view.settings.language.words();
@@ -73,6 +81,7 @@ impl Bench {
                     (Tab::Shape, words.tab_shape),
                     (Tab::Letters, words.tab_letters),
                     (Tab::Rules, words.tab_rules),
+                    (Tab::Models, words.tab_models),
                     (Tab::Room, words.tab_room),
                     (Tab::File, words.tab_file),
                 ];
@@ -97,6 +106,7 @@ impl Bench {
                     Tab::Shape => page.shape(ui),
                     Tab::Letters => page.letters(ui),
                     Tab::Rules => self.rules.show(ui, page.view, page.wishes),
+                    Tab::Models => self.models.show(ui, page.view, page.words, page.wishes),
                     Tab::Room => page.room(ui),
                     Tab::File => {
                         page.file(ui);

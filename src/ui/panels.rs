@@ -21,6 +21,7 @@ use crate::{
         document::{Document, Edit},
         handles::Says,
         lesson::Lesson,
+        model::Model,
         panels::{PanelId, PanelPointer},
         room::RoomSettings,
     },
@@ -89,6 +90,10 @@ pub enum Wish {
     Open(PathBuf),
     /// Draw like this.
     Draw(DrawSettings),
+    /// Bring a scanned model onto the stage, by its file as the project names it.
+    Bring(String),
+    /// Look again which models lie beside the project.
+    FindModels,
     /// Go to a lesson of the tutorial, or end it.
     Teach(Option<usize>),
 }
@@ -116,6 +121,8 @@ pub struct View<'a> {
     pub buttons: &'a Buttons,
     /// What is said beside a handle.
     pub says: Option<Says>,
+    /// To ask it what it knows of models.
+    pub world: &'a World,
     /// The person's.
     pub settings: Settings,
 }
@@ -135,6 +142,7 @@ impl<'a> View<'a> {
             lesson: world.lesson(),
             buttons: world.buttons(),
             says: world.says(),
+            world,
             settings,
         }
     }
@@ -144,6 +152,9 @@ impl<'a> View<'a> {
         const PARTS: f64 = 20.0;
         Key {
             sketch: Arc::clone(&self.document.sketch),
+            models: Arc::clone(&self.document.models),
+            linked: self.document.linked,
+            read: self.world.model_changes(),
             step: self.document.step,
             moment: (self.moment * PARTS).round(),
             seen: Seen {
@@ -162,6 +173,10 @@ impl<'a> View<'a> {
 /// What the panels showed last.
 struct Key {
     sketch: Arc<Sketch>,
+    models: Arc<Vec<Model>>,
+    linked: bool,
+    /// How often models were read.
+    read: u64,
     step: u32,
     moment: f64,
     seen: Seen,
@@ -182,6 +197,8 @@ struct Seen {
 impl Key {
     fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.sketch, &other.sketch)
+            && Arc::ptr_eq(&self.models, &other.models)
+            && (self.linked, self.read) == (other.linked, other.read)
             && (self.step, self.moment) == (other.step, other.moment)
             && self.seen == other.seen
     }
@@ -239,6 +256,12 @@ impl Panels {
     /// Offers projects to go on with.
     pub fn offer(&mut self, recent: Vec<Recent>) {
         self.bench.offer(recent);
+        self.shown = None;
+    }
+
+    /// Offers models to be brought.
+    pub fn offer_models(&mut self, files: Vec<String>) {
+        self.bench.offer_models(files);
         self.shown = None;
     }
 

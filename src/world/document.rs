@@ -13,6 +13,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::model::{self, Model, ModelError};
 use crate::sketch::{
     BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Symmetry, Wrap, quantize,
 };
@@ -107,6 +108,10 @@ pub struct Document {
     pub platform: Placement,
     /// The node from which the trigger draws: at an apex the line goes on, elsewhere a branch starts.
     pub selected: NodeRef,
+    /// Scanned models on the stage.
+    pub models: Arc<Vec<Model>>,
+    /// Whether the platform and all models turn together.
+    pub linked: bool,
 }
 
 impl Default for Document {
@@ -116,6 +121,8 @@ impl Default for Document {
             step: 0,
             platform: Placement::default(),
             selected: NodeRef::ROOT,
+            models: Arc::default(),
+            linked: false,
         }
     }
 }
@@ -184,6 +191,15 @@ pub enum Edit {
         /// Its new place.
         to: Placement,
     },
+    /// Brings models, takes them away, moves them or shows them otherwise; with what is linked, the platform turns, too.
+    Arrange {
+        /// All models as they are then.
+        models: Vec<Model>,
+        /// Where the platform stands then.
+        platform: Placement,
+        /// Whether all turn together from now on.
+        linked: bool,
+    },
     /// Switches a letter's copies of itself.
     SetSelfSimilar {
         /// The letter.
@@ -231,6 +247,14 @@ impl Edit {
             }
             Self::SetDivergence { degrees } => *degrees = quantize::angle_deg(*degrees),
             Self::SetPlatform { to } => *to = to.quantized(),
+            Self::Arrange {
+                models, platform, ..
+            } => {
+                *platform = platform.quantized();
+                models
+                    .iter_mut()
+                    .for_each(|model| *model = model.quantized());
+            }
             Self::SetSizes {
                 scale,
                 tip_radius,
@@ -262,6 +286,7 @@ impl Edit {
                 | Self::MoveNode { .. }
                 | Self::SetStep { .. }
                 | Self::SetPlatform { .. }
+                | Self::Arrange { .. }
                 | Self::SetDivergence { .. }
                 | Self::SetSizes { .. }
                 | Self::SetWrap { .. }
@@ -288,6 +313,9 @@ pub enum EditError {
         PLACEMENT_BOUNDS.scale[1]
     )]
     PlatformScale,
+    /// A model that no project has.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// Nothing to draw.
     #[error("a stroke needs at least one segment")]
     EmptyStroke,
@@ -351,6 +379,15 @@ impl Document {
                 next.platform = to;
                 None
             }
+            Edit::Arrange {
+                models,
+                platform,
+                linked,
+            } => {
+                next.models = Arc::new(models);
+                (next.platform, next.linked) = (platform, linked);
+                None
+            }
             Edit::SetSelfSimilar { letter, to } => Some(sketch.with_self_similar(letter, to)?),
             Edit::SetSelfSimilarBranches { on } => Some(Sketch {
                 self_similar_branches: on,
@@ -394,6 +431,7 @@ impl Document {
             }
             .into());
         }
+        model::validate(&self.models)?;
         self.platform.validate()
     }
 }

@@ -80,6 +80,7 @@ impl Tools {
                 self.grip_anew();
                 self.pulse(hand, self.params.haptics.choose);
             }
+            Hover::Model { at, .. } => self.take_model(hand, at),
             Hover::Panel(on) => self.carry(hand, on.id),
             Hover::Handle { id, .. } => self.take_handle(hand, id, true, history),
             Hover::Nothing => return,
@@ -117,8 +118,15 @@ impl Tools {
                     history,
                 );
             }
+            Hold::Model(at) => self.release_model(hand, at, history),
             Hold::Platform => {
                 let to = self.held_placement();
+                let committed = history.committed();
+                let edit = if committed.linked {
+                    self.arrangement(committed)
+                } else {
+                    Edit::SetPlatform { to }
+                };
                 self.hands[hand].hold = Hold::Nothing;
                 if self.hands.iter().any(|other| other.hold == Hold::Platform) {
                     // The other hand carries on from here; one grip is one action.
@@ -126,12 +134,7 @@ impl Tools {
                     self.grip_anew();
                 } else {
                     self.platform = None;
-                    self.apply(
-                        hand,
-                        Edit::SetPlatform { to },
-                        self.params.haptics.choose,
-                        history,
-                    );
+                    self.apply(hand, edit, self.params.haptics.choose, history);
                 }
             }
         }
@@ -144,6 +147,7 @@ impl Tools {
             hand.hold = Hold::Nothing;
         }
         self.platform = None;
+        self.let_go_of_models(|_| true);
     }
 
     /// Hands let go of nodes that are no more.
@@ -159,16 +163,16 @@ impl Tools {
             }
         }
         self.check_pens(sketch);
+        let models = history.committed().models.len();
+        self.let_go_of_models(|at| at >= models);
     }
 
     /// Makes `shown` and the miniature follow the history and the hands.
     pub(super) fn show(&mut self, history: &History) {
         let committed = &*self.tried.over(history.committed());
-        let platform = if self.platform.is_some() {
-            self.held_placement()
-        } else {
-            committed.platform
-        };
+        let (models, platform) = self.arranged(committed, self.platform_in_hand());
+        self.shown.models = models;
+        self.shown.linked = committed.linked;
         if platform != self.shown.platform {
             self.shown.platform = platform;
             self.miniature
@@ -248,6 +252,11 @@ impl Tools {
             } => Some(sample.grip),
             _ => None,
         })
+    }
+
+    /// Where the platform is in the hands, if it is.
+    pub(super) fn platform_in_hand(&self) -> Option<Placement> {
+        self.platform.as_ref().map(|_| self.held_placement())
     }
 
     /// Where the hands hold the platform now.

@@ -28,7 +28,10 @@ pub mod hover;
 pub mod input;
 pub mod journal;
 pub mod lesson;
+mod meant;
 mod miniature;
+pub mod model;
+pub mod models;
 pub mod panels;
 mod play;
 pub mod project;
@@ -48,6 +51,7 @@ use handles::{HandleId, Says};
 use history::{Action, History};
 use input::Input;
 use lesson::Course;
+use model::{LoadedModel, Model};
 use panels::{PanelId, PanelPointer};
 use play::Player;
 use room::{Rig, RoomParams, RoomSettings};
@@ -387,6 +391,7 @@ impl World {
     }
 
     fn follow_history(&mut self) {
+        self.tools.models.keep(self.history.committed());
         self.tools.show(&self.history);
         self.wish();
         self.compose();
@@ -448,6 +453,32 @@ impl World {
         self.compose();
     }
 
+    /// The file of a model on the stage that has not been read yet; [`Self::give_model`] brings what became of it.
+    #[must_use]
+    pub fn wanted_model(&self) -> Option<&str> {
+        self.tools.models.wanted(self.document())
+    }
+
+    /// Gives what a model's file holds, or a sentence that says why it cannot be read: its pedestal stays empty then.
+    pub fn give_model(&mut self, file: String, found: Result<LoadedModel, String>) {
+        if let Err(why) = &found {
+            self.show_message(why.clone());
+        }
+        self.tools.models.give(file, found.map(Arc::new));
+    }
+
+    /// How often a model was read or could not be.
+    #[must_use]
+    pub fn model_changes(&self) -> u64 {
+        self.tools.models.changes
+    }
+
+    /// What is known of a model's mesh, if its file was read.
+    #[must_use]
+    pub fn loaded_model(&self, model: &Model) -> Option<&LoadedModel> {
+        self.tools.models.loaded(model).map(|loaded| &**loaded)
+    }
+
     /// Whether the picture moves by itself now: a step is growing or shrinking, or the tree plays.
     #[must_use]
     pub fn is_growing(&self) -> bool {
@@ -492,6 +523,7 @@ impl World {
         scene.plates.clear();
         scene.controllers.clear();
         scene.panels.clear();
+        scene.models.clear();
         self.tools.panels.draw(scene);
         self.tools.draw_handles(scene);
         self.rig.draw(palette.ghost, scene);
@@ -513,6 +545,9 @@ impl World {
             palette,
             &mut scene.plates,
         );
+        let meant = |at| self.tools.means_model(at);
+        let models = &self.tools.models;
+        models.draw(document, meant, stage, palette, scene);
         let highlights = self.tools.hands.map(|hand| match (hand.hold, hand.hover) {
             (tools::Hold::Node(at), _) | (_, Hover::Node { at, .. }) => Some(at),
             _ => None,
@@ -580,9 +615,10 @@ impl World {
             return;
         }
         let (length, color) = match state.hover {
-            Hover::Node { along, .. } | Hover::Rim { along } | Hover::Handle { along, .. } => {
-                (along, palette.ray_hit)
-            }
+            Hover::Node { along, .. }
+            | Hover::Rim { along }
+            | Hover::Model { along, .. }
+            | Hover::Handle { along, .. } => (along, palette.ray_hit),
             Hover::Panel(on) => (on.along, palette.ray_hit),
             Hover::Nothing => (stage.ray_length, palette.ray),
         };

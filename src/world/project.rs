@@ -15,6 +15,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::document::{Document, EditError, Placement};
+use super::model::Model;
 use crate::sketch::{
     Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap, own_rules::by_name, quantize,
 };
@@ -23,7 +24,9 @@ use crate::sketch::{
 const FORMAT: &str = "ramus-project";
 /// The newest version this program reads, all older ones too. It writes the oldest that says all: a project
 /// without curves and rules of one's own can be read by a program that knows none.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
+/// The first version with scanned models.
+const MODELS: u64 = 3;
 /// The first version in which strokes have handles and a person has rules.
 const HANDLES: u64 = 2;
 /// The version without them.
@@ -95,6 +98,11 @@ struct File {
     self_similar_branches: bool,
     #[serde(default)]
     own_rules: OwnRules,
+    /// Since version [`MODELS`].
+    #[serde(default)]
+    linked: bool,
+    #[serde(default)]
+    models: Vec<Model>,
     strokes: Vec<FileStroke>,
 }
 
@@ -117,7 +125,10 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     let mut text = String::from("{\n");
     field(&mut text, 1, "format", &FORMAT);
     let curved = sketch.strokes.iter().any(|stroke| stroke.is_curve());
-    let version = if curved || !sketch.own_rules.is_empty() {
+    let has_models = !document.models.is_empty() || document.linked;
+    let version = if has_models {
+        MODELS
+    } else if curved || !sketch.own_rules.is_empty() {
         HANDLES
     } else {
         PLAIN
@@ -141,6 +152,15 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     // Left out where there are none, so that older programs read such projects.
     if !sketch.own_rules.is_empty() {
         field(&mut text, 1, "own_rules", &*sketch.own_rules);
+    }
+    if has_models {
+        field(&mut text, 1, "linked", &document.linked);
+        text.push_str("  \"models\": [");
+        for (number, model) in document.models.iter().enumerate() {
+            text.push_str(if number == 0 { "\n    " } else { ",\n    " });
+            push_json(&mut text, model);
+        }
+        text.push_str("\n  ],\n");
     }
     text.push_str("  \"strokes\": [\n");
     for (number, stroke) in (1..).zip(&sketch.strokes) {
@@ -222,6 +242,12 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
             head.version
         )));
     }
+    if head.version < MODELS && (file.linked || !file.models.is_empty()) {
+        return Err(ProjectError::Malformed(format!(
+            "version {} has no models",
+            head.version
+        )));
+    }
     let document = document_from_file(file);
     document.validate()?;
     Ok(document)
@@ -268,5 +294,7 @@ fn document_from_file(file: File) -> Document {
         step: file.step,
         platform: file.platform.quantized(),
         selected: file.selected,
+        models: Arc::new(file.models.iter().map(Model::quantized).collect()),
+        linked: file.linked,
     }
 }

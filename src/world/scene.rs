@@ -7,8 +7,10 @@ use std::sync::{
     atomic::{AtomicU64, Ordering},
 };
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec4};
+use serde::{Deserialize, Serialize};
 
+use crate::mesh::display::Display;
 use crate::tree::{Organs, Tree};
 
 pub use super::input::Pose;
@@ -87,6 +89,66 @@ pub struct PlacedTree {
     pub newest: u32,
 }
 
+/// How a model's surface looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SurfaceLook {
+    /// Lit by the sky alone, without gloss: shape without show.
+    Matte,
+    /// Lit by sky and sun, with gloss.
+    #[default]
+    Shaded,
+    /// Seen through, edges more than faces.
+    XRay,
+}
+
+/// What of a model is to be seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelLook {
+    /// Its faces, or none.
+    pub surface: Option<SurfaceLook>,
+    /// Its edges, as lines of one width in the picture.
+    pub wireframe: bool,
+    /// Its vertices, as points of one size in the picture.
+    pub vertices: bool,
+    /// Each triangle with one normal of its own.
+    pub flat: bool,
+    /// Colour where [`Display::colours`] says none.
+    pub color: Color,
+    /// What lies in front of this plane of the stage (normal and distance along it) is cut away.
+    pub cut: Option<Vec4>,
+    /// A light in a hand: where on the stage.
+    pub lamp: Option<Vec3>,
+}
+
+impl Default for ModelLook {
+    fn default() -> Self {
+        Self {
+            surface: Some(SurfaceLook::default()),
+            wireframe: false,
+            vertices: false,
+            flat: false,
+            // Between bone and plaster: takes any light, and every mark stands out from it.
+            color: [0.62, 0.56, 0.47, 1.0],
+            cut: None,
+            lamp: None,
+        }
+    }
+}
+
+/// A scanned model on the stage.
+#[derive(Clone, Debug)]
+pub struct PlacedModel {
+    /// What is drawn.
+    pub display: Arc<Display>,
+    /// Changes whenever `display` does ([`new_revision`]).
+    pub revision: u64,
+    /// Model, from its mesh's origin, to stage: a similarity.
+    pub world_from_model: Affine3A,
+    /// What of it is to be seen.
+    pub look: ModelLook,
+}
+
 /// What a board says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardContent {
@@ -138,6 +200,8 @@ pub struct Scene {
     pub controllers: Vec<Controller>,
     /// The tree, where there is one.
     pub tree: Option<PlacedTree>,
+    /// Scanned models.
+    pub models: Vec<PlacedModel>,
     /// The board with the step, the string and messages.
     pub board: Option<Board>,
     /// Panels to point at.

@@ -28,13 +28,14 @@ use super::{
     hands::{Buttons, Edge, Edges, HandParams, Sample, checked, sample},
     history::History,
     hold::{Held, HoldParams},
-    hover::{self, HoverParams, Pointer},
+    hover::{HoverParams, Pointer},
     input::{HandInput, Input, Pose},
     miniature::Miniature,
+    models::Models,
     panels::{OnPanel, PanelId, PanelParams, Panels},
     settings::{DrawSettings, DrawTool},
     snap,
-    stage::{Palette, StageParams, rim},
+    stage::{Palette, StageParams},
     stroke::Pen,
     tried::Tried,
 };
@@ -105,6 +106,8 @@ pub(super) enum Hover {
     Node { at: NodeRef, along: f32 },
     /// The platform's rim, so many metres along the ray (0: touched).
     Rim { along: f32 },
+    /// A scanned model or its pedestal, so many metres along the ray (0: touched).
+    Model { at: usize, along: f32 },
     /// A panel.
     Panel(OnPanel),
     /// The lever, the wheel or the stump, so many metres along the ray (0: touched).
@@ -118,6 +121,8 @@ pub(super) enum Hold {
     Nothing,
     Node(NodeRef),
     Platform,
+    /// A scanned model, by its number.
+    Model(usize),
     /// A panel, pressed by the trigger or by the tip.
     Panel {
         id: PanelId,
@@ -180,12 +185,13 @@ struct Next {
 
 impl Hover {
     /// Metres along the ray; none where there is nothing.
-    fn along(self) -> Option<f32> {
+    pub(super) fn along(self) -> Option<f32> {
         match self {
             Self::Nothing => None,
-            Self::Node { along, .. } | Self::Rim { along } | Self::Handle { along, .. } => {
-                Some(along)
-            }
+            Self::Node { along, .. }
+            | Self::Rim { along }
+            | Self::Model { along, .. }
+            | Self::Handle { along, .. } => Some(along),
             Self::Panel(on) => Some(on.along),
         }
     }
@@ -221,6 +227,7 @@ pub(super) struct Tools {
     pub(super) miniature: Miniature,
     pub(super) panels: Panels,
     pub(super) handles: Handles,
+    pub(super) models: Models,
     /// An edit that is tried out, and the document as it would be: a slider that is dragged, the lever, a tree that plays.
     pub(super) tried: Tried,
     pub(super) haptics: Vec<Haptic>,
@@ -254,6 +261,7 @@ impl Tools {
             miniature,
             panels: Panels::new(params.panels, &stage),
             handles: Handles::default(),
+            models: Models::default(),
             tried: Tried::default(),
             haptics: Vec::new(),
             predictor: Predictor::default(),
@@ -340,73 +348,6 @@ impl Tools {
         self.meant(Some(hand), &pointer(&sample))
     }
 
-    /// What a ray from `origin` meets that a hand could use, and where.
-    pub(super) fn met(&self, origin: Vec3, direction: Vec3) -> Option<Met> {
-        let found = self.meant(
-            None,
-            &Pointer {
-                origin,
-                direction,
-                tip: origin,
-                hand: origin,
-            },
-        );
-        Some(Met {
-            place: match found {
-                Hover::Node { at, .. } => self.miniature.position(at)?,
-                _ => origin + direction * found.along()?,
-            },
-            takes_trigger: !matches!(found, Hover::Rim { .. }),
-            scrolls: matches!(found, Hover::Panel(_)),
-        })
-    }
-
-    /// What something that points means; `hand`: which hand it is, if it is one.
-    fn meant(&self, hand: Option<usize>, pointer: &Pointer) -> Hover {
-        let params = &self.params.hover;
-        let taken = |at: NodeRef| self.hands.iter().any(|other| other.hold == Hold::Node(at));
-        let free = self.miniature.nodes.iter().filter(|node| !taken(node.at));
-        let hit = hover::ball(
-            free.clone().map(|node| node.position),
-            self.stage.node_radius,
-            pointer,
-            params,
-        );
-        let node = hit.and_then(|hit| free.clone().nth(hit.index).map(|node| (node.at, hit)));
-        let rim = hover::ring(&rim(&self.shown.platform, &self.stage), pointer, params);
-        let found = self.nearest(node, rim);
-        let mut along = found.along();
-        let mut nearest = found;
-        if let Some((id, at)) = self.handle_at(pointer)
-            && along.is_none_or(|along| at <= along)
-        {
-            nearest = Hover::Handle { id, along: at };
-            along = Some(at);
-        }
-        match self.panels.find(hand, pointer) {
-            Some(on) if along.is_none_or(|along| on.along <= along) => Hover::Panel(on),
-            _ => nearest,
-        }
-    }
-
-    /// The node or the rim, whichever is meant.
-    fn nearest(&self, node: Option<(NodeRef, hover::Hit)>, rim: Option<f32>) -> Hover {
-        match (node, rim) {
-            (Some((at, hit)), rim) if hit.touched || rim.is_none_or(|rim| hit.along <= rim) => {
-                Hover::Node {
-                    at,
-                    along: hit.along,
-                }
-            }
-            (_, Some(along)) => Hover::Rim { along },
-            (Some((at, hit)), None) => Hover::Node {
-                at,
-                along: hit.along,
-            },
-            (None, None) => Hover::Nothing,
-        }
-    }
-
     /// A short tick when a node comes under the hand or the preview snaps, unless the hand was told something stronger.
     fn tick(&mut self, hand: usize, before: Hover) {
         let snapped = self.ghost(hand).is_some_and(|ghost| ghost.snapped);
@@ -419,7 +360,7 @@ impl Tools {
                 !matches!(before, Hover::Handle { id: before, .. } if before == id)
             }
             // Panels tick by themselves.
-            Hover::Panel(_) | Hover::Rim { .. } | Hover::Nothing => false,
+            Hover::Panel(_) | Hover::Rim { .. } | Hover::Model { .. } | Hover::Nothing => false,
         };
         let told = self.haptics.iter().any(|haptic| haptic.hand == hand);
         if (found || snapped && !was_snapped) && !told {
@@ -466,6 +407,7 @@ impl Tools {
         match (hold, hover) {
             (
                 Hold::Platform
+                | Hold::Model(_)
                 | Hold::Stroke
                 | Hold::Panel { .. }
                 | Hold::Carried { .. }
@@ -485,7 +427,9 @@ impl Tools {
             (Hold::Nothing, Hover::Node { at, along }) => {
                 self.choose(hand, at, along <= 0.0, history);
             }
-            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. }) => self.draw(hand, history),
+            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. } | Hover::Model { .. }) => {
+                self.draw(hand, history);
+            }
         }
     }
 
@@ -677,7 +621,10 @@ impl Tools {
         }
         let selected = self.shown.selected;
         let refused = selected == NodeRef::ROOT && !self.shown.sketch.is_apex(selected);
-        let draws = matches!(hover, Hover::Nothing | Hover::Rim { .. });
+        let draws = matches!(
+            hover,
+            Hover::Nothing | Hover::Rim { .. } | Hover::Model { .. }
+        );
         if refused || !draws {
             return None;
         }

@@ -66,7 +66,8 @@ impl Tried {
 /// Whether two documents are the same value, without looking into the sketch.
 fn same(a: &Document, b: &Document) -> bool {
     std::sync::Arc::ptr_eq(&a.sketch, &b.sketch)
-        && (a.step, a.platform, a.selected) == (b.step, b.platform, b.selected)
+        && std::sync::Arc::ptr_eq(&a.models, &b.models)
+        && (a.step, a.platform, a.selected, a.linked) == (b.step, b.platform, b.selected, b.linked)
 }
 
 impl Tools {

@@ -241,6 +241,10 @@ impl ApplicationHandler for Events {
                 self.occluded = occluded;
                 self.news = true;
             }
+            WindowEvent::DroppedFile(file) => {
+                self.wire.dropped.borrow_mut().push(file);
+                self.news = true;
+            }
             WindowEvent::Focused(focused) => self.focus(focused),
             WindowEvent::ModifiersChanged(held) => self.held = held.state(),
             WindowEvent::CursorMoved { position, .. } => {

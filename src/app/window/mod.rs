@@ -17,7 +17,7 @@ mod play;
 pub mod pointer;
 mod stagehand;
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -94,6 +94,8 @@ struct Wire {
     told: Cell<bool>,
     /// What keys asked for.
     wishes: Cell<Wishes>,
+    /// Files that were dropped onto it.
+    dropped: RefCell<Vec<PathBuf>>,
     /// Where the eye goes next.
     eye: Cell<Option<Camera>>,
     /// In a session that is played: the person looks with the window's eye, not the recorded one.

@@ -60,9 +60,12 @@ impl<'a> Stagehand<'a> {
             }),
             left_undoes: room.turning && room.left_handed,
         });
-        self.wire
-            .moving
-            .set(world.is_growing() || workshop.is_busy() || picture.is_behind());
+        self.wire.moving.set(
+            world.is_growing()
+                || workshop.is_busy()
+                || workshop.is_reading()
+                || picture.is_behind(),
+        );
     }
 
     /// Does what keys asked for. What fails is told on the board and ends nothing.
@@ -187,6 +190,10 @@ impl Watcher for Stagehand<'_> {
             self.wire.moving.set(true);
         }
         self.inner.drawn(workshop, picture, acquired)
+    }
+
+    fn take_files(&mut self) -> Vec<PathBuf> {
+        self.wire.dropped.take()
     }
 
     fn take_message(&mut self) -> Option<String> {

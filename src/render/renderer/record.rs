@@ -12,6 +12,7 @@ use crate::render::{
     target::{Resolved, StereoImage, Target, aspects, discard},
     tree_upload::TreeUpload,
 };
+use crate::world::scene::PlacedModel;
 
 /// What the recording of a pass needs to know.
 pub(super) struct Pass<'a> {
@@ -20,6 +21,7 @@ pub(super) struct Pass<'a> {
     pub(super) set: vk::DescriptorSet,
     pub(super) hidden: HiddenEyes,
     pub(super) tree: Option<&'a TreeUpload>,
+    pub(super) models: &'a [PlacedModel],
 }
 
 impl Renderer {
@@ -229,6 +231,7 @@ impl Renderer {
         self.record_tubes(pass, self.pipelines.tubes.handle, report);
         self.record_caps(pass, report);
         self.record_organs(pass, self.pipelines.organs.handle, report);
+        self.record_models(pass, block, report);
         self.record_instances(pass, report);
         self.record_panels(pass, block, report);
         if self.params.backdrop == Backdrop::Stage {
@@ -236,6 +239,7 @@ impl Renderer {
             self.record_plain(pass, self.pipelines.ground.handle, 48 * 4 * 6, report);
         }
         self.record_plain(pass, self.pipelines.sky.handle, 3, report);
+        self.record_x_rays(pass, block, report);
         self.end(pass);
     }
 
@@ -281,7 +285,7 @@ impl Renderer {
         report.triangles += u64::from(triangles);
     }
 
-    fn bind_frame(&self, pass: &Pass<'_>, layout: vk::PipelineLayout, block: u64) {
+    pub(super) fn bind_frame(&self, pass: &Pass<'_>, layout: vk::PipelineLayout, block: u64) {
         let offset = u32::try_from(block).unwrap_or(0);
         // SAFETY: the set's layout is the first of the pipeline layout.
         unsafe {
@@ -301,7 +305,7 @@ impl Renderer {
         unsafe { (self.gpu.newer.end_rendering)(pass.commands) };
     }
 
-    fn bind(&self, pass: &Pass<'_>, pipeline: vk::Pipeline) {
+    pub(super) fn bind(&self, pass: &Pass<'_>, pipeline: vk::Pipeline) {
         // SAFETY: the pipeline fits the pass's formats.
         unsafe {
             self.gpu.device.cmd_bind_pipeline(

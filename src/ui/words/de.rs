@@ -124,6 +124,32 @@ pub(super) const WORDS: Words = Words {
     do_draw_desk: "Über die Plattform zeigen. Die weiße Linie zeigt, was entsteht: mit {draw} klicken.",
     do_panel_desk: "Auf die Werkbank links klicken.",
     do_platform_desk: "Den Rand der Plattform mit {grab} ziehen.",
+    tab_models: "Modelle",
+    models_here: "Modelle neben dem Projekt",
+    no_models_here: "GLB-, OBJ-, PLY-, STL- oder VTP-Dateien neben das Projekt legen oder in dessen Ordner „models“.",
+    look_again: "Erneut suchen",
+    linked: "alle drehen sich gemeinsam",
+    model_is_not_there: "wird gelesen oder ist nicht lesbar",
+    take_away: "Wegnehmen",
+    triangles: "Dreiecke",
+    vertices: "Eckpunkte",
+    unit: "Einheit",
+    stands_on: "nach oben:",
+    shown_at: "gezeigt mit",
+    bar_is: "Balken:",
+    one_to_one: "Wahre Größe",
+    reset_view: "An seinen Platz",
+    shaded: "schattiert",
+    matte: "matt",
+    x_ray: "durchsichtig",
+    no_faces: "ohne Flächen",
+    edges: "Kanten",
+    box_and_size: "Quader",
+    colour_by: "Farbe nach",
+    nothing: "nichts",
+    parts: "Teilen",
+    problems: "Fehlern",
+    no_problems: "Nichts daran ist falsch.",
 };
 
 /// Parts of controllers, word by word.
@@ -277,7 +303,27 @@ pub(super) const SAID: &[(&str, &str)] = &[
         "There is no project to write beside: start Ramus with --project.",
         "Es gibt kein Projekt, neben das geschrieben werden könnte: Ramus mit --project starten.",
     ),
+    (
+        "So many models wait to be read that this one is left out: ask again when they are there.",
+        "So viele Modelle warten darauf, gelesen zu werden, dass dieses entfällt: später noch einmal.",
+    ),
+    (
+        "This session is recorded, and a recording knows no files that are dropped: take models from the bench.",
+        "Diese Sitzung wird aufgezeichnet, und eine Aufzeichnung kennt keine fallen gelassenen Dateien: Modelle von der Werkbank nehmen.",
+    ),
     // What an edit is refused for.
+    (
+        "a project has at most {} models: remove one first",
+        "ein Projekt hat höchstens {} Modelle: erst eines wegnehmen",
+    ),
+    (
+        "a model cannot stand there: its place must be within {} m of the room's middle, and its longest side between {} m and {} m",
+        "ein Modell kann dort nicht stehen: höchstens {} m von der Mitte des Raums, und seine längste Seite zwischen {} m und {} m",
+    ),
+    (
+        "a model needs the name of its file, of at most {} bytes in one line",
+        "ein Modell braucht den Namen seiner Datei, höchstens {} Bytes in einer Zeile",
+    ),
     (
         "no branch can start at the root: draw the trunk's first segment and branch above it",
         "an der Wurzel kann kein Zweig beginnen: das erste Segment des Stamms zeichnen und darüber verzweigen",

@@ -1,0 +1,88 @@
+//! Pictures of scanned models without a headset.
+
+use std::sync::Arc;
+
+use anyhow::{Result, bail};
+use glam::{Affine3A, Quat, Vec3};
+use image::RgbaImage;
+use rayon::prelude::*;
+
+use super::picture::Picture;
+use super::portrait::{PortraitParams, before_box, looking_at, open_gpu};
+use crate::mesh::display::Display;
+use crate::render::Backdrop;
+use crate::world::model::up;
+use crate::world::models::box_rods;
+use crate::world::scene::{ModelLook, PlacedModel, Scene};
+
+/// How a model is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelPortrait {
+    /// What of it is to be seen.
+    pub look: ModelLook,
+    /// Whether its box is drawn round it.
+    pub boxed: bool,
+    /// Whether the file's third axis points up; else its second does.
+    pub z_up: bool,
+    /// Turn about the vertical, radians: seen from a corner, shapes are told apart.
+    pub turn: f32,
+    /// What stands behind it.
+    pub backdrop: Backdrop,
+    /// Pixels of the picture's side.
+    pub pixels: u32,
+}
+
+/// Draws a model of any size, as seen from before it.
+///
+/// # Errors
+/// Where there is nothing to see or no device can draw it.
+pub fn of_model(display: Display, how: &ModelPortrait) -> Result<RgbaImage> {
+    let params = PortraitParams::default();
+    let size = display.size();
+    let half = size.max_element() * 0.5;
+    if !half.is_finite() || half < f32::MIN_POSITIVE {
+        bail!("the model has no extent, so there is nothing to draw");
+    }
+    let turn = Quat::from_rotation_y(how.turn) * up(how.z_up);
+    let scale = params.radius / half;
+    let middle = (display.low + display.high) * 0.5;
+    let turned = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), turn, Vec3::ZERO);
+    let (low, high) = extent(&display, |at| turned.transform_point3(at - middle));
+    // What is lowest touches the ground.
+    let lift = Vec3::Y * -low.y;
+    let world_from_model =
+        Affine3A::from_translation(lift) * turned * Affine3A::from_translation(-middle);
+    let target = (low + high) * 0.5 + lift;
+    let eye = before_box(target, high - low, &params);
+    let mut scene = Scene::default();
+    if how.boxed {
+        let radius = eye.distance(target) * 0.0012;
+        box_rods(&display, &world_from_model, radius, &mut scene.rods);
+    }
+    scene.models.push(PlacedModel {
+        display: Arc::new(display),
+        revision: 1,
+        world_from_model,
+        look: how.look,
+    });
+    let view = looking_at(eye, target, params.field);
+    let gpu = open_gpu()?;
+    let mut picture = Picture::before(&gpu, how.pixels, how.pixels, how.backdrop)?;
+    picture.draw_whole(&scene, &[view, view], None)?;
+    if let Some(trouble) = picture.take_trouble() {
+        bail!("{trouble}");
+    }
+    let [left, _] = picture.read(None)?;
+    Ok(left)
+}
+
+/// The box around what triangles use, as it is placed: seldom as large as the one around the file's box.
+fn extent(display: &Display, placed: impl Fn(Vec3) -> Vec3 + Sync) -> (Vec3, Vec3) {
+    let mesh = &display.mesh;
+    let vertices = mesh.triangles.par_iter().flatten_iter();
+    let points = vertices.filter_map(|&vertex| mesh.positions.get(vertex as usize));
+    points.map(|&at| (placed(at), placed(at))).reduce(
+        || (Vec3::INFINITY, Vec3::NEG_INFINITY),
+        |a, b| (a.0.min(b.0), a.1.max(b.1)),
+    )
+}

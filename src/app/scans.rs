@@ -1,0 +1,246 @@
+//! Scanned models of the workshop: read and looked at on a worker, one after the other.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use crate::app::worker::Worker;
+use crate::mesh::colour::{by_parts, by_problems};
+use crate::mesh::display::Display;
+use crate::mesh::intersect::{IntersectParams, intersections};
+use crate::mesh::problem::problems;
+use crate::mesh::report::{ReportParams, report};
+use crate::mesh::unit::{Scale, Unit};
+use crate::mesh::{Format, ReadLimits, read};
+use crate::world::model::LoadedModel;
+use crate::world::scene::new_revision;
+
+/// Most files that wait at a time.
+const MOST_WAITING: usize = 16;
+
+/// A file to read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Scan {
+    /// As the project names it.
+    pub(super) file: String,
+    /// Where it is.
+    pub(super) path: PathBuf,
+    /// Whether it comes onto the stage when it is read; else it stands there and waits for its mesh.
+    pub(super) comes: bool,
+}
+
+/// A model that was read, and what is guessed of it.
+#[derive(Debug)]
+pub(super) struct Read {
+    pub(super) model: LoadedModel,
+    pub(super) unit: Unit,
+    pub(super) z_up: bool,
+}
+
+/// What became of a file.
+pub(super) type Done = (Scan, Result<Read, String>);
+
+/// Reads what was asked for.
+pub(super) struct Scans {
+    worker: Worker<Scan, Done>,
+    waiting: VecDeque<Scan>,
+    reading: Option<Scan>,
+}
+
+impl Scans {
+    /// # Errors
+    /// Where the system gives no thread.
+    pub(super) fn start() -> std::io::Result<Self> {
+        Ok(Self {
+            worker: Worker::start("ramus-scans", scan)?,
+            waiting: VecDeque::new(),
+            reading: None,
+        })
+    }
+
+    /// Asks for a file, unless it is on its way. False: too many wait already.
+    pub(super) fn ask(&mut self, scan: Scan) -> bool {
+        if self.reading.as_ref() == Some(&scan) || self.waiting.contains(&scan) {
+            return true;
+        }
+        let room = self.waiting.len() < MOST_WAITING;
+        if room {
+            self.waiting.push_back(scan);
+        }
+        room
+    }
+
+    /// Goes on; gives what was read since.
+    pub(super) fn poll(&mut self) -> Option<Done> {
+        let done = self.reading.as_ref().and_then(|_| self.worker.poll());
+        self.go_on(done.is_some());
+        done
+    }
+
+    /// Waits for the next file that is on its way, if one is.
+    pub(super) fn wait(&mut self) -> Option<Done> {
+        self.go_on(false);
+        let done = self.reading.as_ref().and_then(|_| self.worker.wait());
+        self.go_on(true);
+        done
+    }
+
+    fn go_on(&mut self, is_done: bool) {
+        if is_done {
+            self.reading = None;
+        }
+        if self.reading.is_none()
+            && let Some(next) = self.waiting.pop_front()
+        {
+            self.reading = Some(next.clone());
+            self.worker.ask(next);
+        }
+    }
+
+    pub(super) fn is_busy(&self) -> bool {
+        self.reading.is_some() || !self.waiting.is_empty()
+    }
+}
+
+fn scan(scan: &Scan, cancel: &AtomicBool) -> Done {
+    (scan.clone(), look(&scan.path, cancel))
+}
+
+/// Reads a file and looks at what is in it.
+fn look(path: &Path, cancel: &AtomicBool) -> Result<Read, String> {
+    let model = read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?;
+    let mesh = Arc::new(model.mesh);
+    let report = report(&mesh, &ReportParams::default(), cancel, &mut |_, _| ())
+        .map_err(|error| error.to_string())?;
+    let stopped = || "the reading of the model was cancelled".to_owned();
+    let found = intersections(&mesh, &IntersectParams::default(), cancel, &mut |_, _| ())
+        .ok_or_else(stopped)?;
+    let plain = Display::new(Arc::clone(&mesh), cancel).ok_or_else(stopped)?;
+    let guess = Scale::guessed(report.size().max_element());
+    if plain.size().max_element() <= 0.0 || guess.is_none() {
+        return Err(format!(
+            "{}: all of the model lies in one place, so there is nothing to see",
+            path.display()
+        ));
+    }
+    Ok(Read {
+        unit: guess.map_or(Unit::Metres, |scale| scale.unit),
+        z_up: stands_on_its_third_axis(model.format),
+        model: LoadedModel {
+            parts: Arc::new(plain.coloured(by_parts(&report))),
+            problems: Arc::new(plain.coloured(by_problems(&mesh, &report, &found))),
+            plain: Arc::new(plain),
+            revisions: [new_revision(), new_revision(), new_revision()],
+            faults: problems(&report, Some(&found)),
+        },
+    })
+}
+
+/// Programs for scans count upwards along the third axis; those for pictures, whose format OBJ is, along the second.
+pub(crate) fn stands_on_its_third_axis(format: Format) -> bool {
+    !matches!(format, Format::Obj)
+}
+
+/// Endings of the files that are offered.
+const ENDINGS: [&str; 8] = ["glb", "gltf", "obj", "ply", "stl", "swc", "vtk", "vtp"];
+/// Most files that are offered.
+const MOST_OFFERED: usize = 100;
+
+/// The models in a folder and in its folder `models`, as the project in it would name them.
+pub(super) fn offered(folder: &Path) -> Vec<String> {
+    let mut files: Vec<String> = ["", "models/"]
+        .into_iter()
+        .flat_map(|below| {
+            let entries = std::fs::read_dir(folder.join(below)).into_iter().flatten();
+            entries.flatten().filter_map(move |entry| {
+                let name = entry.file_name().into_string().ok()?;
+                let ending = Path::new(&name).extension()?.to_str()?.to_lowercase();
+                ENDINGS
+                    .contains(&&*ending)
+                    .then(|| format!("{below}{name}"))
+            })
+        })
+        .collect();
+    files.sort_unstable();
+    files.truncate(MOST_OFFERED);
+    files
+}
+
+/// As a project in this folder names a file: from the folder where it is below it.
+pub(super) fn named(path: &Path, folder: Option<&Path>) -> String {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = folder.and_then(|folder| std::path::absolute(folder).ok());
+    let below = folder.and_then(|folder| whole.strip_prefix(folder).ok().map(Path::to_owned));
+    below.unwrap_or(whole).to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+
+    /// A tetrahedron.
+    pub(crate) const TETRAHEDRON: &str =
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+    #[test]
+    fn files_are_read_one_after_the_other_and_each_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        std::fs::write(&path, TETRAHEDRON).unwrap();
+        let mut scans = Scans::start().unwrap();
+        let scan = |file: &str, comes| Scan {
+            file: file.to_owned(),
+            path: folder.path().join(file),
+            comes,
+        };
+        assert!(scans.ask(scan("a.obj", true)) && scans.ask(scan("a.obj", true)));
+        assert!(scans.ask(scan("none.obj", false)));
+        assert!(scans.is_busy());
+        let (first, read) = scans.wait().unwrap();
+        let read = read.unwrap();
+        assert!(first.comes && !read.z_up && read.unit == Unit::Metres);
+        assert_eq!(read.model.plain.mesh.triangles.len(), 4);
+        assert!(read.model.faults.is_empty(), "{:?}", read.model.faults);
+        let (second, read) = scans.wait().unwrap();
+        assert_eq!(second.file, "none.obj");
+        assert!(read.unwrap_err().contains("none.obj"));
+        assert!(scans.wait().is_none() && scans.poll().is_none() && !scans.is_busy());
+        for number in 0..MOST_WAITING {
+            assert!(scans.ask(scan(&number.to_string(), true)));
+        }
+        assert!(!scans.ask(scan("one more", true)));
+    }
+
+    #[test]
+    fn what_lies_in_one_place_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("point.obj");
+        std::fs::write(&path, "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n").unwrap();
+        let told = look(&path, &AtomicBool::new(false)).unwrap_err();
+        assert!(told.contains("in one place"), "{told}");
+    }
+
+    #[test]
+    fn models_beside_the_project_are_offered_and_named_from_there() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("models")).unwrap();
+        for file in ["duct.STL", "models/airway.ply", "tree.ramus", "notes.txt"] {
+            std::fs::write(folder.path().join(file), "").unwrap();
+        }
+        assert_eq!(offered(folder.path()), ["duct.STL", "models/airway.ply"]);
+        assert!(offered(&folder.path().join("nowhere")).is_empty());
+        let below = folder.path().join("models/airway.ply");
+        assert_eq!(named(&below, Some(folder.path())), "models/airway.ply");
+        assert_eq!(
+            named(&below, Some(Path::new("/elsewhere"))),
+            below.to_string_lossy()
+        );
+        assert_eq!(named(&below, None), below.to_string_lossy());
+    }
+}

@@ -1,0 +1,241 @@
+//! The workshop's scanned models: brought onto the stage, and read when the project has them.
+
+use std::path::{Path, PathBuf};
+
+use super::Workshop;
+use crate::app::scans::{Done, Scan, named, offered};
+use crate::world::document::Edit;
+use crate::world::model::{MOST_MODELS, Model};
+
+impl Workshop {
+    /// Has a model read and brings it onto the stage; what is wrong with it is told on the board.
+    pub fn bring_model(&mut self, path: &Path) {
+        let file = named(path, self.folder().as_deref());
+        self.bring(file, path.to_owned());
+    }
+
+    /// The same for a file that somebody drops onto the window; a recording knows nothing of files.
+    pub fn drop_model(&mut self, path: &Path) {
+        if self.stays {
+            let told = "This session is recorded, and a recording knows no files that are dropped: take models from the bench.";
+            return self.world.show_message(told.into());
+        }
+        self.bring_model(path);
+    }
+
+    /// The same for a file as the project names it.
+    pub(super) fn bring_named(&mut self, file: &str) {
+        let path = self.path_of(file);
+        self.bring(file.to_owned(), path);
+    }
+
+    fn bring(&mut self, file: String, path: PathBuf) {
+        let comes = true;
+        if !self.scans.ask(Scan { file, path, comes }) {
+            let told = "So many models wait to be read that this one is left out: ask again when they are there.";
+            self.world.show_message(told.into());
+        }
+    }
+
+    /// Offers the models that lie beside the project.
+    pub fn offer_models(&mut self) {
+        let folder = self.folder().unwrap_or_else(|| PathBuf::from("."));
+        self.panels.offer_models(offered(&folder));
+    }
+
+    /// Looks for models in this folder and not in the project's, waits for them in the frame that wants them, and offers those that lie there: so a
+    /// session plays as it was recorded beside it.
+    pub fn stay_with_models_of(&mut self, folder: &Path) {
+        self.stays = true;
+        self.models_in = std::path::absolute(folder).ok();
+        self.offer_models();
+        self.finish_models();
+    }
+
+    /// Where the models are that the project names.
+    fn folder(&self) -> Option<PathBuf> {
+        if let Some(folder) = &self.models_in {
+            return Some(folder.clone());
+        }
+        let project = std::path::absolute(self.project()?).ok()?;
+        project.parent().map(Path::to_owned)
+    }
+
+    fn path_of(&self, file: &str) -> PathBuf {
+        self.folder()
+            .map_or_else(|| file.into(), |folder| folder.join(file))
+    }
+
+    /// Whether a model is on its way.
+    #[must_use]
+    pub fn is_reading(&self) -> bool {
+        self.scans.is_busy() || self.world.wanted_model().is_some()
+    }
+
+    /// Has the meshes read of models that stand on the stage, and brings those that were asked for. In a session that is recorded or played the frame
+    /// waits for them: it must play the same however long files take.
+    pub(super) fn follow_scans(&mut self) {
+        self.want_scans();
+        let waits = self.stays;
+        while let Some(done) = if waits {
+            self.scans.wait()
+        } else {
+            self.scans.poll()
+        } {
+            self.take_scan(done);
+        }
+    }
+
+    /// Waits until all models are there or are told to be unreadable.
+    pub fn finish_models(&mut self) {
+        self.want_scans();
+        while let Some(done) = self.scans.wait() {
+            self.take_scan(done);
+            self.want_scans();
+        }
+        self.keep_journal();
+    }
+
+    fn want_scans(&mut self) {
+        if let Some(file) = self.world.wanted_model() {
+            let scan = Scan {
+                file: file.to_owned(),
+                path: self.path_of(file),
+                comes: false,
+            };
+            // Where too many wait already, the next frame asks again.
+            self.scans.ask(scan);
+        }
+    }
+
+    fn take_scan(&mut self, (scan, read): Done) {
+        let read = match read {
+            Ok(read) => read,
+            Err(why) if scan.comes => return self.world.show_message(why),
+            Err(why) => return self.world.give_model(scan.file, Err(why)),
+        };
+        let document = self.world.document();
+        let stands = |model: &Model| model.file == scan.file;
+        if !scan.comes && !document.models.iter().any(stands) {
+            return; // It was taken away meanwhile.
+        }
+        if scan.comes {
+            let mut models = document.models.to_vec();
+            models.truncate(MOST_MODELS);
+            let number = models.len();
+            models.push(Model::new(scan.file.clone(), read.unit, read.z_up, number));
+            let edit = Edit::Arrange {
+                models,
+                platform: document.platform,
+                linked: document.linked,
+            };
+            if let Err(error) = self.world.apply(edit) {
+                return self.world.show_message(error.to_string());
+            }
+        }
+        self.world.give_model(scan.file, Ok(read.model));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use std::fs;
+
+    use super::*;
+    use crate::app::store::Store;
+    use crate::app::workshop::WorkshopParams;
+
+    const TETRAHEDRON: &str =
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+    #[test]
+    fn a_model_is_brought_kept_with_the_project_and_read_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = folder.path().join("models/corner.obj");
+        fs::create_dir(folder.path().join("models")).unwrap();
+        fs::write(&model, TETRAHEDRON).unwrap();
+        let project = folder.path().join("a.ramus");
+        let open = || {
+            let opened = Store::open(&project).unwrap();
+            Workshop::new(opened, WorkshopParams::default()).unwrap()
+        };
+        let mut workshop = open();
+        workshop.bring_model(&model);
+        assert!(workshop.is_reading());
+        workshop.finish_models();
+        assert!(!workshop.is_reading());
+        let models = workshop.document().models.to_vec();
+        assert_eq!(models.len(), 1);
+        assert_eq!(
+            models[0].file, "models/corner.obj",
+            "from the project's folder"
+        );
+        assert_eq!(workshop.scene().models.len(), 1);
+        assert_eq!(workshop.edits(), 1);
+        workshop.close().unwrap();
+
+        let mut again = open();
+        assert_eq!(*again.document().models, models);
+        assert_eq!(again.scene().models.len(), 0, "it is not read yet");
+        again.finish_models();
+        assert_eq!(again.scene().models.len(), 1);
+
+        // Taken away, and brought back by undo, it is read again.
+        let platform = again.document().platform;
+        let none = Edit::Arrange {
+            models: Vec::new(),
+            platform,
+            linked: false,
+        };
+        again.world.apply(none).unwrap();
+        assert!(again.scene().models.is_empty() && !again.is_reading());
+        again.world.undo();
+        again.finish_models();
+        assert_eq!(again.scene().models.len(), 1);
+        drop(again);
+
+        // Its file is gone: the project opens, the pedestal is empty, and it is told.
+        fs::remove_file(&model).unwrap();
+        let mut without = open();
+        without.finish_models();
+        assert_eq!(without.document().models.len(), 1, "nothing is lost");
+        assert!(without.scene().models.is_empty() && !without.is_reading());
+        assert!(without.world().has_message());
+    }
+
+    #[test]
+    fn what_is_no_model_is_told_and_changes_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("letter.ply");
+        fs::write(&file, "Dear reader,\n").unwrap();
+        let opened = Store::open(&folder.path().join("a.ramus")).unwrap();
+        let mut workshop = Workshop::new(opened, WorkshopParams::default()).unwrap();
+        workshop.bring_model(&file);
+        workshop.finish_models();
+        assert!(workshop.document().models.is_empty() && workshop.world().has_message());
+        let board = workshop.scene().board.clone().unwrap();
+        let told = board.content.message.clone().unwrap();
+        assert!(told.contains("letter.ply"), "{told}");
+    }
+
+    #[test]
+    fn a_project_has_so_many_models_and_no_more() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("corner.obj");
+        fs::write(&file, TETRAHEDRON).unwrap();
+        let opened = Store::open(&folder.path().join("a.ramus")).unwrap();
+        let mut workshop = Workshop::new(opened, WorkshopParams::default()).unwrap();
+        for _ in 0..MOST_MODELS + 2 {
+            workshop.bring_model(&file);
+            workshop.finish_models();
+        }
+        assert_eq!(workshop.document().models.len(), MOST_MODELS);
+        assert_eq!(workshop.scene().models.len(), MOST_MODELS);
+        assert!(workshop.world().has_message());
+    }
+}

@@ -1,0 +1,217 @@
+//! A mesh as it is drawn: its box, a normal for each vertex and, where one is wanted, a colour for each triangle.
+//!
+//! A vertex's normal is the sum of its triangles' normals, each as long as its triangle is large: what voxels stepped and scanners left uneven
+//! is shaded as one surface. Vertices of equal coordinates share it, since files part vertices at seams and STL files everywhere.
+//! *Tried*: weighting by angles, as Thürmer and Wüthrich 1998 have it, is right where a corner is cut into few triangles; scans are cut evenly, and
+//! it takes three arc cosines a triangle.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::Mesh;
+use super::report::representatives;
+
+/// Triangles worked on between two looks at whether to go on.
+const BETWEEN_CHECKS: usize = 1 << 16;
+
+/// What a picture of a mesh needs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Display {
+    /// The mesh.
+    pub mesh: Arc<Mesh>,
+    /// The vertices' normals, as [`octahedral`] packs them; up where a vertex has no triangle with an area.
+    pub normals: Arc<Vec<u32>>,
+    /// The triangles' colours: sRGB with alpha, or empty.
+    pub colours: Vec<[u8; 4]>,
+    /// Smallest corner of the box around all vertices of triangles, from the mesh's origin.
+    pub low: Vec3,
+    /// Its largest corner.
+    pub high: Vec3,
+}
+
+impl Display {
+    /// Prepares a mesh; `None` when somebody asked to stop.
+    pub fn new(mesh: Arc<Mesh>, cancel: &AtomicBool) -> Option<Self> {
+        let normals = normals(&mesh, cancel)?;
+        let corners = || mesh.triangles.par_iter().flatten_iter();
+        let position = |vertex: &u32| mesh.positions.get(*vertex as usize).copied();
+        let bound = |start: f32, of: fn(Vec3, Vec3) -> Vec3| {
+            let found = corners().filter_map(position);
+            found.reduce(|| Vec3::splat(start), of)
+        };
+        let (low, high) = (
+            bound(f32::INFINITY, Vec3::min),
+            bound(f32::NEG_INFINITY, Vec3::max),
+        );
+        // No triangle: no box.
+        let (low, high) = if low.cmple(high).all() {
+            (low, high)
+        } else {
+            (Vec3::ZERO, Vec3::ZERO)
+        };
+        Some(Self {
+            mesh,
+            normals: Arc::new(normals),
+            colours: Vec::new(),
+            low,
+            high,
+        })
+    }
+
+    /// The same with colours.
+    #[must_use]
+    pub fn coloured(&self, colours: Vec<[u8; 4]>) -> Self {
+        Self {
+            colours,
+            ..self.clone()
+        }
+    }
+
+    /// Width, height and depth of the box.
+    #[must_use]
+    pub fn size(&self) -> Vec3 {
+        self.high - self.low
+    }
+}
+
+fn normals(mesh: &Mesh, cancel: &AtomicBool) -> Option<Vec<u32>> {
+    let used = vec![true; mesh.positions.len()];
+    let shared = representatives(&mesh.positions, &used);
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    for part in mesh.triangles.chunks(BETWEEN_CHECKS) {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        for triangle in part {
+            let corner = |at: usize| mesh.positions.get(triangle[at] as usize).copied();
+            let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else {
+                continue;
+            };
+            let normal = (b - a).cross(c - a);
+            for vertex in triangle {
+                let shared = shared.get(*vertex as usize);
+                if let Some(sum) = shared.and_then(|&at| sums.get_mut(at as usize)) {
+                    *sum += normal;
+                }
+            }
+        }
+    }
+    let normal = |&shared: &u32| {
+        let sum = sums.get(shared as usize).copied().unwrap_or_default();
+        octahedral(sum.try_normalize().unwrap_or_else(|| tiny(sum)))
+    };
+    Some(shared.par_iter().map(normal).collect())
+}
+
+/// The direction of a sum that is too small or too large to be normalised as it is.
+fn tiny(sum: Vec3) -> Vec3 {
+    let scaled = sum / sum.abs().max_element();
+    scaled.try_normalize().unwrap_or(Vec3::Y)
+}
+
+/// A unit vector as two snorm16: the octahedron's faces unfolded into a square (Cigolla et al. 2014, "A Survey of Efficient Representations for
+/// Independent Unit Vectors").
+#[must_use]
+pub fn octahedral(normal: Vec3) -> u32 {
+    let sum = normal.abs().element_sum().max(f32::MIN_POSITIVE);
+    let p = normal / sum;
+    let side = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
+    let [x, y] = if p.z >= 0.0 {
+        [p.x, p.y]
+    } else {
+        [(1.0 - p.y.abs()) * side(p.x), (1.0 - p.x.abs()) * side(p.y)]
+    };
+    #[allow(clippy::cast_possible_truncation, reason = "lies within ±32767")]
+    let [x, y] = [x, y].map(|part| (part * f32::from(i16::MAX)).round() as i16);
+    u32::from(x.cast_unsigned()) | u32::from(y.cast_unsigned()) << 16
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+    use crate::mesh::made;
+
+    fn display(mesh: Mesh) -> Display {
+        Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap()
+    }
+
+    fn unpacked(normal: u32) -> Vec3 {
+        let [x, y] = [normal & 0xFFFF, normal >> 16].map(|part| {
+            f32::from(u16::try_from(part).unwrap().cast_signed()) / f32::from(i16::MAX)
+        });
+        let z = 1.0 - x.abs() - y.abs();
+        let side = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
+        if z >= 0.0 {
+            Vec3::new(x, y, z).normalize()
+        } else {
+            Vec3::new((1.0 - y.abs()) * side(x), (1.0 - x.abs()) * side(y), z).normalize()
+        }
+    }
+
+    #[test]
+    fn a_balls_normals_point_away_from_its_middle() {
+        let ball = display(made::sphere(4));
+        let middle = (ball.low + ball.high) / 2.0;
+        for (position, normal) in ball.mesh.positions.iter().zip(&*ball.normals) {
+            let away = (*position - middle).normalize();
+            assert!(unpacked(*normal).dot(away) > 0.99, "{position}");
+        }
+    }
+
+    #[test]
+    fn corners_that_a_file_parts_are_shaded_as_one() {
+        let ball = made::sphere(2);
+        let soup = made::soup(&ball);
+        let (whole, parted) = (display(ball), display(soup));
+        for (corner, vertex) in whole.mesh.triangles.iter().flatten().enumerate() {
+            let difference = unpacked(whole.normals[*vertex as usize])
+                .distance(unpacked(parted.normals[corner]));
+            assert!(difference < 1e-3, "{corner}");
+        }
+        assert_eq!((whole.low, whole.high), (parted.low, parted.high));
+    }
+
+    #[test]
+    fn what_has_no_area_and_no_triangle_is_no_trouble() {
+        let point = Mesh {
+            positions: vec![Vec3::splat(3.0); 3],
+            triangles: vec![[0, 1, 2], [0, 7, 1]],
+            ..Mesh::default()
+        };
+        let point = display(point);
+        assert_eq!(unpacked(point.normals[0]), Vec3::Y);
+        assert_eq!(point.size(), Vec3::ZERO);
+        let nothing = display(Mesh::default());
+        assert_eq!((nothing.low, nothing.high), (Vec3::ZERO, Vec3::ZERO));
+        let cancelled = AtomicBool::new(true);
+        assert!(Display::new(Arc::new(made::sphere(2)), &cancelled).is_none());
+        // So small that squares vanish.
+        let small = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X * 1e-18, Vec3::Y * 1e-18],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        assert!(unpacked(display(small).normals[0]).distance(Vec3::Z) < 1e-3);
+    }
+
+    #[test]
+    fn packing_keeps_directions() {
+        for direction in [
+            Vec3::X,
+            Vec3::NEG_Z,
+            Vec3::new(1.0, -2.0, 3.0),
+            Vec3::new(-1.0, -0.1, -0.2),
+        ] {
+            let direction = direction.normalize();
+            assert!(unpacked(octahedral(direction)).distance(direction) < 1e-3);
+        }
+    }
+}

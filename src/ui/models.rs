@@ -1,0 +1,248 @@
+//! The bench's tab for scanned models: which stand on the stage, what they are like, how they are shown, and which can be brought.
+
+use egui::{Button, RichText, Ui};
+
+use super::{
+    panels::{View, Wish},
+    theme::{MESSAGE, TITLE},
+    words::Words,
+};
+use crate::mesh::colour::fault_colour;
+use crate::mesh::unit::Unit;
+use crate::world::document::{Document, Edit};
+use crate::world::model::{Colouring, LoadedModel, Model};
+use crate::world::scene::SurfaceLook;
+
+/// See the module.
+#[derive(Default)]
+pub(super) struct Models {
+    offered: Vec<String>,
+    /// Which model's page is open.
+    chosen: usize,
+}
+
+/// Faults that are listed of a model.
+const MOST_FAULTS: usize = 6;
+
+impl Models {
+    pub(super) fn offer(&mut self, files: Vec<String>) {
+        self.offered = files;
+    }
+
+    /// Lays the tab out.
+    pub(super) fn show(
+        &mut self,
+        ui: &mut Ui,
+        view: &View<'_>,
+        words: &Words,
+        wishes: &mut Vec<Wish>,
+    ) {
+        let document = view.document;
+        self.choose(ui, document);
+        if let Some(model) = document.models.get(self.chosen) {
+            let mut changed = model.clone();
+            let kept = page(ui, view, words, &mut changed);
+            let mut models = document.models.to_vec();
+            if !kept {
+                models.remove(self.chosen);
+                wishes.push(arrange(document, models, document.linked));
+            } else if changed != *model {
+                models[self.chosen] = changed;
+                wishes.push(arrange(document, models, document.linked));
+            }
+            let mut linked = document.linked;
+            if ui.checkbox(&mut linked, words.linked).changed() {
+                wishes.push(arrange(document, document.models.to_vec(), linked));
+            }
+            ui.separator();
+        }
+        self.bring(ui, words, wishes);
+    }
+
+    fn choose(&mut self, ui: &mut Ui, document: &Document) {
+        self.chosen = self.chosen.min(document.models.len().saturating_sub(1));
+        ui.horizontal_wrapped(|ui| {
+            for (at, model) in document.models.iter().enumerate() {
+                let name = file_name(&model.file);
+                if ui.selectable_label(self.chosen == at, name).clicked() {
+                    self.chosen = at;
+                }
+            }
+        });
+    }
+
+    /// The files that can be brought.
+    fn bring(&self, ui: &mut Ui, words: &Words, wishes: &mut Vec<Wish>) {
+        ui.label(RichText::new(words.models_here).color(TITLE).size(18.0));
+        if self.offered.is_empty() {
+            ui.label(words.no_models_here);
+        }
+        for file in &self.offered {
+            if ui.button(file).clicked() {
+                wishes.push(Wish::Bring(file.clone()));
+            }
+        }
+        if ui.button(words.look_again).clicked() {
+            wishes.push(Wish::FindModels);
+        }
+    }
+}
+
+fn arrange(document: &Document, models: Vec<Model>, linked: bool) -> Wish {
+    Wish::Edit(Edit::Arrange {
+        models,
+        platform: document.platform,
+        linked,
+    })
+}
+
+fn file_name(file: &str) -> &str {
+    file.rsplit(['/', '\\']).next().unwrap_or(file)
+}
+
+/// One model; false: it is to go.
+fn page(ui: &mut Ui, view: &View<'_>, words: &Words, model: &mut Model) -> bool {
+    ui.label(
+        RichText::new(file_name(&model.file))
+            .color(TITLE)
+            .size(18.0),
+    );
+    let Some(loaded) = view.world.loaded_model(model) else {
+        ui.label(RichText::new(words.model_is_not_there).color(MESSAGE));
+        return !ui.button(words.take_away).clicked();
+    };
+    facts(ui, words, loaded, model);
+    size(ui, words, loaded, model);
+    ui.separator();
+    look(ui, words, model);
+    ui.separator();
+    faults(ui, words, loaded);
+    !ui.button(words.take_away).clicked()
+}
+
+/// How large it is, in its unit, which can be chosen.
+fn facts(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
+    let mesh = &loaded.plain.mesh;
+    let symbol = model.unit.symbol();
+    let [width, height, depth] = loaded.size(model.z_up).to_array().map(rounded);
+    ui.label(format!("{width} × {height} × {depth} {symbol}"));
+    let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
+    ui.label(format!(
+        "{triangles} {}, {vertices} {}",
+        words.triangles, words.vertices
+    ));
+    ui.horizontal_wrapped(|ui| {
+        ui.label(words.unit);
+        for unit in [
+            Unit::Metres,
+            Unit::Centimetres,
+            Unit::Millimetres,
+            Unit::Micrometres,
+            Unit::Nanometres,
+        ] {
+            ui.selectable_value(&mut model.unit, unit, unit.symbol());
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.label(words.stands_on);
+        ui.selectable_value(&mut model.z_up, true, "z");
+        ui.selectable_value(&mut model.z_up, false, "y");
+    });
+}
+
+/// How large it stands there.
+fn size(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
+    let times = loaded.magnification(model);
+    let told = if times >= 1.0 {
+        format!("{} : 1", rounded64(times))
+    } else {
+        format!("1 : {}", rounded64(1.0 / times))
+    };
+    ui.horizontal_wrapped(|ui| {
+        ui.label(format!("{} {told}", words.shown_at));
+        if let Some((_, said)) = loaded.scale_bar(model) {
+            ui.label(format!("{} {said}", words.bar_is));
+        }
+    });
+    ui.horizontal(|ui| {
+        let whole = loaded.real_side(model);
+        let can = whole.is_some();
+        if ui.add_enabled(can, Button::new(words.one_to_one)).clicked()
+            && let Some(side) = whole
+        {
+            model.place.scale = side;
+        }
+        if ui.button(words.reset_view).clicked() {
+            let fresh = Model::new(String::new(), model.unit, model.z_up, 0);
+            model.place = fresh.place;
+        }
+    });
+}
+
+/// What of it is to be seen.
+fn look(ui: &mut Ui, words: &Words, model: &mut Model) {
+    ui.horizontal_wrapped(|ui| {
+        for (surface, name) in [
+            (Some(SurfaceLook::Shaded), words.shaded),
+            (Some(SurfaceLook::Matte), words.matte),
+            (Some(SurfaceLook::XRay), words.x_ray),
+            (None, words.no_faces),
+        ] {
+            ui.selectable_value(&mut model.surface, surface, name);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.checkbox(&mut model.wireframe, words.edges);
+        ui.checkbox(&mut model.vertices, words.vertices);
+        ui.checkbox(&mut model.boxed, words.box_and_size);
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.label(words.colour_by);
+        for (colouring, name) in [
+            (Colouring::Plain, words.nothing),
+            (Colouring::Parts, words.parts),
+            (Colouring::Problems, words.problems),
+        ] {
+            ui.selectable_value(&mut model.colouring, colouring, name);
+        }
+    });
+}
+
+/// What is wrong with it, in the colours in which it is shown.
+fn faults(ui: &mut Ui, words: &Words, loaded: &LoadedModel) {
+    if loaded.faults.is_empty() {
+        ui.label(words.no_problems);
+    }
+    for problem in loaded.faults.iter().take(MOST_FAULTS) {
+        let text = RichText::new(&problem.what);
+        ui.label(match fault_colour(problem.fault) {
+            Some([red, green, blue, _]) => text.color(bright([red, green, blue])),
+            None => text,
+        });
+        ui.label(problem.hint);
+    }
+}
+
+/// A colour that can be read on dark paper.
+fn bright(colour: [u8; 3]) -> egui::Color32 {
+    let [red, green, blue] = colour.map(|part| part / 2 + 110);
+    egui::Color32::from_rgb(red, green, blue)
+}
+
+fn rounded(number: f32) -> String {
+    rounded64(f64::from(number))
+}
+
+/// Three digits, as they are read.
+fn rounded64(number: f64) -> String {
+    let size = number.abs();
+    if size >= 100.0 {
+        format!("{number:.0}")
+    } else if size >= 10.0 {
+        format!("{number:.1}")
+    } else if size >= 1.0 || size == 0.0 {
+        format!("{number:.2}")
+    } else {
+        format!("{number:.3}")
+    }
+}

@@ -1,0 +1,339 @@
+//! Scanned models in the hands: found, gripped by their pedestal's rim or by themselves, carried, turned and scaled, and drawn.
+//!
+//! A model is held as the platform is ([`super::grip`]): level, turned by one hand, scaled by two. Where all is linked, what turns one turns the others
+//! about their own middles. A hand means a model only where it means nothing else, so a model that a person stands in is in no tool's way.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+
+use super::document::{Document, Edit, Placement};
+use super::grip::{GripParams, PlatformGrip};
+use super::history::History;
+use super::hover::{self, Pointer};
+use super::input::Pose;
+use super::model::{LoadedModel, Model, SIDE_BOUNDS};
+use super::scene::{Color, PlacedModel, Rod, Scene};
+use super::stage::{Palette, StageParams, furniture, rim};
+use super::tools::{Hand, Hold, Hover, Tools};
+use crate::mesh::display::Display;
+
+/// How far a model may be carried and how large it may be pulled: farther than the platform, since people walk in it.
+pub(super) const GRIP: GripParams = GripParams {
+    farthest: 300.0,
+    height: [-300.0, 300.0],
+    scale: SIDE_BOUNDS,
+    least_span: 0.02,
+};
+
+/// Edges of boxes: radius as a part of the box's longest side, and bounds of it, metres.
+const BOX_RADIUS: f32 = 0.0015;
+const BOX_RADII: [f32; 2] = [0.0006, 0.01];
+/// Colour of a box's edges, linear.
+pub const BOX_COLOR: Color = [0.05, 0.12, 0.25, 1.0];
+
+/// A pedestal is a platform of this size.
+fn pedestal(stage: &StageParams) -> StageParams {
+    StageParams {
+        platform_radius: 0.12,
+        rim_width: 0.025,
+        column_radius: 0.03,
+        foot_radius: 0.11,
+        ..*stage
+    }
+}
+
+/// What became of a model's file.
+type Found = Result<Arc<LoadedModel>, String>;
+
+/// The models' meshes, as far as they were read, and the one in the hands.
+#[derive(Debug, Default)]
+pub(super) struct Models {
+    found: Vec<(String, Found)>,
+    /// How often that changed.
+    pub(super) changes: u64,
+    grip: Option<(usize, PlatformGrip)>,
+}
+
+impl Models {
+    /// A file that is to be read next.
+    pub(super) fn wanted<'a>(&self, document: &'a Document) -> Option<&'a str> {
+        let files = document.models.iter().map(|model| &*model.file);
+        files.into_iter().find(|file| self.get(file).is_none())
+    }
+
+    pub(super) fn give(&mut self, file: String, found: Found) {
+        self.found.retain(|(known, _)| *known != file);
+        self.found.push((file, found));
+        self.changes += 1;
+    }
+
+    fn get(&self, file: &str) -> Option<&Found> {
+        let (_, found) = self.found.iter().find(|(known, _)| known == file)?;
+        Some(found)
+    }
+
+    /// The mesh of a model, if its file could be read and was.
+    pub(super) fn loaded(&self, model: &Model) -> Option<&Arc<LoadedModel>> {
+        self.get(&model.file)?.as_ref().ok()
+    }
+
+    /// Forgets the meshes that no model has any more; undo has them read again.
+    pub(super) fn keep(&mut self, document: &Document) {
+        let kept = |file: &str| document.models.iter().any(|model| model.file == file);
+        self.found.retain(|(file, _)| kept(file));
+    }
+
+    /// Describes pedestals, models and boxes.
+    pub(super) fn draw(
+        &self,
+        document: &Document,
+        meant: impl Fn(usize) -> bool,
+        stage: &StageParams,
+        palette: &Palette,
+        scene: &mut Scene,
+    ) {
+        let pedestal = pedestal(stage);
+        for (at, model) in document.models.iter().enumerate() {
+            let place = &model.place;
+            furniture(place, meant(at), &pedestal, palette, &mut scene.plates);
+            let Some(loaded) = self.loaded(model) else {
+                continue;
+            };
+            let world_from_model = loaded.stage_from_model(model);
+            let (display, revision) = loaded.coloured(model.colouring);
+            if model.boxed {
+                let [least, most] = BOX_RADII;
+                let radius = (place.scale * BOX_RADIUS).clamp(least, most);
+                box_rods(display, &world_from_model, radius, &mut scene.rods);
+            }
+            if let Some((length, _)) = loaded.scale_bar(model) {
+                bar(place, length, &mut scene.rods);
+            }
+            scene.models.push(PlacedModel {
+                display: Arc::clone(display),
+                revision,
+                world_from_model,
+                look: model.look(),
+            });
+        }
+    }
+}
+
+/// Thickness of a scale bar and height of its ends, as parts of its length.
+const BAR: [f32; 2] = [0.012, 0.05];
+/// Dark and light by turns, as on maps, linear.
+const BAR_COLORS: [Color; 2] = [[0.02, 0.02, 0.02, 1.0], [0.8, 0.8, 0.8, 1.0]];
+/// How far before the pedestal's middle it lies, metres, and how far below the top.
+const BAR_PLACE: [f32; 2] = [0.165, 0.03];
+
+/// A bar before the pedestal that is as long as it says, in two halves.
+fn bar(place: &Placement, length: f32, rods: &mut Vec<Rod>) {
+    let [before, below] = BAR_PLACE;
+    let [radius, ends] = BAR.map(|part| part * length);
+    let middle = place.position + Vec3::new(0.0, -below, before);
+    let half = Vec3::X * (length * 0.5);
+    let mut rod = |from, to, color| {
+        rods.push(Rod {
+            from,
+            to,
+            radius: radius.clamp(0.0008, 0.02),
+            color,
+        });
+    };
+    let [dark, light] = BAR_COLORS;
+    rod(middle - half, middle, dark);
+    rod(middle, middle + half, light);
+    for end in [middle - half, middle + half] {
+        rod(end - Vec3::Y * ends, end + Vec3::Y * ends, dark);
+    }
+}
+
+/// The twelve edges of a model's box.
+pub fn box_rods(display: &Display, world_from_model: &Affine3A, radius: f32, rods: &mut Vec<Rod>) {
+    let (low, high) = (display.low, display.high);
+    let corner = |bits: usize| {
+        let pick = |bit: usize, low: f32, high: f32| if bits & bit == 0 { low } else { high };
+        world_from_model.transform_point3(Vec3::new(
+            pick(1, low.x, high.x),
+            pick(2, low.y, high.y),
+            pick(4, low.z, high.z),
+        ))
+    };
+    for from in 0..8 {
+        for to in [1, 2, 4].map(|bit| from | bit) {
+            if to != from {
+                rods.push(Rod {
+                    from: corner(from),
+                    to: corner(to),
+                    radius,
+                    color: BOX_COLOR,
+                });
+            }
+        }
+    }
+}
+
+/// Metres along a ray to a box in a frame of its own; 0 from within.
+fn met_box(
+    display: &Display,
+    world_from_model: &Affine3A,
+    origin: Vec3,
+    direction: Vec3,
+) -> Option<f32> {
+    let inverse = world_from_model.inverse();
+    let origin = inverse.transform_point3(origin);
+    let direction = inverse.transform_vector3(direction);
+    let (a, b) = (
+        (display.low - origin) / direction,
+        (display.high - origin) / direction,
+    );
+    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+    // A ray along a face gives NaN there, which max and min leave out.
+    (enter <= leave && leave >= 0.0).then_some(enter.max(0.0))
+}
+
+impl Tools {
+    /// The pedestal's rim that is meant, if one is.
+    pub(super) fn pedestal_at(&self, pointer: &Pointer) -> Option<(usize, f32)> {
+        let pedestal = pedestal(&self.stage);
+        let models = self.shown.models.iter().enumerate();
+        let met = models.filter_map(|(at, model)| {
+            let ring = rim(&model.place, &pedestal);
+            Some((at, hover::ring(&ring, pointer, &self.params.hover)?))
+        });
+        met.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The model whose box is meant, if one is.
+    pub(super) fn model_at(&self, pointer: &Pointer) -> Option<(usize, f32)> {
+        let models = self.shown.models.iter().enumerate();
+        let met = models.filter_map(|(at, model)| {
+            let loaded = self.models.loaded(model)?;
+            let map = loaded.stage_from_model(model);
+            let along = met_box(&loaded.plain, &map, pointer.origin, pointer.direction)?;
+            (along <= self.params.hover.reach).then_some((at, along))
+        });
+        met.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Takes hold of a model; while one is held, the other hand takes no other.
+    pub(super) fn take_model(&mut self, hand: usize, at: usize) {
+        if self
+            .models
+            .grip
+            .as_ref()
+            .is_some_and(|(held, _)| *held != at)
+        {
+            return;
+        }
+        self.hands[hand].hold = Hold::Model(at);
+        self.grip_model_anew(at);
+        self.pulse(hand, self.params.haptics.choose);
+    }
+
+    /// Begins a model's grip anew, from where it is seen now.
+    fn grip_model_anew(&mut self, at: usize) {
+        let poses = self.model_poses(at);
+        let place = self.shown.models.get(at).map(|model| model.place);
+        self.models.grip = place.map(|place| (at, PlatformGrip::new(place, poses)));
+    }
+
+    fn model_poses(&self, at: usize) -> [Option<Pose>; 2] {
+        self.hands.map(|hand| match hand {
+            Hand {
+                hold: Hold::Model(held),
+                sample: Some(sample),
+                ..
+            } if held == at => Some(sample.grip),
+            _ => None,
+        })
+    }
+
+    /// Lets go of a model where it is now.
+    pub(super) fn release_model(&mut self, hand: usize, at: usize, history: &mut History) {
+        let edit = self.arrangement(history.committed());
+        self.hands[hand].hold = Hold::Nothing;
+        if self.hands.iter().any(|other| other.hold == Hold::Model(at)) {
+            // The other hand carries on from here; one grip is one action.
+            if let Edit::Arrange { models, .. } = edit {
+                self.shown.models = Arc::new(models);
+            }
+            self.grip_model_anew(at);
+            return;
+        }
+        self.models.grip = None;
+        self.apply(hand, edit, self.params.haptics.choose, history);
+    }
+
+    /// Puts a held model back, and lets go of models that are no more.
+    pub(super) fn let_go_of_models(&mut self, of: impl Fn(usize) -> bool) {
+        if self.models.grip.as_ref().is_some_and(|(at, _)| of(*at)) {
+            self.models.grip = None;
+        }
+        for hand in &mut self.hands {
+            if let Hold::Model(at) = hand.hold
+                && of(at)
+            {
+                hand.hold = Hold::Nothing;
+            }
+        }
+    }
+
+    /// The models and the platform with what hands hold of them: where the platform is held, `platform` says where.
+    pub(super) fn arranged(
+        &self,
+        committed: &Document,
+        platform: Option<Placement>,
+    ) -> (Arc<Vec<Model>>, Placement) {
+        let mut place = platform.unwrap_or(committed.platform);
+        let mut models = Arc::clone(&committed.models);
+        let mut turned = place.yaw_deg - committed.platform.yaw_deg;
+        let mut held = None;
+        if let Some((at, grip)) = &self.models.grip
+            && let Some(model) = committed.models.get(*at)
+        {
+            let to = grip.placement(self.model_poses(*at), &GRIP);
+            turned = to.yaw_deg - model.place.yaw_deg;
+            held = Some(*at);
+            if let Some(model) = Arc::make_mut(&mut models).get_mut(*at) {
+                model.place = to;
+            }
+        }
+        if !committed.linked || turned == 0.0 {
+            return (models, place);
+        }
+        let turn = |place: &mut Placement| {
+            place.yaw_deg += turned;
+            *place = place.quantized();
+        };
+        let others = Arc::make_mut(&mut models).iter_mut().enumerate();
+        for (_, model) in others.filter(|(at, _)| held != Some(*at)) {
+            turn(&mut model.place);
+        }
+        if held.is_some() {
+            turn(&mut place);
+        }
+        (models, place)
+    }
+
+    /// What letting go of everything that is held would make of models and platform.
+    pub(super) fn arrangement(&self, committed: &Document) -> Edit {
+        let platform = self.platform_in_hand();
+        let (models, platform) = self.arranged(committed, platform);
+        Edit::Arrange {
+            models: models.to_vec(),
+            platform,
+            linked: committed.linked,
+        }
+    }
+
+    /// Whether a hand holds a model or means it.
+    pub(super) fn means_model(&self, at: usize) -> bool {
+        self.hands.iter().any(|hand| {
+            hand.hold == Hold::Model(at)
+                || hand.hold == Hold::Nothing
+                    && matches!(hand.hover, Hover::Model { at: other, .. } if other == at)
+        })
+    }
+}
