@@ -121,6 +121,37 @@ fn obj(to: &mut impl Write, ring: &Mesh) {
     }
 }
 
+fn glb(to: &mut impl Write, ring: &Mesh) {
+    let (vertices, triangles) = (ring.positions.len(), ring.triangles.len());
+    let (positions, indices) = (12 * vertices, 12 * triangles);
+    let all = positions + indices;
+    let corners = 3 * triangles;
+    let mut json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{all}}}],"bufferViews":[{{"buffer":0,"byteLength":{positions}}},
+        {{"buffer":0,"byteOffset":{positions},"byteLength":{indices}}}],"accessors":[
+        {{"bufferView":0,"componentType":5126,"type":"VEC3","count":{vertices}}},
+        {{"bufferView":1,"componentType":5125,"type":"SCALAR","count":{corners}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],"nodes":[{{"mesh":0}}]}}"#
+    );
+    while !json.len().is_multiple_of(4) {
+        json.push(' ');
+    }
+    let total = (12 + 8 + json.len() + 8 + all) as u32;
+    to.write_all(b"glTF\x02\0\0\0").unwrap();
+    for word in [total, json.len() as u32] {
+        to.write_all(&word.to_le_bytes()).unwrap();
+    }
+    write!(to, "JSON{json}").unwrap();
+    to.write_all(&(all as u32).to_le_bytes()).unwrap();
+    to.write_all(b"BIN\0").unwrap();
+    for value in ring.positions.iter().flat_map(|point| point.to_array()) {
+        to.write_all(&value.to_le_bytes()).unwrap();
+    }
+    for corner in ring.triangles.as_flattened() {
+        to.write_all(&corner.to_le_bytes()).unwrap();
+    }
+}
+
 /// Writes the ring in a format.
 type Writer = fn(&mut BufWriter<File>, &Mesh);
 
@@ -141,12 +172,13 @@ fn read_benches(criterion: &mut Criterion) {
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(4))
         .throughput(Throughput::Elements(ring.triangles.len() as u64));
-    let formats: [(&str, Writer); 5] = [
+    let formats: [(&str, Writer); 6] = [
         ("binary PLY", binary_ply),
         ("ASCII PLY", ascii_ply),
         ("binary STL", binary_stl),
         ("ASCII STL", ascii_stl),
         ("OBJ", obj),
+        ("GLB", glb),
     ];
     for (name, write) in formats {
         let path = written(folder.path(), &name.replace(' ', "-"), &ring, write);

@@ -139,6 +139,60 @@ fn obj_takes_little() {
     takes_little("OBJ counted back", back.as_bytes());
 }
 
+/// A GLB file of one primitive, with texture coordinates or without.
+fn glb(has_uvs: bool, node: &str) -> Vec<u8> {
+    let triangles = triangles();
+    let count = AROUND * ALONG;
+    let mut binary = Vec::new();
+    for point in (0..count).map(point) {
+        binary.extend(point.map(f32::to_le_bytes).as_flattened());
+    }
+    for triangle in &triangles {
+        binary.extend(triangle.map(u32::to_le_bytes).as_flattened());
+    }
+    let indices_at = 12 * count as usize;
+    let uvs_at = binary.len();
+    let mut attributes = "\"POSITION\":0".to_owned();
+    if has_uvs {
+        binary.resize(uvs_at + 8 * count as usize, 0);
+        attributes += ",\"TEXCOORD_0\":2";
+    }
+    let mut json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{length}}}],"bufferViews":[{{"buffer":0,"byteLength":{indices_at}}},
+        {{"buffer":0,"byteOffset":{indices_at},"byteLength":{indices_bytes}}},{{"buffer":0,"byteOffset":{uvs_at},"byteLength":{uvs_bytes}}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":{count}}},
+        {{"bufferView":1,"componentType":5125,"type":"SCALAR","count":{corners}}},{{"bufferView":2,"componentType":5126,"type":"VEC2","count":{count}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{{attributes}}},"indices":1}}]}}],"nodes":[{node}]}}"#,
+        length = binary.len(),
+        indices_bytes = uvs_at - indices_at,
+        uvs_bytes = binary.len() - uvs_at,
+        corners = 3 * triangles.len(),
+    );
+    while !json.len().is_multiple_of(4) {
+        json.push(' ');
+    }
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    bytes.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
+    bytes.extend((json.len() as u32).to_le_bytes());
+    bytes.extend(b"JSON");
+    bytes.extend(json.as_bytes());
+    bytes.extend((binary.len() as u32).to_le_bytes());
+    bytes.extend(b"BIN\0");
+    bytes.extend(binary);
+    bytes
+}
+
+#[test]
+fn glb_takes_little() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    takes_little("GLB", &glb(false, r#"{"mesh":0}"#));
+    let turned = r#"{"mesh":0,"rotation":[0,0.6,0,0.8],"translation":[1e6,0,0]}"#;
+    takes_little(
+        "GLB, turned and with texture coordinates",
+        &glb(true, turned),
+    );
+}
+
 #[test]
 fn what_is_announced_takes_nothing() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -149,7 +203,23 @@ fn what_is_announced_takes_nothing() {
             "ply\nformat {format} 1.0\nelement vertex 99999999\nproperty float x\nproperty float y\nproperty float z\nelement face 99999999\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0 0 0 0 0 0"
         )
     };
+    let gltf = |rest: &str| {
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"nodes":[{{"mesh":0}}],{rest}}}"#
+        )
+    };
+    let sparse = r#""sparse":{"count":99999999,"indices":{"bufferView":0,"componentType":5125},"values":{"bufferView":0}}"#;
+    let accessor = |rest: &str| {
+        format!(
+            r#""accessors":[{{"componentType":5126,"type":"VEC3","count":99999999{rest}}}],"buffers":[{{"byteLength":4,"uri":"data:;base64,AAAAAA=="}}],
+            "bufferViews":[{{"buffer":0,"byteLength":4}}]"#
+        )
+    };
     for bytes in [
+        gltf(&accessor("")).into_bytes(),
+        gltf(&accessor(r#","bufferView":0"#)).into_bytes(),
+        gltf(&accessor(&format!(",{sparse}"))).into_bytes(),
+        gltf(&accessor(&format!(r#","bufferView":0,{sparse}"#))).into_bytes(),
         stl,
         ply("ascii").into_bytes(),
         ply("binary_big_endian").into_bytes(),

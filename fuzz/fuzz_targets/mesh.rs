@@ -4,11 +4,25 @@
 use std::sync::atomic::AtomicBool;
 
 use libfuzzer_sys::fuzz_target;
-use ramus::mesh::{ReadLimits, read_bytes};
+use ramus::mesh::paint::{ImageLimits, Paint};
+use ramus::mesh::{Format, Mesh, ReadLimits, read_bytes};
+
+/// What is read at most: a glTF scene may repeat a mesh as often as it likes.
+const LIMITS: ReadLimits = ReadLimits {
+    bytes: 1 << 30,
+    vertices: 1 << 18,
+    triangles: 1 << 18,
+};
+
+/// Small, so that time is spent on models and not on pictures.
+const IMAGES: ImageLimits = ImageLimits {
+    side_px: 256,
+    bytes: 1 << 16,
+};
 
 fuzz_target!(|bytes: &[u8]| {
     let never = AtomicBool::new(false);
-    let Ok(model) = read_bytes(bytes, &ReadLimits::default(), &never) else {
+    let Ok(model) = read_bytes(bytes, &LIMITS, &never) else {
         return;
     };
     let mesh = &model.mesh;
@@ -25,6 +39,12 @@ fuzz_target!(|bytes: &[u8]| {
         mesh.origin.is_finite() && mesh.positions.iter().all(|point| point.is_finite()),
         "all coordinates are finite"
     );
+    if let Some(paint) = &model.paint {
+        check_paint(paint, mesh);
+    }
+    if matches!(model.format, Format::Gltf | Format::Glb) {
+        return;
+    }
     // A file shorter than any of ours for what it holds would be a reader that takes more than it was given.
     assert!(vertices <= bytes.len(), "each vertex takes a byte or more");
     assert!(
@@ -32,3 +52,37 @@ fuzz_target!(|bytes: &[u8]| {
         "each triangle takes a byte or more"
     );
 });
+
+fn check_paint(paint: &Paint, mesh: &Mesh) {
+    let is_all = |length: usize, all: usize| length == 0 || length == all;
+    let vertices = mesh.positions.len();
+    assert!(
+        is_all(paint.texture_coordinates.len(), vertices)
+            && is_all(paint.colours.len(), vertices)
+            && is_all(paint.triangle_materials.len(), mesh.triangles.len()),
+        "all vertices and triangles are painted or none"
+    );
+    assert!(
+        paint
+            .texture_coordinates
+            .iter()
+            .all(|place| place.is_finite()),
+        "all texture coordinates are finite"
+    );
+    let mut materials = paint.triangle_materials.iter();
+    assert!(
+        materials.all(|&material| usize::from(material) < paint.materials.len().max(1)),
+        "all materials are there"
+    );
+    for material in &paint.materials {
+        let image = material.base_colour_image.map(|texture| texture.image);
+        assert!(
+            image.is_none_or(|image| (image as usize) < paint.images.len()),
+            "all images are there"
+        );
+    }
+    for image in &paint.images {
+        // It may be damaged, which is said.
+        let _ = image.decode(&IMAGES);
+    }
+}

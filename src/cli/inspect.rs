@@ -11,6 +11,7 @@ use self::facts::Facts;
 use super::print_result;
 use super::progress::Progress;
 use crate::mesh::intersect::{IntersectParams, Intersections, intersections};
+use crate::mesh::paint::Paint;
 use crate::mesh::report::{Report, ReportParams, report};
 use crate::mesh::unit::{Scale, Unit};
 use crate::mesh::{Mesh, ReadLimits, read};
@@ -36,6 +37,10 @@ pub(super) struct Loaded {
     pub(super) unit: Option<Unit>,
     /// Faces of fewer than three corners, which were left out.
     pub(super) skipped_faces: usize,
+    /// What colours its surface.
+    pub(super) paint: Option<Paint>,
+    /// What of the file is not shown as it was meant.
+    pub(super) remarks: Vec<String>,
 }
 
 /// Reads a model from its file.
@@ -44,8 +49,10 @@ pub(super) fn load(path: &Path, cancel: &AtomicBool) -> Result<Loaded> {
     Ok(Loaded {
         mesh: model.mesh,
         format: model.format.to_string(),
-        unit: None,
+        unit: model.format.unit(),
         skipped_faces: model.skipped_faces,
+        paint: model.paint,
+        remarks: model.remarks,
     })
 }
 
@@ -55,6 +62,8 @@ struct Inspected<'a> {
     format: &'a str,
     scale: Option<Scale>,
     skipped_faces: usize,
+    paint: Option<&'a Paint>,
+    remarks: &'a [String],
     report: Report,
     intersections: Intersections,
 }
@@ -89,6 +98,8 @@ fn inspect<'a>(path: &'a Path, loaded: &'a Loaded, cancel: &AtomicBool) -> Resul
         path,
         format: &loaded.format,
         skipped_faces: loaded.skipped_faces,
+        paint: loaded.paint.as_ref(),
+        remarks: &loaded.remarks,
         scale: stated.or_else(|| Scale::guessed(report.size().max_element())),
         report,
         intersections,

@@ -45,6 +45,24 @@ pub enum MeshError {
     /// A format that is known and not read.
     #[error("this is {0}, which is not read: save the model as PLY, STL or OBJ")]
     Unsupported(&'static str),
+    /// A file that asks for what is not read.
+    #[error("the {format} file needs the extension {name}, which is not read: {mend}")]
+    Extension {
+        /// Its format.
+        format: Format,
+        /// The extension.
+        name: String,
+        /// How to mend it.
+        mend: &'static str,
+    },
+    /// An image of a model that cannot be shown; the model itself can.
+    #[error("the image {name} cannot be shown: {problem}")]
+    Image {
+        /// Its name or number.
+        name: String,
+        /// What is wrong and how to mend it.
+        problem: String,
+    },
     /// A file of which the content tells nothing.
     #[error("the content is of no format that is known: save the model as PLY, STL or OBJ")]
     Unknown,
@@ -83,6 +101,8 @@ pub enum Place {
     Line(usize),
     /// A byte, from 0.
     Byte(usize),
+    /// One of the things that the file lists, and its number there, from 0.
+    Item(&'static str, usize),
 }
 
 impl std::fmt::Display for Place {
@@ -90,6 +110,7 @@ impl std::fmt::Display for Place {
         match self {
             Self::Line(line) => write!(to, "line {line}"),
             Self::Byte(byte) => write!(to, "byte {byte}"),
+            Self::Item(what, number) => write!(to, "{what} {number}"),
         }
     }
 }

@@ -6,6 +6,7 @@ mod error;
 pub mod intersect;
 #[cfg(test)]
 pub(crate) mod made;
+pub mod paint;
 pub mod problem;
 mod read;
 pub mod report;

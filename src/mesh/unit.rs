@@ -87,12 +87,15 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The unit of a format that has one.
+    /// The unit of a format that has one. Programs that know no units write scans in millimetres as metres, so there are others it may be.
     pub fn stated(unit: Unit) -> Self {
         Self {
             unit,
             confidence: Confidence::Stated,
-            alternatives: &[],
+            alternatives: match unit {
+                Unit::Metres => &[Unit::Millimetres, Unit::Centimetres, Unit::Micrometres],
+                _ => &[],
+            },
         }
     }
 

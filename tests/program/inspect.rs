@@ -45,7 +45,7 @@ fn what_is_no_model_is_refused_in_one_sentence() {
             b"Dear Sir or Madam,\n",
             "no format that is known",
         ),
-        ("scan.glb", b"glTF\x02\0\0\0", "glTF"),
+        ("scan.glb", b"glTF\x02\0\0\0", "byte 8 of the GLB file"),
         ("huge.ply", announced.as_bytes(), "4000000000"),
         ("wrong.ply", out_of_range.as_bytes(), "line 16"),
         ("points.obj", b"v 0 0 0\nv 1 0 0\n", "no triangle"),

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::Inspected;
+use crate::mesh::paint::{Image, Material, Paint};
 use crate::mesh::problem::{Problem, problems};
 use crate::mesh::report::{BoundaryLoop, Component};
 use crate::mesh::unit::Scale;
@@ -17,6 +18,13 @@ pub(super) struct Facts {
     pub(super) triangles: usize,
     pub(super) vertices: usize,
     pub(super) skipped_faces: usize,
+    pub(super) has_colours: bool,
+    pub(super) has_texture_coordinates: bool,
+    pub(super) material_count: usize,
+    pub(super) materials: Vec<String>,
+    pub(super) image_count: usize,
+    pub(super) images: Vec<ImageFacts>,
+    pub(super) remarks: Vec<String>,
     pub(super) min: [f64; 3],
     pub(super) max: [f64; 3],
     pub(super) size: [f64; 3],
@@ -56,6 +64,14 @@ pub(super) struct ComponentFacts {
 }
 
 #[derive(Debug, Serialize)]
+pub(super) struct ImageFacts {
+    pub(super) name: String,
+    pub(super) format: String,
+    pub(super) width_px: u32,
+    pub(super) height_px: u32,
+}
+
+#[derive(Debug, Serialize)]
 pub(super) struct OpenEnd {
     pub(super) component: u32,
     pub(super) edges: usize,
@@ -67,12 +83,21 @@ pub(super) struct OpenEnd {
 impl Facts {
     pub(super) fn new(inspected: &Inspected) -> Self {
         let report = &inspected.report;
+        let nothing = Paint::default();
+        let paint = inspected.paint.unwrap_or(&nothing);
         Self {
             file: inspected.path.display().to_string(),
             format: inspected.format.to_owned(),
             triangles: report.triangles,
             vertices: report.vertices,
             skipped_faces: inspected.skipped_faces,
+            has_colours: !paint.colours.is_empty(),
+            has_texture_coordinates: !paint.texture_coordinates.is_empty(),
+            material_count: paint.materials.len(),
+            materials: listed(&paint.materials),
+            image_count: paint.images.len(),
+            images: listed(&paint.images),
+            remarks: inspected.remarks.to_vec(),
             min: report.min.to_array(),
             max: report.max.to_array(),
             size: report.size().to_array(),
@@ -88,6 +113,24 @@ impl Facts {
             open_end_count: report.boundary_loops.len(),
             open_ends: listed(&report.boundary_loops),
             problems: problems(report, Some(&inspected.intersections)),
+        }
+    }
+}
+
+impl From<&Material> for String {
+    fn from(material: &Material) -> Self {
+        material.name.clone()
+    }
+}
+
+impl From<&Image> for ImageFacts {
+    fn from(image: &Image) -> Self {
+        let [width_px, height_px] = image.size_px;
+        Self {
+            name: image.name.clone(),
+            format: image.kind.to_string(),
+            width_px,
+            height_px,
         }
     }
 }

@@ -6,8 +6,11 @@
     reason = "a test that stops says enough by stopping"
 )]
 
+use std::sync::Arc;
+
 use super::*;
 use crate::mesh::made;
+use crate::mesh::paint::{Image, ImageKind, Material, WHITE};
 
 fn loaded(mesh: Mesh, unit: Option<Unit>) -> Loaded {
     Loaded {
@@ -15,6 +18,8 @@ fn loaded(mesh: Mesh, unit: Option<Unit>) -> Loaded {
         format: "PLY".to_owned(),
         unit,
         skipped_faces: 0,
+        paint: None,
+        remarks: Vec::new(),
     }
 }
 
@@ -54,7 +59,9 @@ Open ends
 fn many_parts_are_cut_and_one_is_not_told_again() {
     let cube = text::screen(&facts(made::cube(), Some(Unit::Metres)));
     assert!(cube.contains("Nothing is wrong with it."));
-    assert!(cube.contains("metres (as the format has it): 1.0 m long\n"));
+    assert!(
+        cube.contains("metres (as the format has it): 1.0 m long, or 1.0 mm if in millimetres")
+    );
     assert!(cube.contains("watertight, area 6.0000, encloses 1.0000\n"));
     assert!(!cube.contains("Parts"));
     let ten = (1..10_u16).fold(made::cube(), |all, one| {
@@ -104,8 +111,9 @@ fn json_has_its_names_and_no_holes() {
     names.sort_unstable();
     assert_eq!(
         names.join(" "),
-        "area component_count components euler_characteristic file format manifold max min open_end_count open_ends orientable \
-         problems scale size skipped_faces triangles vertices volume watertight"
+        "area component_count components euler_characteristic file format has_colours has_texture_coordinates image_count images manifold \
+         material_count materials max min open_end_count open_ends orientable problems remarks scale size skipped_faces triangles vertices \
+         volume watertight"
     );
     assert_eq!(json["components"][0]["triangles"], 12);
     assert_eq!(json["components"][0]["genus"], 0);
@@ -122,6 +130,40 @@ fn json_has_its_names_and_no_holes() {
     let nothing = facts(Mesh::default(), None);
     assert!(nothing.scale.is_none() && !nothing.watertight);
     assert!(text::screen(&nothing).contains("no size"));
+}
+
+#[test]
+fn what_colours_the_surface_is_told_and_what_is_not_shown() {
+    let image = Image {
+        name: "moss".into(),
+        kind: ImageKind::Png,
+        size_px: [16, 8],
+        encoded: Arc::default(),
+    };
+    let paint = Paint {
+        colours: vec![WHITE; 8],
+        materials: vec![Material::default(); 2],
+        images: vec![image],
+        ..Paint::default()
+    };
+    let loaded = Loaded {
+        paint: Some(paint),
+        remarks: vec!["image bark is damaged".into()],
+        ..loaded(made::cube(), None)
+    };
+    let never = AtomicBool::new(false);
+    let facts = Facts::new(&inspect(Path::new("tree.glb"), &loaded, &never).unwrap());
+    let screen = text::screen(&facts);
+    for told in [
+        "\nRemark    image bark is damaged\n",
+        "\nPaint     2 materials, 1 image (PNG 16 × 8), colours at the vertices\n",
+    ] {
+        assert!(screen.contains(told), "{screen}");
+    }
+    let json = serde_json::to_value(&facts).unwrap();
+    assert_eq!(json["images"][0]["width_px"], 16);
+    assert_eq!(json["material_count"], 2);
+    assert_eq!(json["has_texture_coordinates"], false);
 }
 
 #[test]

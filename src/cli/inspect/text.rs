@@ -24,10 +24,16 @@ pub(super) fn screen(facts: &Facts) -> String {
         let told = format!("{skipped} faces of the file have fewer than three corners");
         row(&mut text, "Left out", &told);
     }
+    for remark in &facts.remarks {
+        row(&mut text, "Remark", remark);
+    }
     row(&mut text, "Size", &size(facts));
     row(&mut text, "Unit", &unit(facts.scale, &facts.size));
     row(&mut text, "Surface", &surface(facts));
     row(&mut text, "Shape", &shape(facts));
+    if let Some(paint) = paint(facts) {
+        row(&mut text, "Paint", &paint);
+    }
     list(
         &mut text,
         "Parts",
@@ -150,6 +156,28 @@ fn shape(facts: &Facts) -> String {
         grouped(facts.open_end_count),
         facts.euler_characteristic
     )
+}
+
+/// What colours the surface, if anything does.
+fn paint(facts: &Facts) -> Option<String> {
+    let several = |count: usize, what: &str| match count {
+        0 => None,
+        1 => Some(format!("1 {what}")),
+        many => Some(format!("{} {what}s", grouped(many))),
+    };
+    let images = facts.images.iter().take(ROWS_MOST).map(|image| {
+        let (width, height) = (image.width_px, image.height_px);
+        format!("{} {width} × {height}", image.format)
+    });
+    let images: Vec<String> = images.collect();
+    let images =
+        several(facts.image_count, "image").map(|count| format!("{count} ({})", images.join(", ")));
+    let colours = facts
+        .has_colours
+        .then(|| "colours at the vertices".to_owned());
+    let all = [several(facts.material_count, "material"), images, colours];
+    let all: Vec<String> = all.into_iter().flatten().collect();
+    (!all.is_empty()).then(|| all.join(", "))
 }
 
 /// Rows as far as there is room. One part is the whole and not told again.

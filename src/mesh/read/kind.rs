@@ -14,7 +14,6 @@ pub(super) const STL_TRIANGLE: usize = 50;
 
 /// How formats begin that are known and not read.
 const OTHERS: &[(&[u8], &str)] = &[
-    (b"glTF", "a binary glTF file"),
     (b"# vtk DataFile", "a legacy VTK file"),
     (b"#VRML", "a VRML file"),
     (b"OFF", "an OFF file"),
@@ -50,12 +49,15 @@ pub(super) fn of(bytes: &[u8]) -> Result<Format, MeshError> {
     if stl_triangles(bytes).is_some_and(|count| stl_length(count) == bytes.len() as u64) {
         return Ok(Format::BinaryStl);
     }
+    if bytes.starts_with(b"glTF") {
+        return Ok(Format::Glb);
+    }
     if let Some((_, name)) = OTHERS.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return Err(MeshError::Unsupported(name));
     }
     let head = &bytes[..bytes.len().min(LOOK)];
     if is_text(head) {
-        text(head)
+        text(bytes, head)
     } else if stl_triangles(bytes).is_some() && is_stl_header(bytes) {
         // Cut short or added to: the reader says by how much.
         Ok(Format::BinaryStl)
@@ -105,7 +107,7 @@ fn is_text(bytes: &[u8]) -> bool {
 }
 
 /// The format of a text by its first line with a word that tells one.
-fn text(head: &[u8]) -> Result<Format, MeshError> {
+fn text(bytes: &[u8], head: &[u8]) -> Result<Format, MeshError> {
     let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head);
     for line in head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii) {
         if line.is_empty() || line.starts_with(b"#") {
@@ -119,17 +121,33 @@ fn text(head: &[u8]) -> Result<Format, MeshError> {
         if OBJ_WORDS.contains(&word) {
             return Ok(Format::Obj);
         }
+        if line.starts_with(b"{") {
+            return json(bytes);
+        }
         return Err(other_text(head, line));
     }
     Err(MeshError::Unknown)
 }
 
+/// glTF, of all that is written in JSON. Its `asset` may stand behind gigabytes of other members.
+fn json(bytes: &[u8]) -> Result<Format, MeshError> {
+    const ASSET: &[u8] = b"\"asset\"";
+    let mut rest = bytes;
+    while let Some(at) = rest.iter().position(|&byte| byte == b'"') {
+        rest = &rest[at..];
+        if rest.starts_with(ASSET) {
+            return Ok(Format::Gltf);
+        }
+        rest = &rest[1..];
+    }
+    Err(MeshError::Unsupported(
+        "JSON without the `asset` of a glTF file",
+    ))
+}
+
 /// What a text is that is not read.
 fn other_text(head: &[u8], line: &[u8]) -> MeshError {
     let has = |word: &[u8]| head.windows(word.len()).any(|part| part == word);
-    if line.starts_with(b"{") {
-        return MeshError::Unsupported("JSON (glTF files are such)");
-    }
     if line.starts_with(b"<") {
         let is_vtk = has(b"<VTKFile");
         return MeshError::Unsupported(if is_vtk { "a VTK XML file" } else { "XML" });
@@ -179,6 +197,9 @@ mod tests {
             (b"# \xE4\no caf\xE9\n", Format::Obj),
             (&stl(b"solid of another program", 2, 184), Format::BinaryStl),
             (&stl(b"", 0, 84), Format::BinaryStl),
+            (b"glTF\x02\0\0\0", Format::Glb),
+            (b"\xEF\xBB\xBF {\"asset\": {}}", Format::Gltf),
+            (b"{\n\"nodes\": [], \"asset\"", Format::Gltf),
             (&stl(b"exported", 9, 184), Format::BinaryStl),
         ] {
             assert_eq!(
@@ -194,8 +215,7 @@ mod tests {
     fn what_is_not_read_is_told_by_name() {
         for (bytes, told) in [
             (&b""[..], "empty"),
-            (b"glTF\x02\0\0\0", "binary glTF"),
-            (b"{\"asset\": {\"version\": \"2.0\"}}", "glTF"),
+            (b"{\"assets\": {}}", "JSON without the `asset`"),
             (
                 b"<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\">",
                 "VTK XML",

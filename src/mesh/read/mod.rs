@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! file ─▶ bytes ─▶ kind ─▶ ply | stl | obj ─▶ points, triangles ─▶ points::mesh ─▶ Mesh
+//!                    └───▶ gltf, with the files that it names ─▶ Mesh, Paint
 //! ```
 //!
 //! The file is read whole before it is understood: mapping it would be no faster from the system's cache, and a mapped file that
@@ -10,6 +11,7 @@
 //! lines are counted only for the message.
 
 mod cursor;
+mod gltf;
 mod join;
 mod kind;
 mod obj;
@@ -25,6 +27,8 @@ use std::io::Read as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::paint::Paint;
+use super::unit::Unit;
 use super::{Mesh, MeshError, Place};
 
 /// Bytes that are read at once between two looks at whether to go on.
@@ -65,12 +69,21 @@ pub enum Format {
     BinaryStl,
     /// Wavefront OBJ.
     Obj,
+    /// glTF 2.0, its description as text.
+    Gltf,
+    /// glTF 2.0 in one binary file.
+    Glb,
 }
 
 impl Format {
     /// Whether people may read it, so that places in it are lines.
     fn is_text(self) -> bool {
-        !matches!(self, Self::BinaryPly | Self::BinaryStl)
+        !matches!(self, Self::BinaryPly | Self::BinaryStl | Self::Glb)
+    }
+
+    /// The unit that it prescribes, if it does.
+    pub fn unit(self) -> Option<Unit> {
+        matches!(self, Self::Gltf | Self::Glb).then_some(Unit::Metres)
     }
 }
 
@@ -82,6 +95,8 @@ impl std::fmt::Display for Format {
             Self::AsciiStl => "ASCII STL",
             Self::BinaryStl => "binary STL",
             Self::Obj => "OBJ",
+            Self::Gltf => "glTF",
+            Self::Glb => "GLB",
         })
     }
 }
@@ -97,6 +112,10 @@ pub struct Model {
     pub file_bytes: u64,
     /// Faces of fewer than three vertices, which were left out.
     pub skipped_faces: usize,
+    /// What colours the surface, where the file says.
+    pub paint: Option<Paint>,
+    /// What of the file is not shown, or not as it was meant, in a sentence each.
+    pub remarks: Vec<String>,
 }
 
 /// Reads a model; its format is told by its content.
@@ -107,7 +126,12 @@ pub struct Model {
 /// # Errors
 /// What is wrong first, with the line or byte, and the file.
 pub fn read(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Model, MeshError> {
-    let model = load(path, limits, cancel).and_then(|bytes| read_bytes(&bytes, limits, cancel));
+    let task = Task {
+        limits,
+        cancel,
+        folder: Some(path.parent().unwrap_or(Path::new(""))),
+    };
+    let model = load(path, limits, cancel).and_then(|bytes| read_model(&bytes, &task));
     model.map_err(|fault| match fault {
         MeshError::Cancelled => fault,
         fault => MeshError::In {
@@ -117,7 +141,7 @@ pub fn read(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Mod
     })
 }
 
-/// Reads a model from the bytes of a file, as [`read`] does.
+/// Reads a model from the bytes of a file, as [`read`] does; other files that it names are not opened.
 ///
 /// # Errors
 /// What is wrong first, with the line or byte.
@@ -126,19 +150,31 @@ pub fn read_bytes(
     limits: &ReadLimits,
     cancel: &AtomicBool,
 ) -> Result<Model, MeshError> {
+    let task = Task {
+        limits,
+        cancel,
+        folder: None,
+    };
+    read_model(bytes, &task)
+}
+
+fn read_model(bytes: &[u8], task: &Task<'_>) -> Result<Model, MeshError> {
     let file_bytes = bytes.len() as u64;
-    check_length(file_bytes, limits)?;
+    check_length(file_bytes, task.limits)?;
     let format = kind::of(bytes)?;
-    let task = Task { limits, cancel };
     let read = match format {
-        Format::AsciiPly | Format::BinaryPly => ply::read(bytes, &task),
-        Format::AsciiStl => stl::ascii::read(bytes, &task),
-        Format::BinaryStl => stl::binary::read(bytes, &task),
-        Format::Obj => obj::read(bytes, &task),
+        Format::AsciiPly | Format::BinaryPly => ply::read(bytes, task),
+        Format::AsciiStl => stl::ascii::read(bytes, task),
+        Format::BinaryStl => stl::binary::read(bytes, task),
+        Format::Obj => obj::read(bytes, task),
+        Format::Gltf => gltf::read(bytes, task),
+        Format::Glb => gltf::read_binary(bytes, task),
     };
     let Surface {
         mesh,
         skipped_faces,
+        paint,
+        remarks,
     } = read.map_err(|stop| stop.told(format, bytes))?;
     if mesh.triangles.is_empty() {
         return Err(MeshError::NoTriangle {
@@ -151,6 +187,8 @@ pub fn read_bytes(
         format,
         file_bytes,
         skipped_faces,
+        paint,
+        remarks,
     })
 }
 
@@ -190,15 +228,20 @@ fn load(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Vec<u8>
 }
 
 /// What a reader made of a file.
+#[derive(Default)]
 struct Surface {
     mesh: Mesh,
     skipped_faces: usize,
+    paint: Option<Paint>,
+    remarks: Vec<String>,
 }
 
 /// What each reader is given beside the bytes.
 struct Task<'a> {
     limits: &'a ReadLimits,
     cancel: &'a AtomicBool,
+    /// Where other files are that the model may name; none of them is opened where there is no folder.
+    folder: Option<&'a Path>,
 }
 
 /// Why a reader ended early.
@@ -209,6 +252,16 @@ enum Stop {
     Fault {
         at: usize,
         problem: String,
+    },
+    /// A fault of something that has a number, as the rest of a sentence.
+    Item {
+        what: &'static str,
+        number: usize,
+        problem: String,
+    },
+    Extension {
+        name: String,
+        mend: &'static str,
     },
     TooMany {
         what: &'static str,
@@ -221,6 +274,15 @@ impl Stop {
     fn fault(at: usize, problem: impl Into<String>) -> Self {
         let problem = problem.into();
         Self::Fault { at, problem }
+    }
+
+    fn item(what: &'static str, number: usize, problem: impl Into<String>) -> Self {
+        let problem = problem.into();
+        Self::Item {
+            what,
+            number,
+            problem,
+        }
     }
 
     /// The same fault when what was read began at this byte of the file.
@@ -240,6 +302,16 @@ impl Stop {
             Self::Cancelled => MeshError::Cancelled,
             Self::TooMany { what, most } => MeshError::TooMany { what, most },
             Self::Memory(bytes) => MeshError::Memory(bytes),
+            Self::Extension { name, mend } => MeshError::Extension { format, name, mend },
+            Self::Item {
+                what,
+                number,
+                problem,
+            } => MeshError::Damaged {
+                format,
+                place: Place::Item(what, number),
+                problem,
+            },
             Self::Fault { at, problem } => {
                 let place = if format.is_text() {
                     let before = bytes.get(..at).unwrap_or(bytes);

@@ -86,6 +86,7 @@ fn whole(mut parts: Vec<Part>, pieces: &[Piece<'_>], task: &Task<'_>) -> Result<
     let mut surface = Surface {
         mesh: mesh(points, Vec::new()),
         skipped_faces: parts.iter().map(|part| part.skipped).sum(),
+        ..Surface::default()
     };
     let count = parts.iter().map(|part| part.triangles.len()).sum();
     task.check_triangles(count)?;
@@ -121,6 +122,7 @@ fn out_of_range(piece: &Piece<'_>, triangle: usize, start: usize, vertices: usiz
     let task = Task {
         limits: &super::ReadLimits::default(),
         cancel: &std::sync::atomic::AtomicBool::new(false),
+        folder: None,
     };
     let mut reader = Reader::new(piece, &task);
     let mut at = piece.at;

@@ -44,7 +44,7 @@ impl Coordinate for f64 {
     clippy::cast_possible_truncation,
     reason = "rounding to the nearest is what is wanted"
 )]
-fn narrow(value: f64) -> f32 {
+pub(super) fn narrow(value: f64) -> f32 {
     value as f32
 }
 
@@ -81,8 +81,7 @@ pub(super) fn mesh<C: Coordinate>(points: Vec<[C; 3]>, triangles: Vec<[u32; 3]>)
     }
 }
 
-/// Where to count from: zero, but on axes where the model is far from it the middle, rounded to single precision. There the
-/// differences of coordinates in single precision are exact, since none is twice another (Sterbenz).
+/// Where to count these from.
 fn origin<C: Coordinate>(points: &[[C; 3]]) -> DVec3 {
     let mut least = DVec3::INFINITY;
     let mut most = DVec3::NEG_INFINITY;
@@ -91,8 +90,14 @@ fn origin<C: Coordinate>(points: &[[C; 3]]) -> DVec3 {
         least = least.min(point);
         most = most.max(point);
     }
-    if points.is_empty() {
-        return DVec3::ZERO;
+    origin_of(least, most)
+}
+
+/// Where to count from what stands between two corners: zero, but on axes where that is far from zero the middle, rounded to single
+/// precision. There the differences of coordinates in single precision are exact, since none is twice another (Sterbenz).
+pub(super) fn origin_of(least: DVec3, most: DVec3) -> DVec3 {
+    if least.cmpgt(most).any() {
+        return DVec3::ZERO; // nothing is there
     }
     let size = (most - least).max_element();
     let middle = (least + most) / 2.0;

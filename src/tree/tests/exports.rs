@@ -119,6 +119,7 @@ fn a_glb_is_read_back_whole_by_the_gltf_crate() {
         .unwrap()
         .texture()
         .source()
+        .unwrap()
         .source();
     let gltf::image::Source::View { view, mime_type } = image else {
         panic!("the texture is embedded")

@@ -88,6 +88,13 @@ pub(super) struct Element {
     at: usize,
 }
 
+impl Element {
+    /// Which property has a name.
+    pub(super) fn place(&self, name: &[u8]) -> Option<usize> {
+        self.names.iter().position(|found| found == name)
+    }
+}
+
 /// How the rows are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Body {

@@ -1,10 +1,11 @@
 //! PLY, the format of scanners: <https://paulbourke.net/dataformats/ply/>.
 //!
 //! A header names elements in any order, each with properties of any number type or lists of them. What is wanted are the vertices'
-//! `x y z` and the faces' `vertex_indices`; all else is passed over. Two ways lead through the body: one walks from value to value
+//! `x y z` and colours, and the faces' `vertex_indices`; all else is passed over. Two ways lead through the body: one walks from value to value
 //! and takes anything (`rows`), the other looks at rows of one size on all cores (`same_size`) and gives up where they are not, or
 //! where anything is wrong: then the first goes through the same rows and finds the place.
 
+mod colours;
 mod header;
 mod rows;
 mod same_size;
@@ -12,7 +13,9 @@ mod same_size;
 use super::points::{Coordinate, mesh};
 use super::{Stop, Surface, Task};
 use header::{Body, Header, Role};
-use rows::{Binary, Faces, Source, Text};
+use rows::{Binary, Faces, Source, Text, Vertices};
+
+use crate::mesh::paint::Paint;
 
 /// Reads a PLY file.
 pub(super) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surface, Stop> {
@@ -39,7 +42,7 @@ fn elements<C: Coordinate, S: Source>(
     header: &Header,
     task: &Task<'_>,
 ) -> Result<Surface, Stop> {
-    let mut points: Vec<[C; 3]> = Vec::new();
+    let mut all: Vertices<C> = Vertices::default();
     let mut faces = Faces::default();
     let vertices = header.vertices();
     for element in &header.elements {
@@ -48,8 +51,8 @@ fn elements<C: Coordinate, S: Source>(
             Role::Vertices(axes) => {
                 task.check_vertices(vertices)?;
                 let quick = source.same_size_points(element, axes, task)?;
-                points = match quick {
-                    Some(points) => points,
+                all = match quick {
+                    Some(vertices) => vertices,
                     None => rows::points(&mut source, element, axes, task)?,
                 };
             }
@@ -67,7 +70,12 @@ fn elements<C: Coordinate, S: Source>(
         }
     }
     Ok(Surface {
-        mesh: mesh(points, faces.triangles),
+        mesh: mesh(all.points, faces.triangles),
         skipped_faces: faces.skipped,
+        paint: (!all.colours.is_empty()).then(|| Paint {
+            colours: all.colours,
+            ..Paint::default()
+        }),
+        ..Surface::default()
     })
 }

@@ -1,7 +1,9 @@
 //! Rows from value to value: any element, text or bytes.
 
+use super::colours::Channels;
 use super::header::{Element, Number, Property};
 use super::{Coordinate, Stop, Task, same_size};
+use crate::mesh::paint::VertexColour;
 use crate::mesh::read::cursor::Cursor;
 use crate::mesh::read::points::{is_coordinate, no_coordinate};
 use crate::mesh::read::with_room;
@@ -25,7 +27,7 @@ pub(super) trait Source {
         element: &Element,
         axes: [usize; 3],
         task: &Task<'_>,
-    ) -> Result<Option<Vec<[C; 3]>>, Stop>;
+    ) -> Result<Option<Vertices<C>>, Stop>;
     /// All faces at once, where they are triangles in rows of one size without fault.
     fn same_size_faces(
         &mut self,
@@ -90,14 +92,14 @@ impl Source for Binary<'_> {
         element: &Element,
         axes: [usize; 3],
         task: &Task<'_>,
-    ) -> Result<Option<Vec<[C; 3]>>, Stop> {
+    ) -> Result<Option<Vertices<C>>, Stop> {
         let rows = same_size::Rows::new(self.bytes, self.at, element, None, self.is_big);
         let Some(rows) = rows else { return Ok(None) };
-        let points = rows.points(axes, task)?;
-        if points.is_some() {
+        let vertices = rows.vertices(axes, task)?;
+        if vertices.is_some() {
             self.at = rows.end();
         }
-        Ok(points)
+        Ok(vertices)
     }
 
     fn same_size_faces(
@@ -172,7 +174,7 @@ impl Source for Text<'_> {
         _: &Element,
         _: [usize; 3],
         _: &Task<'_>,
-    ) -> Result<Option<Vec<[C; 3]>>, Stop> {
+    ) -> Result<Option<Vertices<C>>, Stop> {
         Ok(None)
     }
 
@@ -201,19 +203,37 @@ fn check_room(element: &Element, row: usize, from: usize, to: usize) -> Result<(
     Ok(())
 }
 
+/// Vertices, and colours where they have any.
+pub(super) struct Vertices<C> {
+    pub(super) points: Vec<[C; 3]>,
+    pub(super) colours: Vec<VertexColour>,
+}
+
+impl<C> Default for Vertices<C> {
+    fn default() -> Self {
+        Self {
+            points: Vec::new(),
+            colours: Vec::new(),
+        }
+    }
+}
+
 /// Reads the vertices.
 pub(super) fn points<C: Coordinate>(
     source: &mut impl Source,
     element: &Element,
     axes: [usize; 3],
     task: &Task<'_>,
-) -> Result<Vec<[C; 3]>, Stop> {
+) -> Result<Vertices<C>, Stop> {
     let mut points = with_room(element.rows)?;
+    let channels = Channels::of(element);
+    let mut colours = with_room(channels.map_or(0, |_| element.rows))?;
     for row in 0..element.rows {
         if row % ROWS == 0 {
             task.go_on()?;
         }
         let mut point = [C::default(); 3];
+        let mut colour = [0.0; 4];
         for (place, &property) in element.properties.iter().enumerate() {
             let Property::Scalar(number) = property else {
                 skip_property(source, property, task)?;
@@ -229,10 +249,19 @@ pub(super) fn points<C: Coordinate>(
                     *coordinate = C::nearest(value);
                 }
             }
+            for (to, from) in colour
+                .iter_mut()
+                .zip(channels.iter().flat_map(|it| it.places))
+            {
+                if from == Some(place) {
+                    *to = value;
+                }
+            }
         }
         points.push(point);
+        colours.extend(channels.map(|channels| channels.colour(colour)));
     }
-    Ok(points)
+    Ok(Vertices { points, colours })
 }
 
 /// Triangles, and how many faces were none.

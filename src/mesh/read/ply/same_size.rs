@@ -6,7 +6,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::colours::Channels;
 use super::header::{Element, Number, Property};
+use super::rows::Vertices;
 use super::{Coordinate, Stop, Task};
 use crate::mesh::read::points::is_coordinate;
 use crate::mesh::read::with_room;
@@ -99,8 +101,38 @@ impl<'a> Rows<'a> {
         self.range.end
     }
 
-    /// The vertices, unless a coordinate is none.
-    pub(super) fn points<C: Coordinate>(
+    /// The vertices and their colours, unless a coordinate is none.
+    pub(super) fn vertices<C: Coordinate>(
+        &self,
+        axes: [usize; 3],
+        task: &Task<'_>,
+    ) -> Result<Option<Vertices<C>>, Stop> {
+        let Some(points) = self.points(axes, task)? else {
+            return Ok(None);
+        };
+        let Some(channels) = Channels::of(self.element) else {
+            let colours = Vec::new();
+            return Ok(Some(Vertices { points, colours }));
+        };
+        let columns = channels.places.map(|place| {
+            let place = place?;
+            match self.element.properties.get(place)? {
+                Property::Scalar(number) => Some((*self.places.get(place)?, *number)),
+                Property::List { .. } => None,
+            }
+        });
+        let colours = self.each(task, |row| {
+            let values = columns.map(|column| {
+                let (place, number) = column?;
+                Some(value(row.get(place..)?, number, self.is_big))
+            });
+            Some(channels.colour(values.map(Option::unwrap_or_default)))
+        })?;
+        Ok(colours.map(|colours| Vertices { points, colours }))
+    }
+
+    /// The positions, unless a coordinate is none.
+    fn points<C: Coordinate>(
         &self,
         axes: [usize; 3],
         task: &Task<'_>,

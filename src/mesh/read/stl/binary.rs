@@ -166,7 +166,7 @@ fn number(
         .map(|corners| corners.map(AtomicU32::into_inner));
     Ok(Surface {
         mesh: mesh(points, triangles.collect()),
-        skipped_faces: 0,
+        ..Surface::default()
     })
 }
 

@@ -47,7 +47,7 @@ impl<C: Coordinate> Joined<C> {
         self.joiner.check(task)?;
         Ok(Surface {
             mesh: mesh(self.joiner.into_points(), self.triangles),
-            skipped_faces: 0,
+            ..Surface::default()
         })
     }
 }

@@ -19,11 +19,32 @@ fn check(read: Result<Model, MeshError>) -> Result<(), TestCaseError> {
             .all(|&vertex| (vertex as usize) < vertices)
     );
     prop_assert!(mesh.origin.is_finite() && mesh.positions.iter().all(|point| point.is_finite()));
+    let Some(paint) = model.paint else {
+        return Ok(());
+    };
+    let is_all = |length: usize, all: usize| length == 0 || length == all;
+    prop_assert!(is_all(paint.texture_coordinates.len(), vertices));
+    prop_assert!(is_all(paint.colours.len(), vertices));
+    prop_assert!(is_all(paint.triangle_materials.len(), mesh.triangles.len()));
+    let materials = paint.materials.len().max(1);
+    prop_assert!(
+        paint
+            .triangle_materials
+            .iter()
+            .all(|&material| usize::from(material) < materials)
+    );
+    let images = paint
+        .materials
+        .iter()
+        .filter_map(|material| material.base_colour_image);
+    for texture in images {
+        prop_assert!((texture.image as usize) < paint.images.len());
+    }
     Ok(())
 }
 
 /// How each format begins.
-const STARTS: [&[u8]; 7] = [
+const STARTS: [&[u8]; 9] = [
     b"",
     b"ply\n",
     b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n",
@@ -31,6 +52,8 @@ const STARTS: [&[u8]; 7] = [
     b"solid x\nfacet\n",
     b"v 0 0 0\nv 1 0 0\n",
     &[b' '; 80],
+    b"glTF\x02\0\0\0\x40\0\0\0\x2c\0\0\0JSON",
+    b"{\"asset\":{\"version\":\"2.0\"},",
 ];
 
 /// A change of a file.
@@ -65,6 +88,12 @@ fn change() -> impl Strategy<Value = Change> {
         b"endsolid",
         b"f ",
         b"v ",
+        b"{",
+        b"[0,1]",
+        b"\"",
+        b"\"mesh\":0,",
+        b"\"children\":[0],",
+        b"\"mode\":5,",
     ];
     prop_oneof![
         any::<u8>().prop_map(Change::Byte),
@@ -94,6 +123,13 @@ fn apply(bytes: &mut Vec<u8>, at: usize, change: Change) {
     }
 }
 
+/// The pyramids, and a glTF file with all that may be in one.
+fn all() -> Vec<(Format, Vec<u8>)> {
+    let mut all = pyramids();
+    all.push((Format::Gltf, gltf::everything().gltf()));
+    all
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
@@ -108,8 +144,8 @@ proptest! {
     }
 
     #[test]
-    fn a_changed_file_is_a_model_or_a_fault(which in 0_usize..5, changes in prop::collection::vec((any::<usize>(), change()), 1..6)) {
-        let (_, mut bytes) = pyramids().swap_remove(which);
+    fn a_changed_file_is_a_model_or_a_fault(which in 0_usize..all().len(), changes in prop::collection::vec((any::<usize>(), change()), 1..6)) {
+        let (_, mut bytes) = all().swap_remove(which);
         for (at, change) in changes {
             apply(&mut bytes, at, change);
         }

@@ -6,6 +6,7 @@
     reason = "a test that fails shows the line; test files are small"
 )]
 
+mod gltf;
 mod hostile;
 mod models;
 mod obj;
@@ -74,5 +75,7 @@ fn pyramids() -> Vec<(Format, Vec<u8>)> {
         (Format::AsciiStl, stl::ascii()),
         (Format::BinaryStl, stl::binary()),
         (Format::Obj, obj::text()),
+        (Format::Gltf, gltf::made::Made::with_pyramid().gltf()),
+        (Format::Glb, gltf::made::Made::with_pyramid().glb()),
     ]
 }

@@ -237,6 +237,66 @@ fn faults_of_rows_of_one_size_have_their_place() {
 }
 
 #[test]
+fn colours_are_read_as_a_screen_shows_them() {
+    // Of sRGB: 0, the half of a byte, 1; and of alpha, which is a part of one.
+    let half = 0.215_860_5;
+    for (kind, values, alpha) in [
+        ("uchar", [0.0, 128.0, 255.0], 51.0),
+        ("ushort", [0.0, 32_896.0, 65_535.0], 13_107.0),
+        ("float", [0.0, 128.0 / 255.0, 1.0], 0.2),
+        ("double", [-1.0, 128.0 / 255.0, 7.0], 0.2),
+    ] {
+        for (prefix, has_alpha, list) in [
+            ("", true, ""),
+            ("diffuse_", false, ""),
+            ("", true, "property list uchar char more\n"),
+        ] {
+            let names = ["red", "green", "blue", "alpha"];
+            let names = &names[..if has_alpha { 4 } else { 3 }];
+            let names: String = names
+                .iter()
+                .map(|name| format!("property {kind} {prefix}{name}\n"))
+                .collect();
+            let header = |format: &str| {
+                format!(
+                    "ply\nformat {format} 1.0\nelement vertex 3\n{names}property float z\nproperty float y\nproperty float x\n{list}element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                )
+            };
+            let mut text = header("ascii");
+            let mut bytes = header("binary_big_endian").into_bytes();
+            for row in 0..3_u8 {
+                let all = [values[0], values[1], values[2], alpha];
+                for value in &all[..if has_alpha { 4 } else { 3 }] {
+                    text += &format!("{value} ");
+                    put(&mut bytes, *value, kind, true);
+                }
+                for value in [row, 1, row * row] {
+                    text += &format!("{value} ");
+                    put(&mut bytes, value.into(), "float", true);
+                }
+                if !list.is_empty() {
+                    text += "0\n";
+                    bytes.push(0);
+                }
+            }
+            text += "3 0 1 2\n";
+            bytes.push(3);
+            (0..3).for_each(|corner| put(&mut bytes, corner.into(), "int", true));
+            for bytes in [text.into_bytes(), bytes] {
+                let paint = read(&bytes).unwrap().paint.unwrap();
+                assert_eq!(paint.colours.len(), 3);
+                for [red, green, blue, alpha] in paint.colours {
+                    assert_eq!([red, blue], [0, u16::MAX], "{kind}");
+                    let off = f64::from(green) - half * 65_535.0;
+                    assert!(off.abs() < 2.0, "{kind}: {green}");
+                    assert_eq!(alpha, if has_alpha { 13_107 } else { u16::MAX }, "{kind}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn doubles_are_counted_from_an_origin() {
     let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n4500000.001 0 1\n4500000.002 0 2\n4500000.003 1 2\n3 0 1 2\n";
     let mesh = read(text.as_bytes()).unwrap().mesh;
