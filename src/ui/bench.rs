@@ -81,9 +81,10 @@ impl Bench {
                     (Tab::Shape, words.tab_shape),
                     (Tab::Letters, words.tab_letters),
                     (Tab::Rules, words.tab_rules),
-                    (Tab::Models, words.tab_models),
                     (Tab::Room, words.tab_room),
                     (Tab::File, words.tab_file),
+                    // The last one, so that sessions that were recorded without it press what they pressed.
+                    (Tab::Models, words.tab_models),
                 ];
                 for (tab, name) in tabs {
                     if ui.selectable_label(self.tab == tab, name).clicked() {

@@ -121,7 +121,7 @@ impl Models {
 }
 
 /// Thickness of a scale bar and height of its ends, as parts of its length.
-const BAR: [f32; 2] = [0.012, 0.05];
+const BAR: [f32; 2] = [0.02, 0.06];
 /// Dark and light by turns, as on maps, linear.
 const BAR_COLORS: [Color; 2] = [[0.02, 0.02, 0.02, 1.0], [0.8, 0.8, 0.8, 1.0]];
 /// How far before the pedestal's middle it lies, metres, and how far below the top.
@@ -137,7 +137,7 @@ fn bar(place: &Placement, length: f32, rods: &mut Vec<Rod>) {
         rods.push(Rod {
             from,
             to,
-            radius: radius.clamp(0.0008, 0.02),
+            radius: radius.clamp(0.002, 0.03),
             color,
         });
     };

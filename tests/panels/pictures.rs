@@ -10,7 +10,7 @@ use ramus_xr::{Fov, Pose, View};
 use super::visitor::{LEFT, RIGHT, Visitor};
 
 /// Both eyes, looking from one place to another.
-fn views(from: Vec3, to: Vec3) -> [View; 2] {
+pub(super) fn views(from: Vec3, to: Vec3) -> [View; 2] {
     let ahead = (to - from).normalize();
     let right = ahead.cross(Vec3::Y).normalize();
     let turn = Quat::from_mat3(&glam::Mat3::from_cols(right, right.cross(ahead), -ahead));
@@ -28,7 +28,7 @@ fn views(from: Vec3, to: Vec3) -> [View; 2] {
     })
 }
 
-fn draw(visitor: &mut Visitor, picture: &mut Picture, views: &[View; 2]) -> RgbaImage {
+pub(super) fn draw(visitor: &mut Visitor, picture: &mut Picture, views: &[View; 2]) -> RgbaImage {
     for (slot, painted) in visitor.workshop.take_painted() {
         picture.paint(slot, painted).unwrap();
     }

@@ -126,7 +126,7 @@ pub(super) const WORDS: Words = Words {
     do_platform_desk: "Den Rand der Plattform mit {grab} ziehen.",
     tab_models: "Modelle",
     models_here: "Modelle neben dem Projekt",
-    no_models_here: "GLB-, OBJ-, PLY-, STL- oder VTP-Dateien neben das Projekt legen oder in dessen Ordner „models“.",
+    no_models_here: "GLB-, OBJ-, PLY-, STL- oder VTP-Dateien neben das Projekt oder in dessen Ordner models legen.",
     look_again: "Erneut suchen",
     linked: "alle drehen sich gemeinsam",
     model_is_not_there: "wird gelesen oder ist nicht lesbar",

@@ -126,7 +126,7 @@ pub(super) const WORDS: Words = Words {
     do_platform_desk: "Drag the rim of the platform with the {grab}.",
     tab_models: "Models",
     models_here: "Models beside the project",
-    no_models_here: "Put GLB, OBJ, PLY, STL or VTP files beside the project, or into its folder “models”.",
+    no_models_here: "Put GLB, OBJ, PLY, STL or VTP files beside the project, or into its folder models.",
     look_again: "Look again",
     linked: "all turn together",
     model_is_not_there: "being read, or not readable",

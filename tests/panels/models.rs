@@ -1,0 +1,199 @@
+//! Scanned models from the bench: brought, looked at in every way, taken away; and the guide's pictures of it.
+
+use std::f32::consts::TAU;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use glam::{Vec3, Vec4};
+use image::RgbImage;
+use image::imageops::{FilterType, resize};
+use ramus::app::model_portrait::{ModelPortrait, of_model};
+use ramus::app::picture::Picture;
+use ramus::app::portrait::{self, PAPER};
+use ramus::app::store::Store;
+use ramus::app::workshop::{Workshop, WorkshopParams};
+use ramus::mesh::display::Display;
+use ramus::mesh::{ReadLimits, read};
+use ramus::world::model::Colouring;
+use ramus::world::panels::PanelId;
+use ramus::world::scene::{ModelLook, SurfaceLook};
+
+use super::guide::{compare, strip};
+use super::pictures::save;
+use super::visitor::{LEFT, RIGHT, Visitor};
+
+/// Points round a tube and along it.
+const ROUND: usize = 28;
+const ALONG: usize = 36;
+
+/// An open tube along a path, as the lines of an OBJ file, with vertices numbered from `first`.
+fn tube(text: &mut String, first: usize, path: impl Fn(f32) -> Vec3, radius: impl Fn(f32) -> f32) {
+    for row in 0..=ALONG {
+        let t = row as f32 / ALONG as f32;
+        let along = (path(t + 0.01) - path(t - 0.01)).normalize();
+        let side = along.cross(Vec3::Z).normalize();
+        let third = along.cross(side);
+        for column in 0..ROUND {
+            let turn = TAU * column as f32 / ROUND as f32;
+            let at = path(t) + (side * turn.cos() + third * turn.sin()) * radius(t);
+            writeln!(text, "v {} {} {}", at.x, at.y, at.z).unwrap();
+        }
+    }
+    for row in 0..ALONG {
+        for column in 0..ROUND {
+            let at = |row: usize, column: usize| first + row * ROUND + column % ROUND;
+            let [a, b, c, d] = [
+                at(row, column),
+                at(row, column + 1),
+                at(row + 1, column),
+                at(row + 1, column + 1),
+            ];
+            writeln!(text, "f {a} {b} {c}\nf {b} {d} {c}").unwrap();
+        }
+    }
+}
+
+/// A vessel of 100 mm with a branch pushed into it: two parts, four open ends, and a seam where they cross.
+fn vessel(folder: &Path) -> std::path::PathBuf {
+    let mut text = String::new();
+    let trunk = |t: f32| Vec3::new(12.0 * (t * 3.0).sin(), 100.0 * t, 8.0 * (t * 4.0).cos());
+    tube(&mut text, 1, trunk, |t| {
+        11.0 - 4.0 * t + 0.8 * (t * 30.0).sin()
+    });
+    let from = trunk(0.42);
+    let branch = move |t: f32| from + Vec3::new(48.0 * t, 30.0 * t * t + 20.0 * t, 6.0 * t);
+    tube(&mut text, 1 + ROUND * (ALONG + 1), branch, |t| {
+        6.5 - 2.5 * t
+    });
+    let path = folder.join("vessel.obj");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// Somebody whose project lies beside the vessel.
+fn visitor(folder: &Path) -> Visitor {
+    let opened = Store::open(&folder.join("a.ramus")).unwrap();
+    let mut workshop = Workshop::new(opened, WorkshopParams::default()).unwrap();
+    workshop.offer_models();
+    Visitor::at(workshop)
+}
+
+/// Presses a button that the tab may have to be scrolled for.
+fn press(visitor: &mut Visitor, text: &str) {
+    visitor.click(RIGHT, PanelId::Bench, text);
+    visitor.workshop.finish_models();
+    visitor.frame();
+}
+
+#[test]
+fn a_model_is_brought_from_the_bench_shown_otherwise_and_taken_away() {
+    let folder = tempfile::tempdir().unwrap();
+    vessel(folder.path());
+    let mut visitor = visitor(folder.path());
+    press(&mut visitor, "Models");
+    press(&mut visitor, "vessel.obj");
+    let model = visitor.document().models[0].clone();
+    assert_eq!(model.file, "vessel.obj");
+    assert_eq!(visitor.workshop.scene().models.len(), 1);
+    let texts: Vec<String> = visitor
+        .workshop
+        .texts(PanelId::Bench)
+        .map(str::to_owned)
+        .collect();
+    for told in ["4032 triangles, 2072 vertices", "mm"] {
+        assert!(
+            texts.iter().any(|text| text.contains(told)),
+            "{told}: {texts:?}"
+        );
+    }
+    press(&mut visitor, "x-ray");
+    assert_eq!(
+        visitor.document().models[0].surface,
+        Some(SurfaceLook::XRay)
+    );
+    press(&mut visitor, "edges");
+    press(&mut visitor, "box");
+    press(&mut visitor, "parts");
+    let model = &visitor.document().models[0];
+    assert!(model.wireframe && model.boxed && model.colouring == Colouring::Parts);
+    press(&mut visitor, "Real size");
+    let side = visitor.document().models[0].place.scale;
+    assert!((0.1..0.14).contains(&side), "{side} m");
+    press(&mut visitor, "Back to its place");
+    assert_eq!(visitor.document().models[0].place.scale, 0.4);
+    // Each press is an edit, and all can be undone.
+    let edits = visitor.workshop.edits();
+    assert_eq!(edits, 7);
+}
+
+#[test]
+fn the_guide_shows_the_tab_and_a_model_in_five_ways() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = vessel(folder.path());
+    let gpu = portrait::open_gpu().unwrap();
+    let mut picture = Picture::offscreen(&gpu, 720, 720).unwrap();
+    let mut visitor = visitor(folder.path());
+    press(&mut visitor, "Models");
+    press(&mut visitor, "vessel.obj");
+    press(&mut visitor, "box");
+    let middle = visitor.center(PanelId::Bench);
+    let near = super::pictures::views(middle + visitor.normal(PanelId::Bench) * 0.62, middle);
+    save(
+        &super::pictures::draw(&mut visitor, &mut picture, &near),
+        "bench-models.png",
+    );
+    visitor.tip_to(LEFT, Vec3::new(0.3, 1.0, -0.5));
+    let stand = super::pictures::views(Vec3::new(0.0, 1.6, 0.35), Vec3::new(0.1, 1.05, -0.9));
+    let stage = super::pictures::draw(&mut visitor, &mut picture, &stand);
+    save(&stage, "stage-models.png");
+
+    let mesh = read(&path, &ReadLimits::default(), &AtomicBool::new(false))
+        .unwrap()
+        .mesh;
+    let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
+    let still = |boxed: bool, change: &dyn Fn(&mut ModelLook)| -> RgbImage {
+        let mut look = ModelLook::default();
+        change(&mut look);
+        let how = ModelPortrait {
+            look,
+            boxed,
+            z_up: false,
+            turn: 0.5,
+            backdrop: PAPER,
+            pixels: 640,
+        };
+        let large = of_model(display.clone(), &how).unwrap();
+        let small = resize(&large, 320, 320, FilterType::Triangle);
+        image::DynamicImage::ImageRgba8(small).to_rgb8()
+    };
+    let stills = [
+        still(true, &|_| ()),
+        still(false, &|look| {
+            (look.wireframe, look.surface) = (true, Some(SurfaceLook::Matte));
+        }),
+        still(false, &|look| look.surface = Some(SurfaceLook::XRay)),
+        still(false, &|look| {
+            look.cut = Some(Vec4::new(0.0, 0.0, 1.0, 0.02))
+        }),
+        still(false, &|look| {
+            (look.surface, look.wireframe, look.vertices) = (None, true, true);
+        }),
+    ];
+    // Numbers first: what is darker than paper, of the whole.
+    let ink = stills.each_ref().map(|still| {
+        let dark = still.pixels().filter(|pixel| pixel.0[0] < 205).count();
+        dark as f32 / still.pixels().len() as f32
+    });
+    let [boxed, edged, x_ray, cut, alone] = ink;
+    assert!(
+        boxed > 0.08 && (0.08..0.5).contains(&edged) && cut < edged,
+        "{ink:?}"
+    );
+    assert!(
+        x_ray > 0.02 && x_ray < edged && alone > 0.02 && alone < edged,
+        "{ink:?}"
+    );
+    compare("models/looks", &strip(&stills));
+}
