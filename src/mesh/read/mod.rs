@@ -1,7 +1,8 @@
 //! Models from other programs' files; anything at all may stand in such a file.
 //!
 //! ```text
-//! file ─▶ bytes ─▶ kind ─▶ ply | stl | obj ─▶ points, triangles ─▶ points::mesh ─▶ Mesh
+//! file ─▶ bytes ─▶ kind ─▶ ply | stl | obj | vtk ─▶ points, triangles ─▶ points::mesh ─▶ Mesh
+//!                      └─▶ swc ─▶ Tree ─▶ its tubes, joined ──────────────────────────┘
 //! ```
 //!
 //! The file is read whole before it is understood: mapping it would be no faster from the system's cache, and a mapped file that
@@ -16,16 +17,20 @@ mod obj;
 mod ply;
 mod points;
 mod stl;
+mod swc;
 #[cfg(test)]
 mod tests;
 mod text;
+mod vtk;
 
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::unit::{Scale, Unit};
 use super::{Mesh, MeshError, Place};
+use crate::tree::{Tree, TreeError};
 
 /// Bytes that are read at once between two looks at whether to go on.
 const PIECE: u64 = 8 << 20;
@@ -65,12 +70,23 @@ pub enum Format {
     BinaryStl,
     /// Wavefront OBJ.
     Obj,
+    /// VTK PolyData as XML.
+    Vtp,
+    /// VTK PolyData in the legacy format.
+    Vtk,
+    /// A skeleton in the form of neuron atlases.
+    Swc,
 }
 
 impl Format {
     /// Whether people may read it, so that places in it are lines.
     fn is_text(self) -> bool {
         !matches!(self, Self::BinaryPly | Self::BinaryStl)
+    }
+
+    /// Whether it begins as text and may go on as bytes.
+    fn may_turn_binary(self) -> bool {
+        matches!(self, Self::Vtp | Self::Vtk)
     }
 }
 
@@ -82,6 +98,9 @@ impl std::fmt::Display for Format {
             Self::AsciiStl => "ASCII STL",
             Self::BinaryStl => "binary STL",
             Self::Obj => "OBJ",
+            Self::Vtp => "VTP",
+            Self::Vtk => "legacy VTK",
+            Self::Swc => "SWC",
         })
     }
 }
@@ -97,6 +116,25 @@ pub struct Model {
     pub file_bytes: u64,
     /// Faces of fewer than three vertices, which were left out.
     pub skipped_faces: usize,
+    /// Lines that stand beside the surface and were left out.
+    pub skipped_lines: usize,
+    /// Points that stand beside the surface as cells of their own and were left out.
+    pub skipped_points: usize,
+    /// Bytes behind the end of what the file announces, which were not looked at.
+    pub surplus_bytes: usize,
+    /// The skeleton that the file holds instead of a surface, which is then that of the skeleton's tubes; positions are counted from
+    /// the mesh's origin, as its vertices are, and all lengths are in the file's unit.
+    pub skeleton: Option<Tree>,
+}
+
+impl Model {
+    /// What the format, by its rules or by custom, says of the unit.
+    pub fn scale(&self) -> Option<Scale> {
+        match self.format {
+            Format::Swc => Some(Scale::customary(Unit::Micrometres)),
+            _ => None,
+        }
+    }
 }
 
 /// Reads a model; its format is told by its content.
@@ -135,15 +173,23 @@ pub fn read_bytes(
         Format::AsciiStl => stl::ascii::read(bytes, &task),
         Format::BinaryStl => stl::binary::read(bytes, &task),
         Format::Obj => obj::read(bytes, &task),
+        Format::Vtp => vtk::xml::read(bytes, &task),
+        Format::Vtk => vtk::legacy::read(bytes, &task),
+        Format::Swc => swc::read(bytes, &task),
     };
     let Surface {
         mesh,
         skipped_faces,
+        skipped_lines,
+        skipped_points,
+        surplus_bytes,
+        skeleton,
     } = read.map_err(|stop| stop.told(format, bytes))?;
     if mesh.triangles.is_empty() {
-        return Err(MeshError::NoTriangle {
-            format,
-            vertices: mesh.positions.len(),
+        let vertices = mesh.positions.len();
+        return Err(match skipped_lines {
+            0 => MeshError::NoTriangle { format, vertices },
+            lines => MeshError::OnlyLines { format, lines },
         });
     }
     Ok(Model {
@@ -151,6 +197,10 @@ pub fn read_bytes(
         format,
         file_bytes,
         skipped_faces,
+        skipped_lines,
+        skipped_points,
+        surplus_bytes,
+        skeleton,
     })
 }
 
@@ -189,10 +239,15 @@ fn load(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Vec<u8>
     }
 }
 
-/// What a reader made of a file.
+/// What a reader made of a file; the fields are those of [`Model`].
+#[derive(Default)]
 struct Surface {
     mesh: Mesh,
     skipped_faces: usize,
+    skipped_lines: usize,
+    skipped_points: usize,
+    surplus_bytes: usize,
+    skeleton: Option<Tree>,
 }
 
 /// What each reader is given beside the bytes.
@@ -215,6 +270,8 @@ enum Stop {
         most: usize,
     },
     Memory(u64),
+    /// A skeleton that is none.
+    Skeleton(TreeError),
 }
 
 impl Stop {
@@ -240,9 +297,12 @@ impl Stop {
             Self::Cancelled => MeshError::Cancelled,
             Self::TooMany { what, most } => MeshError::TooMany { what, most },
             Self::Memory(bytes) => MeshError::Memory(bytes),
+            Self::Skeleton(fault) => MeshError::Skeleton(fault),
             Self::Fault { at, problem } => {
-                let place = if format.is_text() {
-                    let before = bytes.get(..at).unwrap_or(bytes);
+                let before = bytes.get(..at).unwrap_or(bytes);
+                let has_lines = format.is_text()
+                    && (!format.may_turn_binary() || before.iter().copied().all(kind::is_text));
+                let place = if has_lines {
                     Place::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
                 } else {
                     Place::Byte(at)

@@ -86,6 +86,7 @@ fn whole(mut parts: Vec<Part>, pieces: &[Piece<'_>], task: &Task<'_>) -> Result<
     let mut surface = Surface {
         mesh: mesh(points, Vec::new()),
         skipped_faces: parts.iter().map(|part| part.skipped).sum(),
+        ..Surface::default()
     };
     let count = parts.iter().map(|part| part.triangles.len()).sum();
     task.check_triangles(count)?;

@@ -56,6 +56,10 @@ pub(super) fn is_coordinate(value: f64) -> bool {
 
 /// The fault of a value that is none.
 pub(super) fn no_coordinate(at: usize, value: f64) -> Stop {
+    let value = match value.is_finite() {
+        true => format!("{value:e}"),
+        false => value.to_string(),
+    };
     let problem = format!(
         "has the coordinate {value}: coordinates are numbers up to ±{LARGEST:e}; mend or remove the vertex"
     );
@@ -83,7 +87,7 @@ pub(super) fn mesh<C: Coordinate>(points: Vec<[C; 3]>, triangles: Vec<[u32; 3]>)
 
 /// Where to count from: zero, but on axes where the model is far from it the middle, rounded to single precision. There the
 /// differences of coordinates in single precision are exact, since none is twice another (Sterbenz).
-fn origin<C: Coordinate>(points: &[[C; 3]]) -> DVec3 {
+pub(super) fn origin<C: Coordinate>(points: &[[C; 3]]) -> DVec3 {
     let mut least = DVec3::INFINITY;
     let mut most = DVec3::NEG_INFINITY;
     for point in points {

@@ -69,5 +69,6 @@ fn elements<C: Coordinate, S: Source>(
     Ok(Surface {
         mesh: mesh(points, faces.triangles),
         skipped_faces: faces.skipped,
+        ..Surface::default()
     })
 }

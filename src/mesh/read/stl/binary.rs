@@ -23,15 +23,24 @@ const MOST_SHARES: usize = 8;
 /// Reads a binary STL file.
 pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surface, Stop> {
     let count = stl_triangles(bytes).unwrap_or(0);
-    if stl_length(count) != bytes.len() as u64 {
+    let rows = &bytes[STL_HEADER..];
+    let length = (count as usize).saturating_mul(STL_TRIANGLE);
+    let Some((rows, surplus)) = rows.split_at_checked(length) else {
         let problem = format!(
-            "announces {count} triangles, which make a file of {} bytes, but it has {}: it is cut short or damaged, save it again",
+            "announces {count} triangles, which make a file of {} bytes, but it has {}, enough for {}: it is cut short or damaged, save it again",
             stl_length(count),
-            bytes.len()
+            bytes.len(),
+            rows.len() / STL_TRIANGLE
+        );
+        return Err(Stop::fault(STL_HEADER - 4, problem));
+    };
+    if count == 0 && !surplus.is_empty() {
+        let problem = format!(
+            "announces no triangle, but {} bytes follow: the number is wrong, save the file again",
+            surplus.len()
         );
         return Err(Stop::fault(STL_HEADER - 4, problem));
     }
-    let rows = &bytes[STL_HEADER..];
     task.check_triangles(rows.len() / STL_TRIANGLE)?;
     let shares = 1 << rayon::current_num_threads().clamp(1, MOST_SHARES).ilog2();
     let mut corners = with_room(rows.len() / STL_TRIANGLE)?;
@@ -39,7 +48,9 @@ pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surfa
     let points = (0..shares).into_par_iter();
     let points = points.map(|share| join(rows, share, shares, &corners, task));
     let points = all_or_first(points.collect())?;
-    number(corners, &points, task)
+    let mut surface = number(corners, &points, task)?;
+    surface.surplus_bytes = surplus.len();
+    Ok(surface)
 }
 
 /// Corners by the numbers that the threads gave their vertices.
@@ -166,7 +177,7 @@ fn number(
         .map(|corners| corners.map(AtomicU32::into_inner));
     Ok(Surface {
         mesh: mesh(points, triangles.collect()),
-        skipped_faces: 0,
+        ..Surface::default()
     })
 }
 

@@ -11,6 +11,8 @@ mod models;
 mod obj;
 mod ply;
 mod stl;
+mod swc;
+mod vtk;
 
 use std::sync::atomic::AtomicBool;
 
@@ -74,5 +76,9 @@ fn pyramids() -> Vec<(Format, Vec<u8>)> {
         (Format::AsciiStl, stl::ascii()),
         (Format::BinaryStl, stl::binary()),
         (Format::Obj, obj::text()),
+        (Format::Vtp, vtk::xml()),
+        (Format::Vtp, vtk::zlib()),
+        (Format::Vtk, vtk::legacy::file(true, false, "double")),
+        (Format::Vtk, vtk::legacy::file(false, true, "float")),
     ]
 }
