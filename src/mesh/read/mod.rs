@@ -13,6 +13,7 @@
 mod cursor;
 mod join;
 mod kind;
+mod numerals;
 mod obj;
 mod ply;
 mod points;
@@ -27,6 +28,8 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+use bytemuck::Zeroable;
 
 use super::unit::{Scale, Unit};
 use super::{Mesh, MeshError, Place};
@@ -343,6 +346,14 @@ fn within(what: &'static str, count: usize, most: usize) -> Result<(), Stop> {
         return Err(Stop::TooMany { what, most });
     }
     Ok(())
+}
+
+/// So many zeros; the caller has seen that the file can fill them. Their pages are asked for where they are first written to, which all
+/// threads do at once.
+fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>, Stop> {
+    let bytes = count.saturating_mul(size_of::<T>()) as u64;
+    let zeros = bytemuck::allocation::try_zeroed_slice_box(count);
+    zeros.map(Vec::from).map_err(|()| Stop::Memory(bytes))
 }
 
 /// An empty vector with room for so many; the caller has seen that the file can fill it.

@@ -1,8 +1,10 @@
 //! Coordinates as files have them, in single or double precision, and the mesh that they make.
 
+use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
 use super::Stop;
+use super::numerals::Value;
 use crate::mesh::Mesh;
 
 /// Largest coordinate: beyond it squares of distances leave f32.
@@ -12,7 +14,7 @@ pub(super) const LARGEST: f64 = 1e15;
 const FAR: f64 = 8.0;
 
 /// One coordinate in a file's precision.
-pub(super) trait Coordinate: Copy + Default + Into<f64> + PartialEq + Send + Sync {
+pub(super) trait Coordinate: Value + Into<f64> + PartialEq + Zeroable {
     /// The nearest to a value.
     fn nearest(value: f64) -> Self;
     /// Bits that are equal where the coordinates are.

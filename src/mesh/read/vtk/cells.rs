@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::super::{Stop, Task};
+use super::super::{Stop, Task, zeroed};
 use super::number::NUMBERS;
 
 /// Cells, or corners of one, between two looks at whether to go on.
@@ -56,9 +56,14 @@ impl<'a> Triangles<'a> {
         count: usize,
         fill: impl FnOnce(&mut [u32]) -> Result<(), Stop>,
     ) -> Result<(), Stop> {
-        self.reserve(count)?;
         let from = self.made.len();
-        self.made.resize(from + count, [0; 3]);
+        if from == 0 {
+            self.task.check_triangles(count)?;
+            self.made = zeroed(count)?;
+        } else {
+            self.reserve(count)?;
+            self.made.resize(from + count, [0; 3]);
+        }
         let made = self.made[from..].as_flattened_mut();
         fill(made)?;
         let (before, points, task) = (self.before, self.points, self.task);

@@ -4,11 +4,11 @@
 //! word that follows, since programs lie about the version. Binary numbers are big-endian.
 
 use super::super::cursor::Cursor;
+use super::super::numerals::{self, Value};
 use super::super::points::{Coordinate, mesh};
-use super::super::{Stop, Surface, Task};
+use super::super::{Stop, Surface, Task, zeroed};
 use super::cells::{Shape, Triangles, are_triangles, points_of};
-use super::number::{Kind, Value, fill_all, room_for};
-use super::numerals;
+use super::number::{Kind, fill_all};
 
 /// How the first line begins.
 pub(in crate::mesh::read) const MAGIC: &[u8] = b"# vtk DataFile Version";
@@ -261,13 +261,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn points_as<C: Coordinate + Value>(
-        &mut self,
-        kind: Kind,
-        count: usize,
-    ) -> Result<Vec<[C; 3]>, Stop> {
-        let mut points = super::super::with_room(count)?;
-        points.resize(count, [C::default(); 3]);
+    fn points_as<C: Coordinate>(&mut self, kind: Kind, count: usize) -> Result<Vec<[C; 3]>, Stop> {
+        let mut points: Vec<[C; 3]> = zeroed(count)?;
         self.numbers(kind, points.as_flattened_mut())?;
         Ok(points)
     }
@@ -323,7 +318,7 @@ impl Reader<'_> {
         let ([first, second], offsets) = self.list(at)?;
         let Some(kind) = offsets else {
             self.check_room(at, Kind::I32, second)?;
-            let mut numbers = room_for::<u32>(second)?;
+            let mut numbers = zeroed::<u32>(second)?;
             self.numbers(Kind::I32, &mut numbers)?;
             return triangles.counted(at, shape, first, &numbers);
         };
@@ -332,7 +327,7 @@ impl Reader<'_> {
             return Err(Stop::fault(at, problem));
         }
         self.check_room(at, kind, first)?;
-        let mut ends = room_for::<u32>(first)?;
+        let mut ends = zeroed::<u32>(first)?;
         self.numbers(kind, &mut ends)?;
         let kind = self.connectivity(at)?;
         self.check_room(at, kind, second)?;
@@ -350,7 +345,7 @@ impl Reader<'_> {
         if shape == Shape::Polygon && are_triangles(ends) {
             return triangles.all(at, ends.len(), |to| self.numbers(kind, to));
         }
-        let mut points = room_for::<u32>(second)?;
+        let mut points = zeroed::<u32>(second)?;
         self.numbers(kind, &mut points)?;
         triangles.ending(at, shape, ends, &points)
     }

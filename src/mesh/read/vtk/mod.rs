@@ -16,5 +16,4 @@
 pub(super) mod cells;
 pub(super) mod legacy;
 pub(super) mod number;
-pub(super) mod numerals;
 pub(super) mod xml;

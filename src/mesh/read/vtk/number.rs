@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::super::cursor::Cursor;
-use super::super::points::{Coordinate, is_coordinate, no_coordinate};
-use super::super::{Stop, Task, with_room};
+use super::super::numerals::Value;
+use super::super::{Stop, Task};
 
 /// Numbers that a thread takes at once.
 pub(super) const NUMBERS: usize = 1 << 16;
@@ -45,77 +45,6 @@ impl Kind {
             self,
             Self::I8 | Self::U8 | Self::I16 | Self::U16 | Self::F32
         )
-    }
-}
-
-/// What is made of a file's numbers.
-pub(super) trait Value: Copy + Default + Send + Sync {
-    /// Made of a number, where it may be one.
-    fn of_real(value: f64) -> Option<Self>;
-
-    /// Made of a whole number, where it may be one.
-    fn of_whole(value: i64) -> Option<Self>;
-
-    /// The number that stands in a text and ends at a blank, where it may be one; else the cursor may stand anywhere.
-    fn of_text(cursor: &mut Cursor<'_>) -> Option<Self>;
-
-    /// The fault of a number that is none.
-    fn refused(at: usize, value: f64) -> Stop;
-}
-
-/// A coordinate is within its bounds.
-macro_rules! coordinate_value {
-    ($float:ty) => {
-        impl Value for $float {
-            #[inline]
-            fn of_real(value: f64) -> Option<Self> {
-                is_coordinate(value).then(|| Self::nearest(value))
-            }
-
-            #[inline]
-            #[allow(clippy::cast_precision_loss, reason = "the nearest is what is wanted")]
-            fn of_whole(value: i64) -> Option<Self> {
-                Self::of_real(value as f64)
-            }
-
-            #[inline]
-            fn of_text(cursor: &mut Cursor<'_>) -> Option<Self> {
-                Self::of_real(cursor.number()?)
-            }
-
-            fn refused(at: usize, value: f64) -> Stop {
-                no_coordinate(at, value)
-            }
-        }
-    };
-}
-coordinate_value!(f32);
-coordinate_value!(f64);
-
-/// A count, or the number of a point.
-impl Value for u32 {
-    #[inline]
-    fn of_real(_: f64) -> Option<Self> {
-        None
-    }
-
-    #[inline]
-    fn of_whole(value: i64) -> Option<Self> {
-        Self::try_from(value).ok()
-    }
-
-    #[inline]
-    fn of_text(cursor: &mut Cursor<'_>) -> Option<Self> {
-        let value = cursor.integer()?;
-        let ends = cursor.peek().is_none_or(|byte| byte.is_ascii_whitespace());
-        Self::of_whole(value).filter(|_| ends)
-    }
-
-    fn refused(at: usize, value: f64) -> Stop {
-        let problem = format!(
-            "has {value} where a cell's end or the number of a point stands, which is a whole number from 0 on: save the file again"
-        );
-        Stop::fault(at, problem)
     }
 }
 
@@ -218,13 +147,6 @@ pub(super) fn fill_all<V: Value>(
             V::refused(at + from, value)
         })
     })
-}
-
-/// So many values of no meaning yet; the caller has seen that the file can fill them.
-pub(super) fn room_for<V: Value>(count: usize) -> Result<Vec<V>, Stop> {
-    let mut room = with_room(count)?;
-    room.resize(count, V::default());
-    Ok(room)
 }
 
 #[cfg(test)]

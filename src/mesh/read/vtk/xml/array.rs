@@ -10,9 +10,9 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use rayon::prelude::*;
 
+use super::super::super::numerals::{self, Value};
 use super::super::super::{Stop, Task};
-use super::super::number::{self, Kind, NUMBERS, Value};
-use super::super::numerals;
+use super::super::number::{self, Kind, NUMBERS};
 use super::blocks::{self, Blocks};
 use super::document::{Array, Document, Place};
 

@@ -5,9 +5,9 @@ mod blocks;
 mod document;
 
 use super::super::points::{Coordinate, mesh};
-use super::super::{Stop, Surface, Task};
+use super::super::{Stop, Surface, Task, zeroed};
 use super::cells::{Shape, Triangles, are_triangles, points_of};
-use super::number::{Kind, room_for};
+use super::number::Kind;
 use array::Arrays;
 use document::{Cells, Document, Piece};
 
@@ -22,7 +22,7 @@ pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surfa
     }
 }
 
-fn read_as<C: Coordinate + super::number::Value>(
+fn read_as<C: Coordinate>(
     bytes: &[u8],
     document: &Document,
     task: &Task<'_>,
@@ -46,7 +46,7 @@ fn read_as<C: Coordinate + super::number::Value>(
 }
 
 /// Reads a piece's points and returns how many there are.
-fn add_points<C: Coordinate + super::number::Value>(
+fn add_points<C: Coordinate>(
     arrays: &mut Arrays<'_>,
     piece: &Piece,
     points: &mut Vec<[C; 3]>,
@@ -72,13 +72,15 @@ fn add_points<C: Coordinate + super::number::Value>(
     }
     let stored = arrays.find(array, count.saturating_mul(3))?;
     // Now it is known that the file has them.
-    let given = match points.is_empty() {
-        true => points.try_reserve_exact(count),
-        false => points.try_reserve(count),
-    };
-    given.map_err(|_| Stop::Memory((count * size_of::<[C; 3]>()) as u64))?;
     let from = points.len();
-    points.resize(from + count, [C::default(); 3]);
+    if from == 0 {
+        *points = zeroed(count)?;
+    } else {
+        let bytes = (count * size_of::<[C; 3]>()) as u64;
+        let given = points.try_reserve(count);
+        given.map_err(|_| Stop::Memory(bytes))?;
+        points.resize(from + count, [C::default(); 3]);
+    }
     stored.read(points[from..].as_flattened_mut(), task)?;
     Ok(u32::try_from(count).unwrap_or(u32::MAX))
 }
@@ -108,7 +110,7 @@ fn cells(
     }
     let task = triangles.task;
     let stored = arrays.find(ends, cells.count)?;
-    let mut end_of = room_for::<u32>(cells.count)?;
+    let mut end_of = zeroed::<u32>(cells.count)?;
     stored.read(&mut end_of, task)?;
     let count = points_of(ends.at, &end_of)?;
     let stored = arrays.find(points, count)?;
@@ -116,7 +118,7 @@ fn cells(
         drop(end_of);
         return triangles.all(points.at, cells.count, |to| stored.read(to, task));
     }
-    let mut point_of = room_for::<u32>(count)?;
+    let mut point_of = zeroed::<u32>(count)?;
     stored.read(&mut point_of, task)?;
     triangles.ending(points.at, shape, &end_of, &point_of)
 }

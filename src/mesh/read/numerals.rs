@@ -2,14 +2,90 @@
 
 use rayon::prelude::*;
 
-use super::super::cursor::Cursor;
-use super::super::{Stop, Task};
-use super::number::Value;
+use super::cursor::Cursor;
+use super::points::{is_coordinate, no_coordinate};
+use super::{Stop, Task};
 
 /// Length of a piece that a thread reads, in bytes: some milliseconds of work.
 const PIECE: usize = 256 << 10;
 /// Pieces for each thread that are read before they are put together.
 const PIECES: usize = 4;
+
+/// What is made of a file's numbers.
+pub(super) trait Value: Copy + Default + Send + Sync {
+    /// Made of a number, where it may be one.
+    fn of_real(value: f64) -> Option<Self>;
+
+    /// Made of a whole number, where it may be one.
+    fn of_whole(value: i64) -> Option<Self>;
+
+    /// The number that stands in a text and ends at a blank, where it may be one; else the cursor may stand anywhere.
+    fn of_text(cursor: &mut Cursor<'_>) -> Option<Self>;
+
+    /// The fault of a number that is none.
+    fn refused(at: usize, value: f64) -> Stop;
+}
+
+/// A coordinate is within its bounds.
+macro_rules! coordinate_value {
+    ($float:ty) => {
+        impl Value for $float {
+            #[inline]
+            #[allow(
+                clippy::cast_possible_truncation,
+                trivial_numeric_casts,
+                reason = "the nearest is what is wanted"
+            )]
+            fn of_real(value: f64) -> Option<Self> {
+                is_coordinate(value).then_some(value as $float)
+            }
+
+            #[inline]
+            #[allow(clippy::cast_precision_loss, reason = "the nearest is what is wanted")]
+            fn of_whole(value: i64) -> Option<Self> {
+                Self::of_real(value as f64)
+            }
+
+            #[inline]
+            fn of_text(cursor: &mut Cursor<'_>) -> Option<Self> {
+                Self::of_real(cursor.number()?)
+            }
+
+            fn refused(at: usize, value: f64) -> Stop {
+                no_coordinate(at, value)
+            }
+        }
+    };
+}
+coordinate_value!(f32);
+coordinate_value!(f64);
+
+/// A count, or the number of a point.
+impl Value for u32 {
+    #[inline]
+    fn of_real(_: f64) -> Option<Self> {
+        None
+    }
+
+    #[inline]
+    fn of_whole(value: i64) -> Option<Self> {
+        Self::try_from(value).ok()
+    }
+
+    #[inline]
+    fn of_text(cursor: &mut Cursor<'_>) -> Option<Self> {
+        let value = cursor.integer()?;
+        let ends = cursor.peek().is_none_or(|byte| byte.is_ascii_whitespace());
+        Self::of_whole(value).filter(|_| ends)
+    }
+
+    fn refused(at: usize, value: f64) -> Stop {
+        let problem = format!(
+            "has {value} where a cell's end or the number of a point stands, which is a whole number from 0 on: save the file again"
+        );
+        Stop::fault(at, problem)
+    }
+}
 
 /// Reads as many numbers as there are places for, from a byte of a text on, and returns where the text after them begins.
 pub(super) fn read<V: Value>(
@@ -18,21 +94,35 @@ pub(super) fn read<V: Value>(
     to: &mut [V],
     task: &Task<'_>,
 ) -> Result<usize, Stop> {
+    each(text, at, to.len(), task, |from, values: &[V]| {
+        to[from..from + values.len()].copy_from_slice(values);
+        Ok(())
+    })
+}
+
+/// Reads so many numbers, from a byte of a text on, and returns where the text after them begins. They are handed on in order, some at
+/// once, with the number of those before them.
+pub(super) fn each<V: Value>(
+    text: &[u8],
+    at: usize,
+    count: usize,
+    task: &Task<'_>,
+    mut take: impl FnMut(usize, &[V]) -> Result<(), Stop>,
+) -> Result<usize, Stop> {
     let mut done = 0;
     let mut at = at;
-    while done < to.len() {
+    while done < count {
         let pieces = pieces(text, at);
         let parts = pieces.par_iter().map(|&[from, end]| {
             task.go_on()?;
-            Ok(Part::<V>::read(text, from, end, to.len() - done))
+            Ok(Part::<V>::read(text, from, end, count - done))
         });
         let parts: Result<Vec<_>, Stop> = parts.collect();
         for part in parts? {
-            let left = &mut to[done..];
-            let taken = part.values.len().min(left.len());
-            left[..taken].copy_from_slice(&part.values[..taken]);
+            let taken = part.values.len().min(count - done);
+            take(done, &part.values[..taken])?;
             done += taken;
-            if done == to.len() {
+            if done == count {
                 // A piece that holds more is gone through again for where the last one ends.
                 return Ok(match taken == part.values.len() {
                     true => part.end,
@@ -156,7 +246,7 @@ mod tests {
     )]
     use std::sync::atomic::AtomicBool;
 
-    use super::super::super::ReadLimits;
+    use super::super::ReadLimits;
     use super::*;
 
     fn numbers<V: Value>(text: &str, count: usize) -> Result<(Vec<V>, usize), String> {
