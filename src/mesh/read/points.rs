@@ -3,8 +3,9 @@
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
-use super::Stop;
+use super::join::Pages;
 use super::numerals::Value;
+use super::{Stop, with_room};
 use crate::mesh::Mesh;
 
 /// Largest coordinate: beyond it squares of distances leave f32.
@@ -70,16 +71,9 @@ pub(super) fn no_coordinate(at: usize, value: f64) -> Stop {
 
 /// The mesh of these vertices and triangles.
 pub(super) fn mesh<C: Coordinate>(points: Vec<[C; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
-    let origin = origin(&points);
+    let origin = origin(points.iter().copied());
     // In place where the file has single precision.
-    let positions = points.into_iter().map(|point| {
-        let [x, y, z] = point.map(Into::into);
-        Vec3::new(
-            narrow(x - origin.x),
-            narrow(y - origin.y),
-            narrow(z - origin.z),
-        )
-    });
+    let positions = points.into_iter().map(|point| position(point, origin));
     Mesh {
         origin,
         positions: positions.collect(),
@@ -87,9 +81,44 @@ pub(super) fn mesh<C: Coordinate>(points: Vec<[C; 3]>, triangles: Vec<[u32; 3]>)
     }
 }
 
+/// The same of vertices in pages, of which each is given back when it is done with.
+pub(super) fn mesh_of_pages<C: Coordinate>(
+    points: Pages<C>,
+    triangles: Vec<[u32; 3]>,
+) -> Result<Mesh, Stop> {
+    let origin = origin(points.iter());
+    let count = points.len();
+    // First in pages again: beside all of double precision there would be no room for all of single.
+    let pages = points.into_pages().map(|page| {
+        let page = page.into_iter().map(|point| position(point, origin));
+        page.collect::<Box<[Vec3]>>()
+    });
+    let pages: Vec<_> = pages.collect();
+    let mut positions = with_room(count)?;
+    for page in pages {
+        positions.extend_from_slice(&page);
+    }
+    Ok(Mesh {
+        origin,
+        positions,
+        triangles,
+    })
+}
+
+/// A vertex from an origin.
+#[inline]
+fn position<C: Coordinate>(point: [C; 3], origin: DVec3) -> Vec3 {
+    let [x, y, z] = point.map(Into::into);
+    Vec3::new(
+        narrow(x - origin.x),
+        narrow(y - origin.y),
+        narrow(z - origin.z),
+    )
+}
+
 /// Where to count from: zero, but on axes where the model is far from it the middle, rounded to single precision. There the
 /// differences of coordinates in single precision are exact, since none is twice another (Sterbenz).
-pub(super) fn origin<C: Coordinate>(points: &[[C; 3]]) -> DVec3 {
+pub(super) fn origin<C: Coordinate>(points: impl Iterator<Item = [C; 3]>) -> DVec3 {
     let mut least = DVec3::INFINITY;
     let mut most = DVec3::NEG_INFINITY;
     for point in points {
@@ -97,8 +126,8 @@ pub(super) fn origin<C: Coordinate>(points: &[[C; 3]]) -> DVec3 {
         least = least.min(point);
         most = most.max(point);
     }
-    if points.is_empty() {
-        return DVec3::ZERO;
+    if least.x > most.x {
+        return DVec3::ZERO; // no point at all
     }
     let size = (most - least).max_element();
     let middle = (least + most) / 2.0;

@@ -29,12 +29,7 @@ pub(super) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surface, Stop> {
         let problem = "begins a skeleton in which no node has a parent: there is nothing to see, save it with its segments";
         return Err(Stop::fault(0, problem));
     }
-    let points: Vec<[f32; 3]> = skeleton
-        .position
-        .iter()
-        .map(|point| point.to_array())
-        .collect();
-    let origin = origin(&points);
+    let origin = origin(skeleton.position.iter().map(|point| point.to_array()));
     for position in skeleton.position.iter_mut() {
         *position = (position.as_dvec3() - origin).as_vec3();
     }
@@ -42,7 +37,7 @@ pub(super) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surface, Stop> {
     Ok(Surface {
         mesh: Mesh {
             origin,
-            positions: points.into_iter().map(Vec3::from).collect(),
+            positions: points.iter().map(Vec3::from).collect(),
             triangles,
         },
         skeleton: Some(skeleton),

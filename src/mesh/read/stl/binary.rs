@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
 
-use super::super::join::{Joiner, NONE, folded};
+use super::super::join::{Joiner, NONE, Pages, folded};
 use super::super::kind::{STL_HEADER, STL_TRIANGLE, stl_length, stl_triangles};
 use super::super::points::{Coordinate, is_coordinate, mesh, no_coordinate};
 use super::super::{MOST_VERTICES, Stop, Surface, Task, with_room};
@@ -64,7 +64,7 @@ fn join(
     shares: usize,
     corners: &Corners,
     task: &Task<'_>,
-) -> Result<Vec<[f32; 3]>, Stop> {
+) -> Result<Pages<f32>, Stop> {
     // A closed surface has half as many vertices as triangles.
     let vertices = corners.len() / 2 / shares;
     let mut joiner = Joiner::with_room(vertices + vertices / 32)?;
@@ -141,12 +141,8 @@ fn all_or_first<T>(made: Vec<Result<T, Stop>>) -> Result<Vec<T>, Stop> {
 }
 
 /// Numbers the vertices as they first come in the file, so that nothing tells how many threads there were.
-fn number(
-    mut corners: Corners,
-    shares: &[Vec<[f32; 3]>],
-    task: &Task<'_>,
-) -> Result<Surface, Stop> {
-    let count = shares.iter().map(Vec::len).sum();
+fn number(mut corners: Corners, shares: &[Pages<f32>], task: &Task<'_>) -> Result<Surface, Stop> {
+    let count = shares.iter().map(Pages::len).sum();
     task.check_vertices(count)?;
     let mut points = with_room(count)?;
     let mut numbers: Vec<Vec<u32>> = Vec::with_capacity(shares.len());
@@ -165,7 +161,7 @@ fn number(
             let number = &mut numbers[share][place];
             if *number == NONE {
                 *number = u32::try_from(points.len()).unwrap_or(NONE);
-                points.push(shares[share][place]);
+                points.push(shares[share].get(place));
             }
             *corner = *number;
         }

@@ -4,8 +4,8 @@
 pub(super) mod ascii;
 pub(super) mod binary;
 
-use super::join::Joiner;
-use super::points::{Coordinate, mesh};
+use super::join::{Joiner, Pages};
+use super::points::{Coordinate, mesh_of_pages};
 use super::{Stop, Surface, Task, with_room};
 
 /// Triangles between two looks at whether to go on.
@@ -52,11 +52,11 @@ impl<C: Coordinate> Joined<C> {
     fn into_surface(self, task: &Task<'_>) -> Result<Surface, Stop> {
         let (points, triangles) = self.into_parts(task)?;
         Ok(Surface {
-            mesh: mesh(points, triangles),
+            mesh: mesh_of_pages(points, triangles)?,
             ..Surface::default()
         })
     }
 }
 
 /// Vertices and triangles.
-pub(super) type Parts<C> = (Vec<[C; 3]>, Vec<[u32; 3]>);
+pub(super) type Parts<C> = (Pages<C>, Vec<[u32; 3]>);
