@@ -13,8 +13,9 @@ use super::progress::Progress;
 use crate::mesh::intersect::{IntersectParams, Intersections, intersections};
 use crate::mesh::paint::Paint;
 use crate::mesh::report::{Report, ReportParams, report};
-use crate::mesh::unit::{Scale, Unit};
+use crate::mesh::unit::Scale;
 use crate::mesh::{Mesh, ReadLimits, read};
+use crate::tree::Tree;
 
 mod facts;
 mod text;
@@ -33,24 +34,43 @@ pub(super) struct Loaded {
     pub(super) mesh: Mesh,
     /// What the format is called.
     pub(super) format: String,
-    /// The unit that the format prescribes, if it does.
-    pub(super) unit: Option<Unit>,
-    /// Faces of fewer than three corners, which were left out.
-    pub(super) skipped_faces: usize,
+    /// What the format says of the unit, if it does.
+    pub(super) scale: Option<Scale>,
+    pub(super) beside: Beside,
     /// What colours its surface.
     pub(super) paint: Option<Paint>,
     /// What of the file is not shown as it was meant.
     pub(super) remarks: Vec<String>,
 }
 
+/// What a file holds beside its surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Beside {
+    /// Faces of fewer than three corners, which were left out.
+    pub(super) skipped_faces: usize,
+    /// Lines and points, which were left out.
+    pub(super) skipped_lines: usize,
+    pub(super) skipped_points: usize,
+    /// Bytes behind its end.
+    pub(super) surplus_bytes: usize,
+    /// Nodes of the skeleton that the surface was made of.
+    pub(super) skeleton_nodes: Option<usize>,
+}
+
 /// Reads a model from its file.
 pub(super) fn load(path: &Path, cancel: &AtomicBool) -> Result<Loaded> {
     let model = read(path, &ReadLimits::default(), cancel)?;
     Ok(Loaded {
-        mesh: model.mesh,
+        scale: model.scale(),
         format: model.format.to_string(),
-        unit: model.format.unit(),
-        skipped_faces: model.skipped_faces,
+        beside: Beside {
+            skipped_faces: model.skipped_faces,
+            skipped_lines: model.skipped_lines,
+            skipped_points: model.skipped_points,
+            surplus_bytes: model.surplus_bytes,
+            skeleton_nodes: model.skeleton.as_ref().map(Tree::len),
+        },
+        mesh: model.mesh,
         paint: model.paint,
         remarks: model.remarks,
     })
@@ -61,7 +81,7 @@ struct Inspected<'a> {
     path: &'a Path,
     format: &'a str,
     scale: Option<Scale>,
-    skipped_faces: usize,
+    beside: Beside,
     paint: Option<&'a Paint>,
     remarks: &'a [String],
     report: Report,
@@ -93,14 +113,15 @@ fn inspect<'a>(path: &'a Path, loaded: &'a Loaded, cancel: &AtomicBool) -> Resul
     let mut show = |done, of| progress.show(done, of);
     let intersections = intersections(&loaded.mesh, &IntersectParams::default(), cancel, &mut show)
         .ok_or_else(|| anyhow!("the check of {} was cancelled", path.display()))?;
-    let stated = loaded.unit.map(Scale::stated);
     Ok(Inspected {
         path,
         format: &loaded.format,
-        skipped_faces: loaded.skipped_faces,
+        beside: loaded.beside,
         paint: loaded.paint.as_ref(),
         remarks: &loaded.remarks,
-        scale: stated.or_else(|| Scale::guessed(report.size().max_element())),
+        scale: loaded
+            .scale
+            .or_else(|| Scale::guessed(report.size().max_element())),
         report,
         intersections,
     })

@@ -29,6 +29,22 @@ fn a_model_is_told_on_one_screen_and_as_json() {
     assert_eq!(json["open_ends"][0]["edges"], 3);
 }
 
+#[test]
+fn a_skeleton_is_told_with_its_unit() {
+    let folder = folder();
+    let model = folder.path().join("neuron.txt");
+    fs::write(&model, "1 1 0 0 0 4 -1\n2 3 0 60 0 3 1\n3 3 0 90 9 2 2\n").unwrap();
+    let screen = succeed(ramus().arg("inspect").arg(&model));
+    for told in [
+        "SWC, ",
+        "Skeleton  3 nodes",
+        "micrometres (by the format's custom)",
+        "watertight",
+    ] {
+        assert!(screen.contains(told), "{told}\n{screen}");
+    }
+}
+
 fn inspect(model: &Path) -> Output {
     ramus().arg("inspect").arg(model).output().unwrap()
 }
@@ -74,6 +90,12 @@ fn real_models_are_told_about() {
             "3 open ends",
         ),
         ("real/blood_vessels_mc.ply", 30_536, ""),
+        ("real/vmtk_aorta-surface.vtp", 12_932, "watertight"),
+        (
+            "real/vmtk_aorta-surface-two-segments.vtp",
+            37_304,
+            "2 parts",
+        ),
         ("real/skeletor_722817260.obj", 13_772, "non-manifold"),
         (
             "real/eztree_ash_small.ply",
