@@ -4,10 +4,12 @@ mod error;
 pub mod intersect;
 #[cfg(test)]
 pub(crate) mod made;
+pub mod mend;
 pub mod problem;
 mod read;
 pub mod report;
 pub mod unit;
+pub mod write;
 
 pub use error::{MeshError, Place};
 pub use read::{Format, Model, ReadLimits, read, read_bytes};

@@ -8,7 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// The smallest used vertex with the same coordinates, for each vertex; unused vertices stand for themselves.
-pub(super) fn representatives(positions: &[Vec3], used: &[bool]) -> Vec<u32> {
+pub(in crate::mesh) fn representatives(positions: &[Vec3], used: &[bool]) -> Vec<u32> {
     let mut keys: Vec<u128> = (0_u32..)
         .zip(positions.iter().zip(used))
         .filter(|(_, (_, used))| **used)
