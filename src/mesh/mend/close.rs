@@ -27,6 +27,10 @@ use crate::mesh::report::BoundaryLoop;
 /// Vertices that smooth caps add in one mend at most.
 const ADDED_MOST: usize = 2_000_000;
 
+/// How often a smooth cap is refined and faired: a dome has more area than what it was made of, and bends as the surface around only if
+/// its triangles are as large as those there.
+const DOMES: usize = 3;
+
 pub(super) fn close(mesh: Mesh, close: &Close, work: &mut Work) -> Result<Mesh, MendError> {
     let report = work.report(&mesh)?;
     let longest = close.longest.map_or(f64::INFINITY, |most| most.of(&mesh));
@@ -109,21 +113,25 @@ impl Closer {
             }),
         }
         if cap == Cap::Smooth {
-            let inner = self.surface.points.len();
-            let room = ADDED_MOST.saturating_sub(self.added);
-            let start = if cut == Cut::Fan { inner - 1 } else { inner };
-            let done = refine::refine(
-                &mut self.surface,
-                &around,
-                &densities,
-                first,
-                start,
-                room,
-                work,
-            )?;
+            let before = self.surface.points.len();
+            let start = before - usize::from(cut == Cut::Fan);
+            let mut done = true;
+            for _ in 0..DOMES {
+                let room =
+                    (ADDED_MOST - self.added).saturating_sub(self.surface.points.len() - before);
+                done = refine::refine(
+                    &mut self.surface,
+                    &around,
+                    &densities,
+                    first,
+                    start,
+                    room,
+                    work,
+                )?;
+                fair::fair(&mut self.surface, &around, start, work)?;
+            }
             self.unrefined += usize::from(!done);
-            self.added += self.surface.points.len() - inner;
-            fair::fair(&mut self.surface, &around, start, work)?;
+            self.added += self.surface.points.len() - before;
         }
         Ok(true)
     }

@@ -19,6 +19,9 @@ use crate::mesh::report::{NONE, Report};
 /// Patches whose volume is less than this share of a ball's of the same area have no outside. A tube a million times as long as wide has 10⁻³.
 const FLAT: f64 = 1e-4;
 
+/// Volumes that are less than this share of what was summed for them are rounding.
+const ROUNDING: f64 = 1e-12;
+
 pub(super) fn orient(mut mesh: Mesh, work: &mut Work) -> Result<Mesh, MendError> {
     let report = work.report(&mesh)?;
     for triangle in &report.turned_triangles {
@@ -87,13 +90,24 @@ struct Measure {
     sixfold: f64,
     /// Twice the area.
     double_area: f64,
+    /// What was summed without regard to signs, of which rounding is a part.
+    summed: f64,
 }
 
 impl Measure {
     fn is_flat(self) -> bool {
         // A ball of area A has the volume A^1.5 / (6 √π).
         let ball = (self.double_area / 2.0).powf(1.5) / std::f64::consts::PI.sqrt();
-        self.sixfold.abs() <= FLAT * ball
+        self.sixfold.abs() <= (FLAT * ball).max(ROUNDING * self.summed)
+    }
+
+    /// Adds the pyramid of a triangle over a point.
+    fn add(&mut self, tip: DVec3, corners: [DVec3; 3]) -> f64 {
+        let [a, b, c] = corners;
+        let across = cross(corners);
+        self.sixfold += (a - tip).dot(across);
+        self.summed += a.distance(tip) * a.distance(b) * a.distance(c);
+        across.length()
     }
 }
 
@@ -134,16 +148,14 @@ impl Patches {
         for (triangle, root) in mesh.triangles.iter().zip(&self.root) {
             let corners = triangle.map(point);
             let measure = all[*root as usize].get_or_insert_default();
-            let across = cross(corners);
-            measure.sixfold += (corners[0] - tip(*root)).dot(across);
-            measure.double_area += across.length();
+            measure.double_area += measure.add(tip(*root), corners);
         }
         for (half_edge, centre) in self.rims(mesh) {
             let root = self.root[half_edge as usize / 3];
             let [from, to] = from_to(&mesh.triangles, half_edge).map(point);
             // The cone's triangle runs the other way along the edge.
-            let sixfold = (centre - tip(root)).dot(cross([centre, to, from]));
-            all[root as usize].get_or_insert_default().sixfold += sixfold;
+            let measure = all[root as usize].get_or_insert_default();
+            measure.add(tip(root), [centre, to, from]);
         }
         all
     }

@@ -1,5 +1,5 @@
 //! Triangles of one size (Botsch and Kobbelt, *A remeshing approach to multiresolution modeling*, SGP 2004): edges longer than 4/3 of the
-//! length are split, those shorter than 4/5 collapsed, others flipped so that vertices have six neighbours (four on a boundary), vertices moved to the
+//! length are split, those shorter than 4/5 collapsed, others flipped so that vertices have six triangles (three on a boundary), vertices moved to the
 //! middle of their neighbours along the surface and back onto the surface as it was; and all that a few times.
 //!
 //! Boundaries and creases (edges at which the surface bends by more than [`CREASE`]) stay lines of edges: their vertices are not moved, and
@@ -40,6 +40,7 @@ pub(super) fn remesh(mesh: Mesh, remesh: &Remesh, work: &mut Work) -> Result<Mes
     let mut remesher = Remesher {
         creases: HashSet::new(),
         lines: vec![0; surface.points.len()],
+        rim: vec![false; surface.points.len()],
         surface,
         length,
         rings: Default::default(),
@@ -98,6 +99,8 @@ struct Remesher {
     creases: HashSet<[u32; 2]>,
     /// How many of them each vertex has.
     lines: Vec<u32>,
+    /// Vertices on a boundary.
+    rim: Vec<bool>,
     rings: [Vec<Neighbour>; 2],
 }
 
@@ -118,6 +121,10 @@ impl Remesher {
             };
             if is_line {
                 self.add_line(edge);
+            }
+            if normals.len() == 1 {
+                edge.iter()
+                    .for_each(|vertex| self.rim[*vertex as usize] = true);
             }
         }
     }
@@ -178,8 +185,9 @@ impl Remesher {
         if middle == from || middle == to {
             return; // Coordinates have no place between the two.
         }
-        let middle = self.surface.split(edge, middle);
+        self.rim.push(self.surface.at_edge(edge).nth(1).is_none());
         self.lines.push(0);
+        let middle = self.surface.split(edge, middle);
         if self.remove_line(edge) {
             self.add_line([a, middle]);
             self.add_line([middle, b]);

@@ -44,6 +44,8 @@ struct Plate {
     start: usize,
     /// A vertex and its neighbours, one row after the other.
     rows: Vec<Vec<u32>>,
+    /// What each umbrella vector weighs: by the square of the edges' length it is a curvature, whatever the size of the triangles.
+    weights: Vec<f64>,
 }
 
 impl Plate {
@@ -55,9 +57,18 @@ impl Plate {
             let neighbours = ring.iter().map(|(other, _)| *other);
             std::iter::once(vertex).chain(neighbours).collect()
         });
+        let rows: Vec<Vec<u32>> = rows.collect();
+        let squares: Vec<f64> = rows.iter().map(|row| mean_square(surface, row)).collect();
+        let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
+        // Edges next to nothing must not outweigh all others.
+        let weight = |square: f64| {
+            let weight = mean / square.max(1e-4 * mean);
+            if weight.is_finite() { weight } else { 1.0 }
+        };
         Self {
             start,
-            rows: rows.collect(),
+            rows,
+            weights: squares.into_iter().map(weight).collect(),
         }
     }
 
@@ -69,14 +80,14 @@ impl Plate {
 
     /// Umbrella vectors, of vertices that move and of those that do not.
     fn umbrellas(&self, point: impl Fn(u32) -> DVec3) -> Vec<DVec3> {
-        let umbrella = |row: &Vec<u32>| match row.split_first() {
+        let umbrella = |(row, weight): (&Vec<u32>, &f64)| match row.split_first() {
             Some((vertex, ring)) if !ring.is_empty() => {
                 let sum: DVec3 = ring.iter().map(|other| point(*other)).sum();
-                sum / ring.len() as f64 - point(*vertex)
+                *weight * (sum / ring.len() as f64 - point(*vertex))
             }
             _ => DVec3::ZERO,
         };
-        self.rows.iter().map(umbrella).collect()
+        self.rows.iter().zip(&self.weights).map(umbrella).collect()
     }
 
     /// What umbrella vectors pull at each vertex that moves.
@@ -88,11 +99,12 @@ impl Plate {
                 *place += by;
             }
         };
-        for (row, umbrella) in self.rows.iter().zip(umbrellas) {
+        for ((row, weight), umbrella) in self.rows.iter().zip(&self.weights).zip(umbrellas) {
             if let Some((vertex, ring)) = row.split_first() {
-                pull(*vertex, -*umbrella);
+                let umbrella = *weight * *umbrella;
+                pull(*vertex, -umbrella);
                 for other in ring {
-                    pull(*other, *umbrella / ring.len() as f64);
+                    pull(*other, umbrella / ring.len() as f64);
                 }
             }
         }
@@ -138,6 +150,17 @@ impl Plate {
         }
         Ok(())
     }
+}
+
+/// The mean square of the lengths of edges from a vertex to its neighbours.
+fn mean_square(surface: &Surface, row: &[u32]) -> f64 {
+    let Some((vertex, ring)) = row.split_first() else {
+        return 0.0;
+    };
+    let squares = ring
+        .iter()
+        .map(|other| surface.length([*vertex, *other]).powi(2));
+    squares.sum::<f64>() / ring.len().max(1) as f64
 }
 
 /// One by the other, and 0 where that is none.

@@ -104,11 +104,12 @@ proptest! {
         prop_assert_eq!(new.components.len(), old.components.len());
         if list.starts_with("close") {
             let closed = old.boundary_loops.iter().filter(|end| end.closed && end.edges() > 3).count();
-            prop_assert!(new.boundary_loops.len() + closed <= old.boundary_loops.len());
+            prop_assert!(new.boundary_loops.len() + closed <= old.boundary_loops.len(), "{:?} {:?} {:?} {:?}", before.triangles, old.loop_vertices, after.triangles, new.loop_vertices);
             prop_assert_eq!(&after.positions[..before.positions.len()], &before.positions[..]);
         } else {
             prop_assert_eq!(new.euler_characteristic(), old.euler_characteristic());
-            prop_assert_eq!(new.boundary_loops.len(), old.boundary_loops.len());
+            // Where surfaces touch, where one loop ends and the next begins is a matter of the order.
+            prop_assert!(!old.is_manifold() || new.boundary_loops.len() == old.boundary_loops.len());
             prop_assert_eq!(new.is_orientable(), old.is_orientable());
         }
     }

@@ -24,7 +24,7 @@ fn an_aorta_with_open_ends_is_closed() {
         "close",
         "close=smooth",
         "orient,close,decimate=2000",
-        "close=smooth,remesh=0.15",
+        "close=smooth,remesh=0.8",
         "close,smooth",
     ] {
         let (closed, told) = mended(&aorta, list);
@@ -38,7 +38,8 @@ fn an_aorta_with_open_ends_is_closed() {
             report.area(),
             open.area()
         );
-        assert!(volume > 0.0);
+        // The file has its triangles inside out.
+        assert_eq!(volume > 0.0, list.contains("orient"), "{list}");
     }
 }
 
