@@ -196,16 +196,20 @@ impl std::fmt::Display for Account {
         for (at, remark) in self.remarks.iter().enumerate() {
             write!(to, "{}{remark}", if at == 0 { "" } else { ", " })?;
         }
-        if self.remarks.is_empty() {
-            to.write_str("nothing to do")?;
+        let counts = [("vertices", self.vertices), ("triangles", self.triangles)];
+        let changed = counts
+            .into_iter()
+            .filter(|(_, [before, after])| before != after);
+        let mut parted = !self.remarks.is_empty();
+        for (what, [before, after]) in changed {
+            let part = if parted { "; " } else { "" };
+            write!(to, "{part}{} → {} {what}", grouped(before), grouped(after))?;
+            parted = true;
         }
-        for (what, [before, after]) in [("vertices", self.vertices), ("triangles", self.triangles)]
-        {
-            if before != after {
-                write!(to, "; {} → {} {what}", grouped(before), grouped(after))?;
-            }
+        match parted {
+            true => Ok(()),
+            false => to.write_str("nothing to do"),
         }
-        Ok(())
     }
 }
 

@@ -11,7 +11,7 @@ use crate::mesh::mend::surface::Surface;
 use crate::mesh::mend::{MendError, Work};
 
 /// Rounds at most.
-const ROUNDS: usize = 2000;
+const ROUNDS: usize = 1000;
 
 /// How much smaller the gradient is made.
 const PRECISION: f64 = 1e-7;

@@ -9,8 +9,11 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use crate::mesh::mend::surface::Surface;
-use crate::mesh::mend::{MendError, Work};
+use crate::mesh::mend::{MendError, Work, cross};
 use crate::mesh::report::NONE;
+
+/// Vertices that a cap is made for; where it would have more it is made of larger triangles.
+const WANTED: f64 = 10_000.0;
 
 /// Rounds of dividing; each takes a third of the area of all that is too large.
 const ROUNDS: usize = 64;
@@ -55,6 +58,9 @@ pub(super) fn refine(
         .collect();
     outer.sort_unstable_by_key(|(vertex, _)| *vertex);
     let mean = densities.iter().sum::<f64>() / densities.len().max(1) as f64;
+    let scale = coarseness(surface, first, mean);
+    outer.iter_mut().for_each(|(_, density)| *density *= scale);
+    let mean = mean * scale;
     let mut cap = CapMesh {
         surface,
         outer,
@@ -80,6 +86,17 @@ pub(super) fn refine(
         cap.relax(work)?;
     }
     Ok(true)
+}
+
+/// How many times as long as around edges have to be, so that there are not too many.
+fn coarseness(surface: &Surface, first: usize, density: f64) -> f64 {
+    let faces = surface.faces[first..].iter().filter(|face| face[0] != NONE);
+    let area: f64 = faces
+        .map(|face| cross(surface.corners(*face)).length() / 2.0)
+        .sum();
+    // A vertex has two equilateral triangles.
+    let vertices = area / (0.75_f64.sqrt() * density * density);
+    (vertices / WANTED).sqrt().max(1.0)
 }
 
 struct CapMesh<'a> {
