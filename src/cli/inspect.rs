@@ -1,4 +1,4 @@
-//! `ramus inspect`: what a scanned model is like and what is wrong with it.
+//! `ramus inspect`: what a scanned model is like and what is wrong with it, and what of that is mended when it is asked for.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -8,9 +8,11 @@ use anyhow::{Context as _, Result, anyhow};
 use clap::Args as ClapArgs;
 
 use self::facts::Facts;
+use super::outputs::{check_places, model_file, not_over_each_other};
 use super::print_result;
 use super::progress::Progress;
 use crate::mesh::intersect::{IntersectParams, Intersections, intersections};
+use crate::mesh::mend::Account;
 use crate::mesh::paint::Paint;
 use crate::mesh::report::{Report, ReportParams, report};
 use crate::mesh::unit::Scale;
@@ -18,6 +20,7 @@ use crate::mesh::{Mesh, ReadLimits, read};
 use crate::tree::Tree;
 
 mod facts;
+mod repair;
 mod text;
 
 #[derive(Debug, ClapArgs)]
@@ -27,6 +30,12 @@ pub(super) struct Args {
     /// Print all that is known as one JSON object on one line
     #[arg(long)]
     json: bool,
+    /// Mend the model by a list, in its order, and report on the result: weld, debris, largest, orient, close, smooth, decimate, remesh
+    #[arg(long, value_name = "LIST")]
+    repair: Option<String>,
+    /// Write the model, mended where --repair is given, as .glb, .ply, .stl or .obj
+    #[arg(short, long, value_name = "FILE", value_parser = model_file())]
+    out: Option<PathBuf>,
 }
 
 /// A model as its file has it.
@@ -86,6 +95,8 @@ struct Inspected<'a> {
     remarks: &'a [String],
     report: Report,
     intersections: Intersections,
+    /// What was mended; None where nothing was asked for.
+    repairs: Option<Vec<Account>>,
 }
 
 /// Inspects a model that `read` reads.
@@ -94,8 +105,30 @@ pub(super) fn run(
     read: impl FnOnce(&Path, &AtomicBool) -> Result<Loaded>,
 ) -> Result<()> {
     let never = AtomicBool::new(false);
-    let loaded = Progress::during("reading", || read(&args.model, &never))?;
-    let inspected = inspect(&args.model, &loaded, &never)?;
+    // All that can be refused is, before any work.
+    let mends = args.repair.as_deref().map(repair::mends).transpose()?;
+    let outputs = args.out.iter().map(PathBuf::as_path);
+    not_over_each_other(Some(&args.model), outputs, None)?;
+    check_places(&args.out)?;
+    let mut loaded = Progress::during("reading", || read(&args.model, &never))?;
+    if mends.is_some() {
+        // It is for vertices and triangles that mends join and replace.
+        loaded.paint = None;
+    }
+    let repairs = match &mends {
+        Some(mends) => Some(repair::mended(
+            &mut loaded.mesh,
+            mends,
+            &never,
+            &args.model,
+        )?),
+        None => None,
+    };
+    if let Some(out) = &args.out {
+        repair::write(&loaded.mesh, out)?;
+    }
+    let mut inspected = inspect(&args.model, &loaded, &never)?;
+    inspected.repairs = repairs;
     let facts = Facts::new(&inspected);
     let text = match args.json {
         true => serde_json::to_string(&facts)? + "\n",
@@ -124,6 +157,7 @@ fn inspect<'a>(path: &'a Path, loaded: &'a Loaded, cancel: &AtomicBool) -> Resul
             .or_else(|| Scale::guessed(report.size().max_element())),
         report,
         intersections,
+        repairs: None,
     })
 }
 

@@ -111,3 +111,77 @@ fn real_models_are_told_about() {
         assert!(screen.contains(told), "{name}: {screen}");
     }
 }
+
+#[test]
+fn a_model_is_mended_by_a_list_and_written_in_each_format() {
+    let folder = folder();
+    let model = folder.path().join("duct.ply");
+    fs::write(&model, OPEN).unwrap();
+    for name in ["duct.glb", "closed.PLY", "closed.stl", "closed.obj"] {
+        let out = folder.path().join(name);
+        let mut inspect = ramus();
+        inspect.arg("inspect").arg(&model).arg("--out").arg(&out);
+        let told = succeed(inspect.args(["--repair", "weld, orient, close=flat"]));
+        for words in [
+            "* weld=0: nothing to do",
+            "* orient: nothing to do",
+            "* close=flat: 1 open end closed (1 flat, 0 by least area, 0 by a fan); 3 → 4 triangles",
+            "watertight",
+        ] {
+            assert!(told.contains(words), "{words}\n{told}");
+        }
+        let told = succeed(ramus().arg("inspect").arg(&out));
+        assert!(told.contains("watertight"), "{told}");
+    }
+    // Without a list it is converted, without a place it is only told.
+    let out = folder.path().join("open.stl");
+    succeed(ramus().arg("inspect").arg(&model).arg("--out").arg(&out));
+    assert!(succeed(ramus().arg("inspect").arg(&out)).contains("1 open end"));
+    let json = ["--repair", "close=smooth", "--json"];
+    let json = succeed(ramus().arg("inspect").arg(&model).args(json));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["repairs"][0]["mend"], "close=smooth");
+    assert_eq!(json["watertight"], true);
+    assert_eq!(fs::read_to_string(&model).unwrap(), OPEN);
+}
+
+#[test]
+fn bad_lists_and_places_are_refused_before_the_work() {
+    let folder = folder();
+    let model = folder.path().join("duct.ply");
+    fs::write(&model, OPEN).unwrap();
+    let out = folder.path().join("out.ply");
+    let nowhere = folder.path().join("none").join("out.ply");
+    for (list, out, told) in [
+        (
+            "weld,wedl",
+            &out,
+            "mend 2 of the list, `wedl`: there is no such mend; `weld` is near",
+        ),
+        (
+            "smooth=0",
+            &out,
+            "`smooth=0`: this takes a number of passes from 1 to 200",
+        ),
+        ("weld", &nowhere, "none"),
+        ("weld", &model, "would be overwritten"),
+        ("remesh=0.0001", &out, "can be made"),
+        ("debris=1000", &out, "would leave no triangle"),
+    ] {
+        let mut inspect = ramus();
+        inspect.arg("inspect").arg(&model).arg("--out").arg(out);
+        refused(&inspect.args(["--repair", list]).output().unwrap(), &[told]);
+        assert!(!folder.path().join("out.ply").exists());
+    }
+    let mut inspect = ramus();
+    inspect
+        .arg("inspect")
+        .arg(&model)
+        .args(["--out", "out.vtk"]);
+    let output = inspect.output().unwrap();
+    assert_eq!(
+        output.status.code(),
+        Some(2),
+        "an ending that tells no format is wrong usage"
+    );
+}

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::Inspected;
+use crate::mesh::mend::Account;
 use crate::mesh::paint::{Image, Material, Paint};
 use crate::mesh::problem::{Problem, problems};
 use crate::mesh::report::{BoundaryLoop, Component};
@@ -47,6 +48,9 @@ pub(super) struct Facts {
     pub(super) open_end_count: usize,
     pub(super) open_ends: Vec<OpenEnd>,
     pub(super) problems: Vec<Problem>,
+    /// What was mended, where that was asked for; all else is of the result.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) repairs: Option<Vec<Account>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -122,6 +126,7 @@ impl Facts {
             open_end_count: report.boundary_loops.len(),
             open_ends: listed(&report.boundary_loops),
             problems: problems(report, Some(&inspected.intersections)),
+            repairs: inspected.repairs.clone(),
         }
     }
 }

@@ -202,6 +202,8 @@ fn what_cannot_be_read_is_an_error_and_what_can_is_printed() {
     let args = |json| Args {
         model: PathBuf::from("duct.ply"),
         json,
+        repair: None,
+        out: None,
     };
     let refused = run(&args(false), |_, _| Err(anyhow!("no such file")));
     assert_eq!(refused.unwrap_err().to_string(), "no such file");

@@ -18,6 +18,12 @@ pub(super) fn screen(facts: &Facts) -> String {
         grouped(facts.triangles),
         grouped(facts.vertices)
     );
+    for account in facts.repairs.iter().flatten() {
+        let _ = writeln!(text, "* {account}");
+    }
+    if facts.repairs.as_ref().is_some_and(|all| !all.is_empty()) {
+        text.push('\n');
+    }
     problems(facts, &mut text);
     beside(facts, &mut text);
     for remark in &facts.remarks {
