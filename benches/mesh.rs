@@ -152,6 +152,98 @@ fn glb(to: &mut impl Write, ring: &Mesh) {
     }
 }
 
+/// The arrays of a VTP file: points, connectivity and offsets, as bytes.
+fn vtp_arrays(ring: &Mesh) -> [Vec<u8>; 3] {
+    let points = ring.positions.iter().flat_map(|point| point.to_array());
+    let corners = ring.triangles.as_flattened().iter();
+    let ends = (1..=ring.triangles.len()).map(|triangle| 3 * triangle as i64);
+    [
+        points.flat_map(f32::to_le_bytes).collect(),
+        corners
+            .flat_map(|&corner| i64::from(corner).to_le_bytes())
+            .collect(),
+        ends.flat_map(i64::to_le_bytes).collect(),
+    ]
+}
+
+/// A VTP file with its arrays behind it, each as `stored` makes it of its bytes.
+fn vtp(to: &mut impl Write, ring: &Mesh, compressor: &str, stored: fn(&[u8]) -> Vec<u8>) {
+    let arrays = vtp_arrays(ring).map(|array| stored(&array));
+    let second = arrays[0].len();
+    let third = second + arrays[1].len();
+    write!(
+        to,
+        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" compressor=\"{compressor}\">\n<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n<Points><DataArray type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/></Points>\n<Polys><DataArray type=\"Int64\" Name=\"connectivity\" format=\"appended\" offset=\"{second}\"/><DataArray type=\"Int64\" Name=\"offsets\" format=\"appended\" offset=\"{third}\"/></Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">_",
+        ring.positions.len(),
+        ring.triangles.len()
+    )
+    .unwrap();
+    for array in arrays {
+        to.write_all(&array).unwrap();
+    }
+    writeln!(to, "</AppendedData></VTKFile>").unwrap();
+}
+
+fn raw_vtp(to: &mut impl Write, ring: &Mesh) {
+    vtp(to, ring, "", |array| {
+        [&(array.len() as u64).to_le_bytes(), array].concat()
+    });
+}
+
+fn zlib_vtp(to: &mut impl Write, ring: &Mesh) {
+    /// Bytes of a block, as VTK has them.
+    const BLOCK: usize = 32 << 10;
+    vtp(to, ring, "vtkZLibDataCompressor", |array| {
+        let blocks = array.chunks(BLOCK).map(|block| {
+            let mut room = vec![0; block.len() + 256];
+            let config = zlib_rs::DeflateConfig::default();
+            zlib_rs::compress_slice(&mut room, block, config).0.to_vec()
+        });
+        let blocks: Vec<Vec<u8>> = blocks.collect();
+        let header = [blocks.len(), BLOCK, array.len() % BLOCK];
+        let header = header.into_iter().chain(blocks.iter().map(Vec::len));
+        let mut stored: Vec<u8> = header
+            .flat_map(|word| (word as u64).to_le_bytes())
+            .collect();
+        stored.extend(blocks.concat());
+        stored
+    });
+}
+
+fn ascii_vtk(to: &mut impl Write, ring: &Mesh) {
+    let (points, triangles) = (ring.positions.len(), ring.triangles.len());
+    writeln!(
+        to,
+        "# vtk DataFile Version 3.0\nring\nASCII\nDATASET POLYDATA\nPOINTS {points} float"
+    )
+    .unwrap();
+    for Vec3 { x, y, z } in &ring.positions {
+        writeln!(to, "{x} {y} {z}").unwrap();
+    }
+    writeln!(to, "POLYGONS {triangles} {}", 4 * triangles).unwrap();
+    for [a, b, c] in &ring.triangles {
+        writeln!(to, "3 {a} {b} {c}").unwrap();
+    }
+}
+
+fn binary_vtk(to: &mut impl Write, ring: &Mesh) {
+    let (points, triangles) = (ring.positions.len(), ring.triangles.len());
+    writeln!(
+        to,
+        "# vtk DataFile Version 3.0\nring\nBINARY\nDATASET POLYDATA\nPOINTS {points} float"
+    )
+    .unwrap();
+    for value in ring.positions.iter().flat_map(|point| point.to_array()) {
+        to.write_all(&value.to_be_bytes()).unwrap();
+    }
+    writeln!(to, "\nPOLYGONS {triangles} {}", 4 * triangles).unwrap();
+    for [a, b, c] in &ring.triangles {
+        for value in [3, *a, *b, *c] {
+            to.write_all(&value.to_be_bytes()).unwrap();
+        }
+    }
+}
+
 /// Writes the ring in a format.
 type Writer = fn(&mut BufWriter<File>, &Mesh);
 
@@ -172,20 +264,24 @@ fn read_benches(criterion: &mut Criterion) {
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(4))
         .throughput(Throughput::Elements(ring.triangles.len() as u64));
-    let formats: [(&str, Writer); 6] = [
-        ("binary PLY", binary_ply),
-        ("ASCII PLY", ascii_ply),
-        ("binary STL", binary_stl),
-        ("ASCII STL", ascii_stl),
-        ("OBJ", obj),
-        ("GLB", glb),
+    let formats: [(&str, &str, Writer); 10] = [
+        ("binary PLY", "binary PLY", binary_ply),
+        ("ASCII PLY", "ASCII PLY", ascii_ply),
+        ("binary STL", "binary STL", binary_stl),
+        ("ASCII STL", "ASCII STL", ascii_stl),
+        ("OBJ", "OBJ", obj),
+        ("GLB", "GLB", glb),
+        ("raw VTP", "VTP", raw_vtp),
+        ("zlib VTP", "VTP", zlib_vtp),
+        ("binary VTK", "legacy VTK", binary_vtk),
+        ("ASCII VTK", "legacy VTK", ascii_vtk),
     ];
-    for (name, write) in formats {
+    for (name, format, write) in formats {
         let path = written(folder.path(), &name.replace(' ', "-"), &ring, write);
         let never = AtomicBool::new(false);
         let limits = ReadLimits::default();
         let model = mesh::read(&path, &limits, &never).unwrap();
-        assert_eq!(model.format.to_string(), name);
+        assert_eq!(model.format.to_string(), format);
         assert_eq!(model.mesh.triangles.len(), ring.triangles.len());
         assert_eq!(model.mesh.positions.len(), ring.positions.len());
         group.bench_function(name, |bencher| {

@@ -1,4 +1,4 @@
-//! `ramus inspect`: what a scanned model is like and what is wrong with it.
+//! `ramus inspect`: what a scanned model is like and what is wrong with it, and what of that is mended when it is asked for.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -8,15 +8,19 @@ use anyhow::{Context as _, Result, anyhow};
 use clap::Args as ClapArgs;
 
 use self::facts::Facts;
+use super::outputs::{check_places, model_file, not_over_each_other};
 use super::print_result;
 use super::progress::Progress;
 use crate::mesh::intersect::{IntersectParams, Intersections, intersections};
+use crate::mesh::mend::Account;
 use crate::mesh::paint::Paint;
 use crate::mesh::report::{Report, ReportParams, report};
-use crate::mesh::unit::{Scale, Unit};
+use crate::mesh::unit::Scale;
 use crate::mesh::{Mesh, ReadLimits, read};
+use crate::tree::Tree;
 
 mod facts;
+mod repair;
 mod text;
 
 #[derive(Debug, ClapArgs)]
@@ -26,6 +30,12 @@ pub(super) struct Args {
     /// Print all that is known as one JSON object on one line
     #[arg(long)]
     json: bool,
+    /// Mend the model by a list, in its order, and report on the result: weld, debris, largest, orient, close, smooth, decimate, remesh
+    #[arg(long, value_name = "LIST")]
+    repair: Option<String>,
+    /// Write the model, mended where --repair is given, as .glb, .ply, .stl or .obj
+    #[arg(short, long, value_name = "FILE", value_parser = model_file())]
+    out: Option<PathBuf>,
 }
 
 /// A model as its file has it.
@@ -33,24 +43,43 @@ pub(super) struct Loaded {
     pub(super) mesh: Mesh,
     /// What the format is called.
     pub(super) format: String,
-    /// The unit that the format prescribes, if it does.
-    pub(super) unit: Option<Unit>,
-    /// Faces of fewer than three corners, which were left out.
-    pub(super) skipped_faces: usize,
+    /// What the format says of the unit, if it does.
+    pub(super) scale: Option<Scale>,
+    pub(super) beside: Beside,
     /// What colours its surface.
     pub(super) paint: Option<Paint>,
     /// What of the file is not shown as it was meant.
     pub(super) remarks: Vec<String>,
 }
 
+/// What a file holds beside its surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Beside {
+    /// Faces of fewer than three corners, which were left out.
+    pub(super) skipped_faces: usize,
+    /// Lines and points, which were left out.
+    pub(super) skipped_lines: usize,
+    pub(super) skipped_points: usize,
+    /// Bytes behind its end.
+    pub(super) surplus_bytes: usize,
+    /// Nodes of the skeleton that the surface was made of.
+    pub(super) skeleton_nodes: Option<usize>,
+}
+
 /// Reads a model from its file.
 pub(super) fn load(path: &Path, cancel: &AtomicBool) -> Result<Loaded> {
     let model = read(path, &ReadLimits::default(), cancel)?;
     Ok(Loaded {
-        mesh: model.mesh,
+        scale: model.scale(),
         format: model.format.to_string(),
-        unit: model.format.unit(),
-        skipped_faces: model.skipped_faces,
+        beside: Beside {
+            skipped_faces: model.skipped_faces,
+            skipped_lines: model.skipped_lines,
+            skipped_points: model.skipped_points,
+            surplus_bytes: model.surplus_bytes,
+            skeleton_nodes: model.skeleton.as_ref().map(Tree::len),
+        },
+        mesh: model.mesh,
         paint: model.paint,
         remarks: model.remarks,
     })
@@ -61,11 +90,13 @@ struct Inspected<'a> {
     path: &'a Path,
     format: &'a str,
     scale: Option<Scale>,
-    skipped_faces: usize,
+    beside: Beside,
     paint: Option<&'a Paint>,
     remarks: &'a [String],
     report: Report,
     intersections: Intersections,
+    /// What was mended; None where nothing was asked for.
+    repairs: Option<Vec<Account>>,
 }
 
 /// Inspects a model that `read` reads.
@@ -74,8 +105,30 @@ pub(super) fn run(
     read: impl FnOnce(&Path, &AtomicBool) -> Result<Loaded>,
 ) -> Result<()> {
     let never = AtomicBool::new(false);
-    let loaded = Progress::during("reading", || read(&args.model, &never))?;
-    let inspected = inspect(&args.model, &loaded, &never)?;
+    // All that can be refused is, before any work.
+    let mends = args.repair.as_deref().map(repair::mends).transpose()?;
+    let outputs = args.out.iter().map(PathBuf::as_path);
+    not_over_each_other(Some(&args.model), outputs, None)?;
+    check_places(&args.out)?;
+    let mut loaded = Progress::during("reading", || read(&args.model, &never))?;
+    if mends.is_some() {
+        // It is for vertices and triangles that mends join and replace.
+        loaded.paint = None;
+    }
+    let repairs = match &mends {
+        Some(mends) => Some(repair::mended(
+            &mut loaded.mesh,
+            mends,
+            &never,
+            &args.model,
+        )?),
+        None => None,
+    };
+    if let Some(out) = &args.out {
+        repair::write(&loaded.mesh, out)?;
+    }
+    let mut inspected = inspect(&args.model, &loaded, &never)?;
+    inspected.repairs = repairs;
     let facts = Facts::new(&inspected);
     let text = match args.json {
         true => serde_json::to_string(&facts)? + "\n",
@@ -93,16 +146,18 @@ fn inspect<'a>(path: &'a Path, loaded: &'a Loaded, cancel: &AtomicBool) -> Resul
     let mut show = |done, of| progress.show(done, of);
     let intersections = intersections(&loaded.mesh, &IntersectParams::default(), cancel, &mut show)
         .ok_or_else(|| anyhow!("the check of {} was cancelled", path.display()))?;
-    let stated = loaded.unit.map(Scale::stated);
     Ok(Inspected {
         path,
         format: &loaded.format,
-        skipped_faces: loaded.skipped_faces,
+        beside: loaded.beside,
         paint: loaded.paint.as_ref(),
         remarks: &loaded.remarks,
-        scale: stated.or_else(|| Scale::guessed(report.size().max_element())),
+        scale: loaded
+            .scale
+            .or_else(|| Scale::guessed(report.size().max_element())),
         report,
         intersections,
+        repairs: None,
     })
 }
 

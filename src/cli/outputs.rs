@@ -11,11 +11,17 @@ use crate::app::album::Album;
 use crate::app::export;
 use crate::app::film::Film;
 use crate::app::workshop::Workshop;
+use crate::mesh::write::WriteFormat;
 use crate::tree::file::check_place;
 
 /// A name for a tree: an ending that tells no format is wrong usage.
 pub(super) fn tree_file() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| export::Format::of(&path).map(|_| path))
+}
+
+/// A name for a model: an ending that tells no format is wrong usage.
+pub(super) fn model_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| WriteFormat::of(&path).map(|_| path))
 }
 
 /// A name for a picture: an ending that tells another format is wrong usage.

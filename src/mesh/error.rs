@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::read::Format;
+use crate::tree::TreeError;
 
 /// An error of the room `mesh`.
 #[derive(Debug, thiserror::Error)]
@@ -43,7 +44,7 @@ pub enum MeshError {
     )]
     Memory(u64),
     /// A format that is known and not read.
-    #[error("this is {0}, which is not read: save the model as PLY, STL or OBJ")]
+    #[error("this is {0}, which is not read: save the model as PLY, STL, OBJ or VTP")]
     Unsupported(&'static str),
     /// A file that asks for what is not read.
     #[error("the {format} file needs the extension {name}, which is not read: {mend}")]
@@ -64,7 +65,7 @@ pub enum MeshError {
         problem: String,
     },
     /// A file of which the content tells nothing.
-    #[error("the content is of no format that is known: save the model as PLY, STL or OBJ")]
+    #[error("the content is of no format that is known: save the model as PLY, STL, OBJ or VTP")]
     Unknown,
     /// A file without a single byte.
     #[error("the file is empty: save the model again")]
@@ -79,6 +80,19 @@ pub enum MeshError {
         /// Vertices that were read.
         vertices: usize,
     },
+    /// Lines, and no surface.
+    #[error(
+        "the {format} file has {lines} lines and no triangle, as centerlines and skeletons have: give the surface that they were made from, or save the skeleton as SWC"
+    )]
+    OnlyLines {
+        /// Its format.
+        format: Format,
+        /// Lines, each of any length.
+        lines: usize,
+    },
+    /// A skeleton that cannot be read.
+    #[error(transparent)]
+    Skeleton(#[from] TreeError),
     /// A place that cannot be understood.
     #[error("{place} of the {format} file {problem}")]
     Damaged {

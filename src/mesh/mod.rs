@@ -6,11 +6,13 @@ mod error;
 pub mod intersect;
 #[cfg(test)]
 pub(crate) mod made;
+pub mod mend;
 pub mod paint;
 pub mod problem;
 mod read;
 pub mod report;
 pub mod unit;
+pub mod write;
 
 pub use error::{MeshError, Place};
 pub use read::{Format, Model, ReadLimits, read, read_bytes};

@@ -15,13 +15,13 @@
 //! bytes are taken while it works.
 
 mod components;
-mod edges;
+pub(in crate::mesh) mod edges;
 mod fans;
 mod hollow;
 mod loops;
 mod turning;
-mod union;
-mod weld;
+pub(in crate::mesh) mod union;
+pub(in crate::mesh) mod weld;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -44,7 +44,7 @@ pub const NONE: u32 = u32::MAX;
 pub const TRIANGLES_MOST: usize = (u32::MAX / 3) as usize;
 
 /// A triangle by its vertices as the report joins them; [`NONE`] three times where it is left out.
-type Face = [u32; 3];
+pub(in crate::mesh) type Face = [u32; 3];
 
 fn is_left_out(face: &Face) -> bool {
     face[0] == NONE

@@ -1,4 +1,5 @@
-//! Which unit a model's numbers are most likely in. PLY, STL and OBJ do not say; glTF means metres.
+//! Which unit a model's numbers are most likely in. PLY, STL, OBJ and VTK do not say; glTF means metres; SWC does not say either, but
+//! its files are in micrometres by custom (<https://swc-specification.readthedocs.io>; some atlases have nanometres or voxels).
 //!
 //! The longest side of the box tells, by what branching structures are: plants are measured in metres, organs and vessels are scanned in
 //! millimetres (as DICOM has it), neurons are traced in micrometres or, from electron microscopes, in nanometres.
@@ -71,6 +72,8 @@ impl Unit {
 pub enum Confidence {
     /// The file's format says so.
     Stated,
+    /// The file's format does not say so, but those who use it do.
+    Customary,
     /// By size only.
     Guessed,
 }
@@ -96,6 +99,15 @@ impl Scale {
                 Unit::Metres => &[Unit::Millimetres, Unit::Centimetres, Unit::Micrometres],
                 _ => &[],
             },
+        }
+    }
+
+    /// The unit that files of a format have by custom.
+    pub fn customary(unit: Unit) -> Self {
+        Self {
+            unit,
+            confidence: Confidence::Customary,
+            alternatives: &[Unit::Nanometres],
         }
     }
 

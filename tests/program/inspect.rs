@@ -29,6 +29,22 @@ fn a_model_is_told_on_one_screen_and_as_json() {
     assert_eq!(json["open_ends"][0]["edges"], 3);
 }
 
+#[test]
+fn a_skeleton_is_told_with_its_unit() {
+    let folder = folder();
+    let model = folder.path().join("neuron.txt");
+    fs::write(&model, "1 1 0 0 0 4 -1\n2 3 0 60 0 3 1\n3 3 0 90 9 2 2\n").unwrap();
+    let screen = succeed(ramus().arg("inspect").arg(&model));
+    for told in [
+        "SWC, ",
+        "Skeleton  3 nodes",
+        "micrometres (by the format's custom)",
+        "watertight",
+    ] {
+        assert!(screen.contains(told), "{told}\n{screen}");
+    }
+}
+
 fn inspect(model: &Path) -> Output {
     ramus().arg("inspect").arg(model).output().unwrap()
 }
@@ -74,6 +90,12 @@ fn real_models_are_told_about() {
             "3 open ends",
         ),
         ("real/blood_vessels_mc.ply", 30_536, ""),
+        ("real/vmtk_aorta-surface.vtp", 12_932, "watertight"),
+        (
+            "real/vmtk_aorta-surface-two-segments.vtp",
+            37_304,
+            "2 parts",
+        ),
         ("real/skeletor_722817260.obj", 13_772, "non-manifold"),
         (
             "real/eztree_ash_small.ply",
@@ -88,4 +110,78 @@ fn real_models_are_told_about() {
         let screen = succeed(ramus().arg("inspect").arg(&model));
         assert!(screen.contains(told), "{name}: {screen}");
     }
+}
+
+#[test]
+fn a_model_is_mended_by_a_list_and_written_in_each_format() {
+    let folder = folder();
+    let model = folder.path().join("duct.ply");
+    fs::write(&model, OPEN).unwrap();
+    for name in ["duct.glb", "closed.PLY", "closed.stl", "closed.obj"] {
+        let out = folder.path().join(name);
+        let mut inspect = ramus();
+        inspect.arg("inspect").arg(&model).arg("--out").arg(&out);
+        let told = succeed(inspect.args(["--repair", "weld, orient, close=flat"]));
+        for words in [
+            "* weld=0: nothing to do",
+            "* orient: nothing to do",
+            "* close=flat: 1 open end closed (1 flat, 0 by least area, 0 by a fan); 3 → 4 triangles",
+            "watertight",
+        ] {
+            assert!(told.contains(words), "{words}\n{told}");
+        }
+        let told = succeed(ramus().arg("inspect").arg(&out));
+        assert!(told.contains("watertight"), "{told}");
+    }
+    // Without a list it is converted, without a place it is only told.
+    let out = folder.path().join("open.stl");
+    succeed(ramus().arg("inspect").arg(&model).arg("--out").arg(&out));
+    assert!(succeed(ramus().arg("inspect").arg(&out)).contains("1 open end"));
+    let json = ["--repair", "close=smooth", "--json"];
+    let json = succeed(ramus().arg("inspect").arg(&model).args(json));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["repairs"][0]["mend"], "close=smooth");
+    assert_eq!(json["watertight"], true);
+    assert_eq!(fs::read_to_string(&model).unwrap(), OPEN);
+}
+
+#[test]
+fn bad_lists_and_places_are_refused_before_the_work() {
+    let folder = folder();
+    let model = folder.path().join("duct.ply");
+    fs::write(&model, OPEN).unwrap();
+    let out = folder.path().join("out.ply");
+    let nowhere = folder.path().join("none").join("out.ply");
+    for (list, out, told) in [
+        (
+            "weld,wedl",
+            &out,
+            "mend 2 of the list, `wedl`: there is no such mend; `weld` is near",
+        ),
+        (
+            "smooth=0",
+            &out,
+            "`smooth=0`: this takes a number of passes from 1 to 200",
+        ),
+        ("weld", &nowhere, "none"),
+        ("weld", &model, "would be overwritten"),
+        ("remesh=0.0001", &out, "can be made"),
+        ("debris=1000", &out, "would leave no triangle"),
+    ] {
+        let mut inspect = ramus();
+        inspect.arg("inspect").arg(&model).arg("--out").arg(out);
+        refused(&inspect.args(["--repair", list]).output().unwrap(), &[told]);
+        assert!(!folder.path().join("out.ply").exists());
+    }
+    let mut inspect = ramus();
+    inspect
+        .arg("inspect")
+        .arg(&model)
+        .args(["--out", "out.vtk"]);
+    let output = inspect.output().unwrap();
+    assert_eq!(
+        output.status.code(),
+        Some(2),
+        "an ending that tells no format is wrong usage"
+    );
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::Inspected;
+use crate::mesh::mend::Account;
 use crate::mesh::paint::{Image, Material, Paint};
 use crate::mesh::problem::{Problem, problems};
 use crate::mesh::report::{BoundaryLoop, Component};
@@ -18,6 +19,11 @@ pub(super) struct Facts {
     pub(super) triangles: usize,
     pub(super) vertices: usize,
     pub(super) skipped_faces: usize,
+    pub(super) skipped_lines: usize,
+    pub(super) skipped_points: usize,
+    pub(super) surplus_bytes: usize,
+    /// Null where the file has a surface.
+    pub(super) skeleton_nodes: Option<usize>,
     pub(super) has_colours: bool,
     pub(super) has_texture_coordinates: bool,
     pub(super) material_count: usize,
@@ -42,6 +48,9 @@ pub(super) struct Facts {
     pub(super) open_end_count: usize,
     pub(super) open_ends: Vec<OpenEnd>,
     pub(super) problems: Vec<Problem>,
+    /// What was mended, where that was asked for; all else is of the result.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) repairs: Option<Vec<Account>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -90,7 +99,11 @@ impl Facts {
             format: inspected.format.to_owned(),
             triangles: report.triangles,
             vertices: report.vertices,
-            skipped_faces: inspected.skipped_faces,
+            skipped_faces: inspected.beside.skipped_faces,
+            skipped_lines: inspected.beside.skipped_lines,
+            skipped_points: inspected.beside.skipped_points,
+            surplus_bytes: inspected.beside.surplus_bytes,
+            skeleton_nodes: inspected.beside.skeleton_nodes,
             has_colours: !paint.colours.is_empty(),
             has_texture_coordinates: !paint.texture_coordinates.is_empty(),
             material_count: paint.materials.len(),
@@ -113,6 +126,7 @@ impl Facts {
             open_end_count: report.boundary_loops.len(),
             open_ends: listed(&report.boundary_loops),
             problems: problems(report, Some(&inspected.intersections)),
+            repairs: inspected.repairs.clone(),
         }
     }
 }

@@ -11,13 +11,14 @@ use std::sync::Arc;
 use super::*;
 use crate::mesh::made;
 use crate::mesh::paint::{Image, ImageKind, Material, WHITE};
+use crate::mesh::unit::Unit;
 
 fn loaded(mesh: Mesh, unit: Option<Unit>) -> Loaded {
     Loaded {
         mesh,
         format: "PLY".to_owned(),
-        unit,
-        skipped_faces: 0,
+        scale: unit.map(Scale::stated),
+        beside: Beside::default(),
         paint: None,
         remarks: Vec::new(),
     }
@@ -93,6 +94,36 @@ fn the_screen_is_one_screen_whatever_is_wrong() {
 }
 
 #[test]
+fn what_stands_beside_the_surface_is_told() {
+    let mut loaded = loaded(made::cube(), None);
+    loaded.scale = Some(Scale::customary(Unit::Micrometres));
+    loaded.beside = Beside {
+        skipped_faces: 1,
+        skipped_lines: 2000,
+        skipped_points: 3,
+        surplus_bytes: 4,
+        skeleton_nodes: Some(5),
+    };
+    let never = AtomicBool::new(false);
+    let facts = Facts::new(&inspect(Path::new("a.swc"), &loaded, &never).unwrap());
+    let screen = text::screen(&facts);
+    let told = "\
+Skeleton  5 nodes, around which the surface was made
+Left out  1 faces of the file have fewer than three corners
+Left out  2,000 lines of the file are no surface
+Left out  3 points of the file are no surface
+Left out  4 bytes of the file stand behind its last triangle
+";
+    assert!(screen.contains(told), "{screen}");
+    assert!(
+        screen.contains(
+            "micrometres (by the format's custom): 1.0 µm long, or 1.0 nm if in nanometres"
+        ),
+        "{screen}"
+    );
+}
+
+#[test]
 fn json_has_its_names_and_no_holes() {
     let json = serde_json::to_value(facts(
         made::both(
@@ -112,8 +143,8 @@ fn json_has_its_names_and_no_holes() {
     assert_eq!(
         names.join(" "),
         "area component_count components euler_characteristic file format has_colours has_texture_coordinates image_count images manifold \
-         material_count materials max min open_end_count open_ends orientable problems remarks scale size skipped_faces triangles vertices \
-         volume watertight"
+         material_count materials max min open_end_count open_ends orientable problems remarks scale size skeleton_nodes skipped_faces \
+         skipped_lines skipped_points surplus_bytes triangles vertices volume watertight"
     );
     assert_eq!(json["components"][0]["triangles"], 12);
     assert_eq!(json["components"][0]["genus"], 0);
@@ -171,6 +202,8 @@ fn what_cannot_be_read_is_an_error_and_what_can_is_printed() {
     let args = |json| Args {
         model: PathBuf::from("duct.ply"),
         json,
+        repair: None,
+        out: None,
     };
     let refused = run(&args(false), |_, _| Err(anyhow!("no such file")));
     assert_eq!(refused.unwrap_err().to_string(), "no such file");

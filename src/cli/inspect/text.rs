@@ -18,12 +18,14 @@ pub(super) fn screen(facts: &Facts) -> String {
         grouped(facts.triangles),
         grouped(facts.vertices)
     );
-    problems(facts, &mut text);
-    if facts.skipped_faces > 0 {
-        let skipped = grouped(facts.skipped_faces);
-        let told = format!("{skipped} faces of the file have fewer than three corners");
-        row(&mut text, "Left out", &told);
+    for account in facts.repairs.iter().flatten() {
+        let _ = writeln!(text, "* {account}");
     }
+    if facts.repairs.as_ref().is_some_and(|all| !all.is_empty()) {
+        text.push('\n');
+    }
+    problems(facts, &mut text);
+    beside(facts, &mut text);
     for remark in &facts.remarks {
         row(&mut text, "Remark", remark);
     }
@@ -54,6 +56,33 @@ pub(super) fn screen(facts: &Facts) -> String {
 /// Nothing can fail in writing to a string.
 fn row(text: &mut String, name: &str, what: &str) {
     let _ = writeln!(text, "{name:<10}{what}");
+}
+
+/// What the file holds beside the surface.
+fn beside(facts: &Facts, text: &mut String) {
+    if let Some(nodes) = facts.skeleton_nodes {
+        let told = format!(
+            "{} nodes, around which the surface was made",
+            grouped(nodes)
+        );
+        row(text, "Skeleton", &told);
+    }
+    for (count, told) in [
+        (
+            facts.skipped_faces,
+            "faces of the file have fewer than three corners",
+        ),
+        (facts.skipped_lines, "lines of the file are no surface"),
+        (facts.skipped_points, "points of the file are no surface"),
+        (
+            facts.surplus_bytes,
+            "bytes of the file stand behind its last triangle",
+        ),
+    ] {
+        if count > 0 {
+            row(text, "Left out", &format!("{} {told}", grouped(count)));
+        }
+    }
 }
 
 fn problems(facts: &Facts, text: &mut String) {
@@ -99,6 +128,7 @@ fn unit(scale: Option<Scale>, size: &[f64; 3]) -> String {
     let longest = size.iter().copied().fold(0.0, f64::max);
     let sure = match scale.confidence {
         Confidence::Stated => "as the format has it",
+        Confidence::Customary => "by the format's custom",
         Confidence::Guessed => "guessed by size",
     };
     let long = told(longest * scale.unit.metres());

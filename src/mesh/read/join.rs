@@ -1,7 +1,7 @@
 //! Vertices of equal coordinates made one, for files that have no vertex numbers.
 //!
-//! An open table of vertex numbers, probed in a row; keys are the coordinates themselves, which stand in the vertices' own array, so
-//! that a slot takes four bytes. Vertices are numbered as they first come, so the hash decides nothing that is seen, and it is
+//! An open table of vertex numbers, probed in a row; keys are the coordinates themselves, which stand in the vertices' own pages, so
+//! that a slot takes four bytes. Pages, since a vector that grows holds what it has twice, and half as much again for what may come. Vertices are numbered as they first come, so the hash decides nothing that is seen, and it is
 //! seeded anew each time: a file cannot be made that fills one place of the table.
 
 use std::hash::{BuildHasher as _, RandomState};
@@ -12,12 +12,55 @@ use super::{MOST_VERTICES, Stop, Task};
 /// No vertex.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// Vertices of a page, as bits.
+const PAGE_BITS: u32 = 12;
+const PAGE: usize = 1 << PAGE_BITS;
+
+/// Vertices in pages of one length, so that none is moved when more come.
+#[derive(Default)]
+pub(super) struct Pages<C> {
+    pages: Vec<Vec<[C; 3]>>,
+    count: usize,
+}
+
+impl<C: Coordinate> Pages<C> {
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The vertex of a number that is there.
+    #[inline]
+    pub(super) fn get(&self, number: usize) -> [C; 3] {
+        self.pages[number >> PAGE_BITS][number & (PAGE - 1)]
+    }
+
+    fn push(&mut self, point: [C; 3]) -> Result<(), Stop> {
+        match self.pages.last_mut() {
+            Some(page) if page.len() < PAGE => page.push(point),
+            _ => {
+                let mut page = super::with_room(PAGE)?;
+                page.push(point);
+                self.pages.push(page);
+            }
+        }
+        self.count += 1;
+        Ok(())
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = [C; 3]> {
+        self.pages.iter().flatten().copied()
+    }
+
+    /// The pages, to be given back one by one.
+    pub(super) fn into_pages(self) -> impl Iterator<Item = Vec<[C; 3]>> {
+        self.pages.into_iter()
+    }
+}
+
 /// Vertices, each of its own coordinates.
 pub(super) struct Joiner<C> {
-    points: Vec<[C; 3]>,
+    points: Pages<C>,
     slots: Vec<u32>,
-    /// What a hash is shifted by to be a slot's number.
-    shift: u32,
     seeds: [u64; 2],
 }
 
@@ -26,31 +69,35 @@ impl<C: Coordinate> Joiner<C> {
     pub(super) fn with_room(vertices: usize) -> Result<Self, Stop> {
         let random = RandomState::new();
         let mut joiner = Self {
-            points: super::with_room(vertices)?,
+            points: Pages {
+                pages: super::with_room(vertices / PAGE + 1)?,
+                count: 0,
+            },
             slots: Vec::new(),
-            shift: 0,
             // Odd, so never zero.
             seeds: [random.hash_one(0) | 1, random.hash_one(1) | 1],
         };
         // Half of them empty at first: most vertices are then found where they are looked for.
-        joiner.place((vertices * 2).next_power_of_two().max(16))?;
+        joiner.place(vertices.saturating_mul(2).max(16))?;
         Ok(joiner)
     }
 
     /// The number of the vertex with these coordinates.
     #[inline]
     pub(super) fn number(&mut self, point: [C; 3]) -> Result<u32, Stop> {
-        let mask = self.slots.len() - 1;
         let mut slot = self.slot(point);
         loop {
             let number = self.slots[slot];
             if number == NONE {
                 return self.add(point, slot);
             }
-            if self.points[number as usize] == point {
+            if self.points.get(number as usize) == point {
                 return Ok(number);
             }
-            slot = (slot + 1) & mask;
+            slot += 1;
+            if slot == self.slots.len() {
+                slot = 0;
+            }
         }
     }
 
@@ -61,25 +108,27 @@ impl<C: Coordinate> Joiner<C> {
             what: "vertices",
             most: MOST_VERTICES,
         })?;
-        self.points.push(point);
+        self.points.push(point)?;
         self.slots[slot] = number;
         if self.points.len() > self.slots.len() / 4 * 3 {
-            self.place(self.slots.len() * 2)?;
+            self.place(self.slots.len() / 2 * 3)?;
         }
         Ok(number)
     }
 
-    /// Puts all vertices into so many slots, a power of two.
+    /// Puts all vertices into so many slots.
     fn place(&mut self, slots: usize) -> Result<(), Stop> {
         self.slots = Vec::new(); // given back before more is taken
         let mut fresh = super::with_room(slots)?;
         fresh.resize(slots, NONE);
         self.slots = fresh;
-        self.shift = u64::BITS - slots.ilog2();
-        for (number, &point) in (0_u32..).zip(&self.points) {
+        for (number, point) in (0_u32..).zip(self.points.iter()) {
             let mut slot = self.slot(point);
             while self.slots[slot] != NONE {
-                slot = (slot + 1) & (slots - 1);
+                slot += 1;
+                if slot == slots {
+                    slot = 0;
+                }
             }
             self.slots[slot] = number;
         }
@@ -91,7 +140,7 @@ impl<C: Coordinate> Joiner<C> {
         let [x, y, z] = point.map(C::bits);
         let [first, second] = self.seeds;
         let hash = folded(folded(x ^ first, y ^ second) ^ first, z ^ second);
-        usize::try_from(hash >> self.shift).unwrap_or(0)
+        scaled(hash, self.slots.len())
     }
 
     pub(super) fn check(&self, task: &Task<'_>) -> Result<(), Stop> {
@@ -99,9 +148,19 @@ impl<C: Coordinate> Joiner<C> {
     }
 
     /// The vertices in the order in which they came.
-    pub(super) fn into_points(self) -> Vec<[C; 3]> {
+    pub(super) fn into_points(self) -> Pages<C> {
         self.points
     }
+}
+
+/// A hash as a number below another, by its upper bits.
+#[inline]
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the upper half of the product is less than the second factor"
+)]
+fn scaled(hash: u64, most: usize) -> usize {
+    (u128::from(hash) * most as u128 >> 64) as usize
 }
 
 /// Both halves of the product, each bit of which depends on all bits below it.

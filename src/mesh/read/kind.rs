@@ -2,10 +2,14 @@
 
 use super::Format;
 use super::cursor::Cursor;
+use super::vtk::legacy;
 use crate::mesh::MeshError;
 
 /// Bytes that are looked at for whether a file is text, and for its first lines.
 const LOOK: usize = 64 << 10;
+
+/// What some programs mark text with.
+const BOM: &[u8] = b"\xEF\xBB\xBF";
 
 /// Bytes of a binary STL file before its triangles: a header that says nothing, and their number.
 pub(super) const STL_HEADER: usize = 84;
@@ -14,7 +18,6 @@ pub(super) const STL_TRIANGLE: usize = 50;
 
 /// How formats begin that are known and not read.
 const OTHERS: &[(&[u8], &str)] = &[
-    (b"# vtk DataFile", "a legacy VTK file"),
     (b"#VRML", "a VRML file"),
     (b"OFF", "an OFF file"),
     (b"COFF", "an OFF file"),
@@ -55,8 +58,15 @@ pub(super) fn of(bytes: &[u8]) -> Result<Format, MeshError> {
     if let Some((_, name)) = OTHERS.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return Err(MeshError::Unsupported(name));
     }
+    // Bytes may follow their first lines.
+    if bytes.starts_with(legacy::MAGIC) {
+        return Ok(Format::Vtk);
+    }
     let head = &bytes[..bytes.len().min(LOOK)];
-    if is_text(head) {
+    if is_vtk_xml(head) {
+        return Ok(Format::Vtp);
+    }
+    if head.iter().copied().all(is_text) {
         text(bytes, head)
     } else if stl_triangles(bytes).is_some() && is_stl_header(bytes) {
         // Cut short or added to: the reader says by how much.
@@ -97,18 +107,25 @@ pub(super) fn stl_length(triangles: u32) -> u64 {
 /// Whether the first bytes may be an STL header: words, blanks and zeros.
 fn is_stl_header(bytes: &[u8]) -> bool {
     let header = &bytes[..STL_HEADER - 4];
-    header.iter().all(|&byte| byte == 0 || is_text(&[byte]))
+    header.iter().all(|&byte| byte == 0 || is_text(byte))
 }
 
-/// Whether bytes may stand in text of any encoding that keeps ASCII.
-fn is_text(bytes: &[u8]) -> bool {
-    let control = |byte: &u8| *byte < b' ' && !byte.is_ascii_whitespace() && *byte != 0x0b;
-    !bytes.iter().any(control)
+/// Whether a byte may stand in text of any encoding that keeps ASCII.
+pub(super) fn is_text(byte: u8) -> bool {
+    byte >= b' ' || byte.is_ascii_whitespace() || byte == 0x0b
+}
+
+/// Whether this is XML that begins a VTK file of any kind, before which comments may stand.
+fn is_vtk_xml(head: &[u8]) -> bool {
+    const ROOT: &[u8] = b"<VTKFile";
+    let head = head.strip_prefix(BOM).unwrap_or(head).trim_ascii_start();
+    let root = head.windows(ROOT.len()).position(|part| part == ROOT);
+    head.starts_with(b"<") && root.is_some_and(|root| head[..root].iter().copied().all(is_text))
 }
 
 /// The format of a text by its first line with a word that tells one.
 fn text(bytes: &[u8], head: &[u8]) -> Result<Format, MeshError> {
-    let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head);
+    let head = head.strip_prefix(BOM).unwrap_or(head);
     for line in head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii) {
         if line.is_empty() || line.starts_with(b"#") {
             continue;
@@ -124,7 +141,10 @@ fn text(bytes: &[u8], head: &[u8]) -> Result<Format, MeshError> {
         if line.starts_with(b"{") {
             return json(bytes);
         }
-        return Err(other_text(head, line));
+        if is_node(line) {
+            return Ok(Format::Swc);
+        }
+        return Err(other_text(line));
     }
     Err(MeshError::Unknown)
 }
@@ -145,21 +165,21 @@ fn json(bytes: &[u8]) -> Result<Format, MeshError> {
     ))
 }
 
-/// What a text is that is not read.
-fn other_text(head: &[u8], line: &[u8]) -> MeshError {
-    let has = |word: &[u8]| head.windows(word.len()).any(|part| part == word);
-    if line.starts_with(b"<") {
-        let is_vtk = has(b"<VTKFile");
-        return MeshError::Unsupported(if is_vtk { "a VTK XML file" } else { "XML" });
-    }
+/// Whether a line is a node of a skeleton: seven numbers, and perhaps more behind them.
+fn is_node(line: &[u8]) -> bool {
+    let line = line.split(|&byte| byte == b'#').next().unwrap_or_default();
     let words = line.split(u8::is_ascii_whitespace);
-    let mut words = words.filter(|word| !word.is_empty());
-    // A node of a skeleton is seven numbers.
+    let words = words.filter(|word| !word.is_empty()).take(7);
     let is_number = |word: &[u8]| Cursor::new(word, 0).number().is_some();
-    if words.clone().count() >= 7 && words.all(is_number) {
-        return MeshError::Unsupported("an SWC skeleton");
+    words.clone().count() == 7 && { words }.all(is_number)
+}
+
+/// What a text is that is not read.
+fn other_text(line: &[u8]) -> MeshError {
+    match line.first() {
+        Some(b'<') => MeshError::Unsupported("XML"),
+        _ => MeshError::Unknown,
     }
-    MeshError::Unknown
 }
 
 #[cfg(test)]
@@ -195,6 +215,14 @@ mod tests {
             (b"# made by hand\n\nmtllib a.mtl\n", Format::Obj),
             (b"v 0 0 0", Format::Obj),
             (b"# \xE4\no caf\xE9\n", Format::Obj),
+            (
+                b"<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\">\n_\0\x01",
+                Format::Vtp,
+            ),
+            (b"\xEF\xBB\xBF<!-- a --> <VTKFile>", Format::Vtp),
+            (b"# vtk DataFile Version 3.0\n\0", Format::Vtk),
+            (b"# skeleton\n1 2 0 0 0 1.5 -1\n", Format::Swc),
+            (b"7 2 0 -1e3 0 1.5 6 0.1 0.2 # tip", Format::Swc),
             (&stl(b"solid of another program", 2, 184), Format::BinaryStl),
             (&stl(b"", 0, 84), Format::BinaryStl),
             (b"glTF\x02\0\0\0", Format::Glb),
@@ -216,17 +244,13 @@ mod tests {
         for (bytes, told) in [
             (&b""[..], "empty"),
             (b"{\"assets\": {}}", "JSON without the `asset`"),
-            (
-                b"<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\">",
-                "VTK XML",
-            ),
             (b"<svg/>", "XML"),
-            (b"# vtk DataFile Version 3.0\n", "legacy VTK"),
-            (b"# skeleton\n1 2 0 0 0 1.5 -1\n", "SWC"),
             (b"PK\x03\x04", "zip"),
             (b"\x1f\x8b\x08", "gzip"),
             (b"OFF\n3 1 0\n", "OFF"),
             (b"1 2 3\n", "no format"),
+            (b"1 2 3 4 5 6 a\n", "no format"),
+            (b"<a>\0<VTKFile>", "no format"),
             (b"Dear reader,\n", "no format"),
             (b"\0\x01\x02", "no format"),
             (b"# only a comment", "no format"),

@@ -1,8 +1,9 @@
 //! Models from other programs' files; anything at all may stand in such a file.
 //!
 //! ```text
-//! file ─▶ bytes ─▶ kind ─▶ ply | stl | obj ─▶ points, triangles ─▶ points::mesh ─▶ Mesh
-//!                    └───▶ gltf, with the files that it names ─▶ Mesh, Paint
+//! file ─▶ bytes ─▶ kind ─▶ ply | stl | obj | vtk ─▶ points, triangles ─▶ points::mesh ─▶ Mesh
+//!                      ├─▶ swc ─▶ Tree ─▶ its tubes, joined ──────────────────────────┘
+//!                      └─▶ gltf, with the files that it names ─▶ Mesh, Paint
 //! ```
 //!
 //! The file is read whole before it is understood: mapping it would be no faster from the system's cache, and a mapped file that
@@ -14,22 +15,28 @@ mod cursor;
 mod gltf;
 mod join;
 mod kind;
+mod numerals;
 mod obj;
 mod ply;
 mod points;
 mod stl;
+mod swc;
 #[cfg(test)]
 mod tests;
 mod text;
+mod vtk;
 
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use bytemuck::Zeroable;
+
 use super::paint::Paint;
-use super::unit::Unit;
+use super::unit::{Scale, Unit};
 use super::{Mesh, MeshError, Place};
+use crate::tree::{Tree, TreeError};
 
 /// Bytes that are read at once between two looks at whether to go on.
 const PIECE: u64 = 8 << 20;
@@ -73,6 +80,12 @@ pub enum Format {
     Gltf,
     /// glTF 2.0 in one binary file.
     Glb,
+    /// VTK PolyData as XML.
+    Vtp,
+    /// VTK PolyData in the legacy format.
+    Vtk,
+    /// A skeleton in the form of neuron atlases.
+    Swc,
 }
 
 impl Format {
@@ -81,9 +94,9 @@ impl Format {
         !matches!(self, Self::BinaryPly | Self::BinaryStl | Self::Glb)
     }
 
-    /// The unit that it prescribes, if it does.
-    pub fn unit(self) -> Option<Unit> {
-        matches!(self, Self::Gltf | Self::Glb).then_some(Unit::Metres)
+    /// Whether it begins as text and may go on as bytes.
+    fn may_turn_binary(self) -> bool {
+        matches!(self, Self::Vtp | Self::Vtk)
     }
 }
 
@@ -97,6 +110,9 @@ impl std::fmt::Display for Format {
             Self::Obj => "OBJ",
             Self::Gltf => "glTF",
             Self::Glb => "GLB",
+            Self::Vtp => "VTP",
+            Self::Vtk => "legacy VTK",
+            Self::Swc => "SWC",
         })
     }
 }
@@ -116,6 +132,26 @@ pub struct Model {
     pub paint: Option<Paint>,
     /// What of the file is not shown, or not as it was meant, in a sentence each.
     pub remarks: Vec<String>,
+    /// Lines that stand beside the surface and were left out.
+    pub skipped_lines: usize,
+    /// Points that stand beside the surface as cells of their own and were left out.
+    pub skipped_points: usize,
+    /// Bytes behind the end of what the file announces, which were not looked at.
+    pub surplus_bytes: usize,
+    /// The skeleton that the file holds instead of a surface, which is then that of the skeleton's tubes; positions are counted from
+    /// the mesh's origin, as its vertices are, and all lengths are in the file's unit.
+    pub skeleton: Option<Tree>,
+}
+
+impl Model {
+    /// What the format, by its rules or by custom, says of the unit.
+    pub fn scale(&self) -> Option<Scale> {
+        match self.format {
+            Format::Gltf | Format::Glb => Some(Scale::stated(Unit::Metres)),
+            Format::Swc => Some(Scale::customary(Unit::Micrometres)),
+            _ => None,
+        }
+    }
 }
 
 /// Reads a model; its format is told by its content.
@@ -169,17 +205,25 @@ fn read_model(bytes: &[u8], task: &Task<'_>) -> Result<Model, MeshError> {
         Format::Obj => obj::read(bytes, task),
         Format::Gltf => gltf::read(bytes, task),
         Format::Glb => gltf::read_binary(bytes, task),
+        Format::Vtp => vtk::xml::read(bytes, task),
+        Format::Vtk => vtk::legacy::read(bytes, task),
+        Format::Swc => swc::read(bytes, task),
     };
     let Surface {
         mesh,
         skipped_faces,
         paint,
         remarks,
+        skipped_lines,
+        skipped_points,
+        surplus_bytes,
+        skeleton,
     } = read.map_err(|stop| stop.told(format, bytes))?;
     if mesh.triangles.is_empty() {
-        return Err(MeshError::NoTriangle {
-            format,
-            vertices: mesh.positions.len(),
+        let vertices = mesh.positions.len();
+        return Err(match skipped_lines {
+            0 => MeshError::NoTriangle { format, vertices },
+            lines => MeshError::OnlyLines { format, lines },
         });
     }
     Ok(Model {
@@ -189,6 +233,10 @@ fn read_model(bytes: &[u8], task: &Task<'_>) -> Result<Model, MeshError> {
         skipped_faces,
         paint,
         remarks,
+        skipped_lines,
+        skipped_points,
+        surplus_bytes,
+        skeleton,
     })
 }
 
@@ -227,13 +275,17 @@ fn load(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Vec<u8>
     }
 }
 
-/// What a reader made of a file.
+/// What a reader made of a file; the fields are those of [`Model`].
 #[derive(Default)]
 struct Surface {
     mesh: Mesh,
     skipped_faces: usize,
     paint: Option<Paint>,
     remarks: Vec<String>,
+    skipped_lines: usize,
+    skipped_points: usize,
+    surplus_bytes: usize,
+    skeleton: Option<Tree>,
 }
 
 /// What each reader is given beside the bytes.
@@ -268,6 +320,8 @@ enum Stop {
         most: usize,
     },
     Memory(u64),
+    /// A skeleton that is none.
+    Skeleton(TreeError),
 }
 
 impl Stop {
@@ -312,9 +366,12 @@ impl Stop {
                 place: Place::Item(what, number),
                 problem,
             },
+            Self::Skeleton(fault) => MeshError::Skeleton(fault),
             Self::Fault { at, problem } => {
-                let place = if format.is_text() {
-                    let before = bytes.get(..at).unwrap_or(bytes);
+                let before = bytes.get(..at).unwrap_or(bytes);
+                let has_lines = format.is_text()
+                    && (!format.may_turn_binary() || before.iter().copied().all(kind::is_text));
+                let place = if has_lines {
                     Place::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
                 } else {
                     Place::Byte(at)
@@ -355,6 +412,14 @@ fn within(what: &'static str, count: usize, most: usize) -> Result<(), Stop> {
         return Err(Stop::TooMany { what, most });
     }
     Ok(())
+}
+
+/// So many zeros; the caller has seen that the file can fill them. Their pages are asked for where they are first written to, which all
+/// threads do at once.
+fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>, Stop> {
+    let bytes = count.saturating_mul(size_of::<T>()) as u64;
+    let zeros = bytemuck::allocation::try_zeroed_slice_box(count);
+    zeros.map(Vec::from).map_err(|()| Stop::Memory(bytes))
 }
 
 /// An empty vector with room for so many; the caller has seen that the file can fill it.

@@ -1,8 +1,11 @@
 //! Coordinates as files have them, in single or double precision, and the mesh that they make.
 
+use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
-use super::Stop;
+use super::join::Pages;
+use super::numerals::Value;
+use super::{Stop, with_room};
 use crate::mesh::Mesh;
 
 /// Largest coordinate: beyond it squares of distances leave f32.
@@ -12,7 +15,7 @@ pub(super) const LARGEST: f64 = 1e15;
 const FAR: f64 = 8.0;
 
 /// One coordinate in a file's precision.
-pub(super) trait Coordinate: Copy + Default + Into<f64> + PartialEq + Send + Sync {
+pub(super) trait Coordinate: Value + Into<f64> + PartialEq + Zeroable {
     /// The nearest to a value.
     fn nearest(value: f64) -> Self;
     /// Bits that are equal where the coordinates are.
@@ -56,6 +59,10 @@ pub(super) fn is_coordinate(value: f64) -> bool {
 
 /// The fault of a value that is none.
 pub(super) fn no_coordinate(at: usize, value: f64) -> Stop {
+    let value = match value.is_finite() {
+        true => format!("{value:e}"),
+        false => value.to_string(),
+    };
     let problem = format!(
         "has the coordinate {value}: coordinates are numbers up to ±{LARGEST:e}; mend or remove the vertex"
     );
@@ -64,16 +71,9 @@ pub(super) fn no_coordinate(at: usize, value: f64) -> Stop {
 
 /// The mesh of these vertices and triangles.
 pub(super) fn mesh<C: Coordinate>(points: Vec<[C; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
-    let origin = origin(&points);
+    let origin = origin(points.iter().copied());
     // In place where the file has single precision.
-    let positions = points.into_iter().map(|point| {
-        let [x, y, z] = point.map(Into::into);
-        Vec3::new(
-            narrow(x - origin.x),
-            narrow(y - origin.y),
-            narrow(z - origin.z),
-        )
-    });
+    let positions = points.into_iter().map(|point| position(point, origin));
     Mesh {
         origin,
         positions: positions.collect(),
@@ -81,8 +81,43 @@ pub(super) fn mesh<C: Coordinate>(points: Vec<[C; 3]>, triangles: Vec<[u32; 3]>)
     }
 }
 
+/// The same of vertices in pages, of which each is given back when it is done with.
+pub(super) fn mesh_of_pages<C: Coordinate>(
+    points: Pages<C>,
+    triangles: Vec<[u32; 3]>,
+) -> Result<Mesh, Stop> {
+    let origin = origin(points.iter());
+    let count = points.len();
+    // First in pages again: beside all of double precision there would be no room for all of single.
+    let pages = points.into_pages().map(|page| {
+        let page = page.into_iter().map(|point| position(point, origin));
+        page.collect::<Box<[Vec3]>>()
+    });
+    let pages: Vec<_> = pages.collect();
+    let mut positions = with_room(count)?;
+    for page in pages {
+        positions.extend_from_slice(&page);
+    }
+    Ok(Mesh {
+        origin,
+        positions,
+        triangles,
+    })
+}
+
+/// A vertex from an origin.
+#[inline]
+fn position<C: Coordinate>(point: [C; 3], origin: DVec3) -> Vec3 {
+    let [x, y, z] = point.map(Into::into);
+    Vec3::new(
+        narrow(x - origin.x),
+        narrow(y - origin.y),
+        narrow(z - origin.z),
+    )
+}
+
 /// Where to count these from.
-fn origin<C: Coordinate>(points: &[[C; 3]]) -> DVec3 {
+pub(super) fn origin<C: Coordinate>(points: impl Iterator<Item = [C; 3]>) -> DVec3 {
     let mut least = DVec3::INFINITY;
     let mut most = DVec3::NEG_INFINITY;
     for point in points {

@@ -16,7 +16,7 @@ use super::{Face, NONE, is_left_out};
 const CHUNK: usize = 1 << 13;
 
 /// Half-edges by their smaller end, then by their larger one.
-pub(super) struct Edges<'a> {
+pub(in crate::mesh) struct Edges<'a> {
     faces: &'a [Face],
     /// Where each vertex's bucket begins, and the end of the last.
     starts: Vec<u32>,
@@ -26,15 +26,15 @@ pub(super) struct Edges<'a> {
 
 /// What the edges are like.
 #[derive(Default)]
-pub(super) struct Kinds {
+pub(in crate::mesh) struct Kinds {
     /// The other half-edge where an edge has two, else [`NONE`].
-    pub(super) twins: Vec<u32>,
+    pub(in crate::mesh) twins: Vec<u32>,
     /// Half-edges without another.
-    pub(super) boundary: Vec<u32>,
+    pub(in crate::mesh) boundary: Vec<u32>,
     /// One half-edge of each edge with more than two, and how many it has.
-    pub(super) non_manifold: Vec<(u32, u32)>,
+    pub(in crate::mesh) non_manifold: Vec<(u32, u32)>,
     /// One half-edge of each edge that its two triangles run through in the same direction.
-    pub(super) inconsistent: Vec<u32>,
+    pub(in crate::mesh) inconsistent: Vec<u32>,
 }
 
 /// The end of a half-edge that is nearer to its name: the smaller and the larger vertex.
@@ -44,7 +44,7 @@ fn ends(face: &Face, corner: usize) -> (u32, u32) {
 }
 
 /// From where to where a half-edge leads.
-pub(super) fn from_to(faces: &[Face], half_edge: u32) -> [u32; 2] {
+pub(in crate::mesh) fn from_to(faces: &[Face], half_edge: u32) -> [u32; 2] {
     let face = &faces[half_edge as usize / 3];
     let corner = half_edge as usize % 3;
     [face[corner], face[(corner + 1) % 3]]
@@ -64,7 +64,7 @@ fn half_edge(entry: &u64) -> u32 {
 
 impl<'a> Edges<'a> {
     /// Sorts the half-edges of all faces that are not left out; every vertex is below `vertices`.
-    pub(super) fn new(faces: &'a [Face], vertices: usize) -> Self {
+    pub(in crate::mesh) fn new(faces: &'a [Face], vertices: usize) -> Self {
         let mut starts = vec![0_u32; vertices + 1];
         for face in faces.iter().filter(|face| !is_left_out(face)) {
             for corner in 0..3 {
@@ -135,7 +135,7 @@ impl<'a> Edges<'a> {
     }
 
     /// Triangles with the same vertices as one before them, in any order of the vertices; sorted.
-    pub(super) fn duplicates(&self) -> Vec<u32> {
+    pub(in crate::mesh) fn duplicates(&self) -> Vec<u32> {
         let chunks: Vec<_> = self.chunks().collect();
         let mut found: Vec<u32> = chunks
             .into_par_iter()
@@ -168,7 +168,7 @@ impl<'a> Edges<'a> {
     }
 
     /// Pairs half-edges and sorts out those that cannot be paired.
-    pub(super) fn kinds(&self) -> Kinds {
+    pub(in crate::mesh) fn kinds(&self) -> Kinds {
         let twins: Vec<AtomicU32> = (0..3 * self.faces.len())
             .into_par_iter()
             .map(|_| AtomicU32::new(NONE))

@@ -3,20 +3,20 @@
 //! Path halving alone keeps the ways short enough (Tarjan and van Leeuwen 1984); ranks would cost memory.
 
 /// Sets of numbers.
-pub(super) struct Sets {
+pub(in crate::mesh) struct Sets {
     parent: Vec<u32>,
 }
 
 impl Sets {
     /// Each number below `len` alone.
-    pub(super) fn new(len: usize) -> Self {
+    pub(in crate::mesh) fn new(len: usize) -> Self {
         Self {
             parent: (0_u32..).take(len).collect(),
         }
     }
 
     /// The smallest number of the set.
-    pub(super) fn find(&mut self, mut one: u32) -> u32 {
+    pub(in crate::mesh) fn find(&mut self, mut one: u32) -> u32 {
         loop {
             let parent = self.parent[one as usize];
             if parent == one {
@@ -28,14 +28,14 @@ impl Sets {
         }
     }
 
-    pub(super) fn join(&mut self, one: u32, other: u32) {
+    pub(in crate::mesh) fn join(&mut self, one: u32, other: u32) {
         let (one, other) = (self.find(one), self.find(other));
         self.parent[one.max(other) as usize] = one.min(other);
     }
 }
 
 /// Sets of numbers of which any two are of the same side or of different sides. The side towards the parent is the lowest bit.
-pub(super) struct Sides {
+pub(in crate::mesh) struct Sides {
     parent: Vec<u32>,
 }
 

@@ -72,6 +72,7 @@ fn read_parts(
         skipped_faces: size.skipped,
         paint,
         remarks: remarks.0,
+        ..Surface::default()
     })
 }
 

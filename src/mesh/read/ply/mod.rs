@@ -2,7 +2,7 @@
 //!
 //! A header names elements in any order, each with properties of any number type or lists of them. What is wanted are the vertices'
 //! `x y z` and colours, and the faces' `vertex_indices`; all else is passed over. Two ways lead through the body: one walks from value to value
-//! and takes anything (`rows`), the other looks at rows of one size on all cores (`same_size`) and gives up where they are not, or
+//! and takes anything (`rows`), the other looks at rows of one size on all cores (`same_size`, in text by `numerals`) and gives up where they are not, or
 //! where anything is wrong: then the first goes through the same rows and finds the place.
 
 mod colours;

@@ -6,7 +6,7 @@ use super::{Coordinate, Stop, Task, same_size};
 use crate::mesh::paint::VertexColour;
 use crate::mesh::read::cursor::Cursor;
 use crate::mesh::read::points::{is_coordinate, no_coordinate};
-use crate::mesh::read::with_room;
+use crate::mesh::read::{numerals, with_room, zeroed};
 
 /// Rows between two looks at whether to go on.
 const ROWS: usize = 1 << 14;
@@ -171,21 +171,101 @@ impl Source for Text<'_> {
 
     fn same_size_points<C: Coordinate>(
         &mut self,
-        _: &Element,
-        _: [usize; 3],
-        _: &Task<'_>,
+        element: &Element,
+        axes: [usize; 3],
+        task: &Task<'_>,
     ) -> Result<Option<Vertices<C>>, Stop> {
-        Ok(None)
+        let columns = element.properties.len();
+        let is_list = |property: &Property| matches!(property, Property::List { .. });
+        if element.properties.iter().any(is_list) {
+            return Ok(None);
+        }
+        let mut points: Vec<[C; 3]> = zeroed(element.rows)?;
+        let mut axis_of = vec![None; columns];
+        for (axis, &column) in axes.iter().enumerate() {
+            axis_of[column] = Some(axis);
+        }
+        let channels = Channels::of(element);
+        let mut colours = with_room(channels.map_or(0, |_| element.rows))?;
+        let mut channel_of = vec![None; columns];
+        for (channel, place) in channels.iter().flat_map(|it| it.places).enumerate() {
+            if let Some(column) = place {
+                channel_of[column] = Some(channel);
+            }
+        }
+        let mut colour = [0.0; 4];
+        let (text, at) = (self.0.bytes, self.0.at);
+        let count = element.rows.saturating_mul(columns);
+        let end = numerals::each(text, at, count, task, |from, values: &[C]| {
+            let mut row = from / columns;
+            let mut column = from % columns;
+            for &value in values {
+                if let Some(axis) = axis_of[column] {
+                    points[row][axis] = value;
+                }
+                if let Some(channel) = channel_of[column] {
+                    colour[channel] = value.into();
+                }
+                column += 1;
+                if column == columns {
+                    colours.extend(channels.map(|channels| channels.colour(colour)));
+                    column = 0;
+                    row += 1;
+                }
+            }
+            Ok(())
+        });
+        let end = self.or_slowly(end)?;
+        Ok(end.map(|()| Vertices { points, colours }))
     }
 
     fn same_size_faces(
         &mut self,
-        _: &Element,
+        element: &Element,
         _: usize,
-        _: usize,
-        _: &Task<'_>,
+        vertices: usize,
+        task: &Task<'_>,
     ) -> Result<Option<Vec<[u32; 3]>>, Stop> {
-        Ok(None)
+        let [Property::List { .. }] = element.properties[..] else {
+            return Ok(None);
+        };
+        task.check_triangles(element.rows)?;
+        // A triangle is the number 3, then three vertices.
+        let count = element.rows.saturating_mul(4);
+        // A digit and a blank each; the last may end the file.
+        if count.saturating_mul(2) > self.0.bytes.len() - self.0.at + 1 {
+            return Ok(None);
+        }
+        let mut triangles: Vec<[u32; 3]> = zeroed(element.rows)?;
+        let (text, at) = (self.0.bytes, self.0.at);
+        let end = numerals::each(text, at, count, task, |from, values: &[u32]| {
+            for (place, &value) in (from..).zip(values) {
+                let is_good = match place % 4 {
+                    0 => value == 3,
+                    corner => {
+                        triangles[place / 4][corner - 1] = value;
+                        (value as usize) < vertices
+                    }
+                };
+                if !is_good {
+                    return Err(Stop::fault(at, "has other faces than triangles"));
+                }
+            }
+            Ok(())
+        });
+        Ok(self.or_slowly(end)?.map(|()| triangles))
+    }
+}
+
+impl Text<'_> {
+    /// Goes on where numbers that were read end. Where one of them was none it stays, so that they are gone through value by value.
+    fn or_slowly(&mut self, end: Result<usize, Stop>) -> Result<Option<()>, Stop> {
+        match end {
+            Ok(end) => self.0.at = end,
+            Err(Stop::Fault { .. }) => return Ok(None),
+            Err(other) => return Err(other),
+        }
+        Ok(Some(()))
     }
 }
 

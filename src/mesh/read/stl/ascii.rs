@@ -13,8 +13,8 @@ use super::Joined;
 
 /// Pieces that a thread understands before the corners are joined.
 const PIECES: usize = 2;
-/// Bytes of a facet, about: fewer make room for more triangles than there are.
-const FACET: usize = 256;
+/// Bytes of the shortest facet.
+const SHORTEST: usize = 54;
 /// Lines between two looks at whether to go on.
 const LINES: usize = 1 << 12;
 
@@ -28,20 +28,30 @@ pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surfa
         cursor.skip_blanks();
         cursor.word().eq_ignore_ascii_case(b"facet")
     });
-    let mut joined = Joined::<f64>::with_room(bytes.len() / FACET)?;
+    let mut joined: Option<Joined<f64>> = None;
     let mut is_open = false;
     let mut last: Vec<Facets> = Vec::new();
     for pieces in pieces.chunks(PIECES * rayon::current_num_threads()) {
         let (next, done) = rayon::join(
             || facets(pieces, task),
-            || join(&mut joined, std::mem::take(&mut last), task),
+            || match &mut joined {
+                Some(joined) => join(joined, std::mem::take(&mut last), task),
+                None => Ok(()),
+            },
         );
         done?;
         last = next?;
+        if joined.is_none() {
+            joined = Some(Joined::with_room(expected(&last, pieces, bytes.len()))?);
+        }
         for facets in &last {
             is_open = facets.leaves_open.unwrap_or(is_open);
         }
     }
+    let mut joined = match joined {
+        Some(joined) => joined,
+        None => Joined::with_room(0)?,
+    };
     join(&mut joined, last, task)?;
     if is_open {
         let problem =
@@ -49,6 +59,18 @@ pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surfa
         return Err(Stop::fault(bytes.trim_ascii_end().len(), problem));
     }
     joined.into_surface(task)
+}
+
+/// How many facets there will be in a file of so many bytes, by those of its first pieces.
+fn expected(facets: &[Facets], pieces: &[Piece<'_>], bytes: usize) -> usize {
+    let found: usize = facets.iter().map(|facets| facets.corners.len()).sum();
+    let read: usize = pieces.iter().map(|piece| piece.text.len()).sum();
+    if read == bytes {
+        return found;
+    }
+    let all = found.saturating_mul(bytes) / read.max(1);
+    // Numbers may get shorter.
+    (all + all / 64 + 1).min(bytes / SHORTEST)
 }
 
 /// What a piece holds.

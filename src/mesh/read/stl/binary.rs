@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
 
-use super::super::join::{Joiner, NONE, folded};
+use super::super::join::{Joiner, NONE, Pages, folded};
 use super::super::kind::{STL_HEADER, STL_TRIANGLE, stl_length, stl_triangles};
 use super::super::points::{Coordinate, is_coordinate, mesh, no_coordinate};
 use super::super::{MOST_VERTICES, Stop, Surface, Task, with_room};
@@ -23,15 +23,24 @@ const MOST_SHARES: usize = 8;
 /// Reads a binary STL file.
 pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surface, Stop> {
     let count = stl_triangles(bytes).unwrap_or(0);
-    if stl_length(count) != bytes.len() as u64 {
+    let rows = &bytes[STL_HEADER..];
+    let length = (count as usize).saturating_mul(STL_TRIANGLE);
+    let Some((rows, surplus)) = rows.split_at_checked(length) else {
         let problem = format!(
-            "announces {count} triangles, which make a file of {} bytes, but it has {}: it is cut short or damaged, save it again",
+            "announces {count} triangles, which make a file of {} bytes, but it has {}, enough for {}: it is cut short or damaged, save it again",
             stl_length(count),
-            bytes.len()
+            bytes.len(),
+            rows.len() / STL_TRIANGLE
+        );
+        return Err(Stop::fault(STL_HEADER - 4, problem));
+    };
+    if count == 0 && !surplus.is_empty() {
+        let problem = format!(
+            "announces no triangle, but {} bytes follow: the number is wrong, save the file again",
+            surplus.len()
         );
         return Err(Stop::fault(STL_HEADER - 4, problem));
     }
-    let rows = &bytes[STL_HEADER..];
     task.check_triangles(rows.len() / STL_TRIANGLE)?;
     let shares = 1 << rayon::current_num_threads().clamp(1, MOST_SHARES).ilog2();
     let mut corners = with_room(rows.len() / STL_TRIANGLE)?;
@@ -39,7 +48,9 @@ pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surfa
     let points = (0..shares).into_par_iter();
     let points = points.map(|share| join(rows, share, shares, &corners, task));
     let points = all_or_first(points.collect())?;
-    number(corners, &points, task)
+    let mut surface = number(corners, &points, task)?;
+    surface.surplus_bytes = surplus.len();
+    Ok(surface)
 }
 
 /// Corners by the numbers that the threads gave their vertices.
@@ -53,7 +64,7 @@ fn join(
     shares: usize,
     corners: &Corners,
     task: &Task<'_>,
-) -> Result<Vec<[f32; 3]>, Stop> {
+) -> Result<Pages<f32>, Stop> {
     // A closed surface has half as many vertices as triangles.
     let vertices = corners.len() / 2 / shares;
     let mut joiner = Joiner::with_room(vertices + vertices / 32)?;
@@ -130,12 +141,8 @@ fn all_or_first<T>(made: Vec<Result<T, Stop>>) -> Result<Vec<T>, Stop> {
 }
 
 /// Numbers the vertices as they first come in the file, so that nothing tells how many threads there were.
-fn number(
-    mut corners: Corners,
-    shares: &[Vec<[f32; 3]>],
-    task: &Task<'_>,
-) -> Result<Surface, Stop> {
-    let count = shares.iter().map(Vec::len).sum();
+fn number(mut corners: Corners, shares: &[Pages<f32>], task: &Task<'_>) -> Result<Surface, Stop> {
+    let count = shares.iter().map(Pages::len).sum();
     task.check_vertices(count)?;
     let mut points = with_room(count)?;
     let mut numbers: Vec<Vec<u32>> = Vec::with_capacity(shares.len());
@@ -154,7 +161,7 @@ fn number(
             let number = &mut numbers[share][place];
             if *number == NONE {
                 *number = u32::try_from(points.len()).unwrap_or(NONE);
-                points.push(shares[share][place]);
+                points.push(shares[share].get(place));
             }
             *corner = *number;
         }

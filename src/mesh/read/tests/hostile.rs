@@ -44,7 +44,7 @@ fn check(read: Result<Model, MeshError>) -> Result<(), TestCaseError> {
 }
 
 /// How each format begins.
-const STARTS: [&[u8]; 9] = [
+const STARTS: [&[u8]; 14] = [
     b"",
     b"ply\n",
     b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n",
@@ -54,6 +54,11 @@ const STARTS: [&[u8]; 9] = [
     &[b' '; 80],
     b"glTF\x02\0\0\0\x40\0\0\0\x2c\0\0\0JSON",
     b"{\"asset\":{\"version\":\"2.0\"},",
+    b"<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\">",
+    b"<VTKFile type=\"PolyData\"><AppendedData encoding=\"raw\">_",
+    b"# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 3 char\n0 0 0 0 0 0 0 0 0\nPOLYGONS 1 4\n",
+    b"# vtk DataFile Version 3.0\n\nBINARY\nDATASET POLYDATA\nPOINTS 1 char\n000POLYGONS 1 4\nOFFSETS char\n",
+    b"1 1 0 0 0 1 -1\n2 1 0 1 0 1 1\n",
 ];
 
 /// A change of a file.
@@ -94,6 +99,13 @@ fn change() -> impl Strategy<Value = Change> {
         b"\"mesh\":0,",
         b"\"children\":[0],",
         b"\"mode\":5,",
+        b"&",
+        b"<",
+        b"/>",
+        b"<Piece>",
+        b"<!DOCTYPE a>",
+        b"=",
+        b"AAAA",
     ];
     prop_oneof![
         any::<u8>().prop_map(Change::Byte),

@@ -12,6 +12,8 @@ mod models;
 mod obj;
 mod ply;
 mod stl;
+mod swc;
+mod vtk;
 
 use std::sync::atomic::AtomicBool;
 
@@ -77,5 +79,9 @@ fn pyramids() -> Vec<(Format, Vec<u8>)> {
         (Format::Obj, obj::text()),
         (Format::Gltf, gltf::made::Made::with_pyramid().gltf()),
         (Format::Glb, gltf::made::Made::with_pyramid().glb()),
+        (Format::Vtp, vtk::xml()),
+        (Format::Vtp, vtk::zlib()),
+        (Format::Vtk, vtk::legacy::file(true, false, "double")),
+        (Format::Vtk, vtk::legacy::file(false, true, "float")),
     ]
 }

@@ -398,3 +398,40 @@ fn faults_are_told_with_their_place() {
         assert!(found.contains(told), "{found}\nis not\n{told}");
     }
 }
+
+/// Long text is read by all threads where all faces are triangles, else value by value; both ways lead to the same.
+#[test]
+fn long_text_is_read_by_all_threads() {
+    let count = 60_000_u32;
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {count}\nproperty uchar red\nproperty float z\nproperty float x\nproperty float y\nelement face FACES\nproperty list uchar int vertex_indices\nend_header\n"
+    );
+    for vertex in 0..count {
+        text += &format!("255 0.{vertex} {vertex} -{vertex}.5\n");
+    }
+    for face in 0..count {
+        let [b, c] = [(face + 1) % count, (face + 2) % count];
+        text += &format!("3 {face} {b}\t{c}\n");
+    }
+    let quick = read(text.replace("FACES", "60000").as_bytes())
+        .unwrap()
+        .mesh;
+    let slowly = text.replace("FACES", "60001") + "4 0 1 2 3\n";
+    let mut slow = read(slowly.as_bytes()).unwrap().mesh;
+    assert_eq!(slow.triangles.split_off(60_000), [[0, 1, 2], [0, 2, 3]]);
+    assert!(quick == slow, "the way is seen");
+    assert_eq!(quick.triangles[59_999], [59_999, 0, 1]);
+    assert_eq!(quick.positions[40_000], Vec3::new(40_000.0, -40_000.5, 0.4));
+
+    let line = text[..text.find("3 50000 ").unwrap()].lines().count() + 1;
+    let wrong = text
+        .replace("FACES", "60000")
+        .replace("3 50000 50001", "3 50000 60000");
+    let told = fault(wrong.as_bytes());
+    assert!(
+        told.starts_with(&format!(
+            "line {line} of the ASCII PLY file names the vertex 60000"
+        )),
+        "{told}"
+    );
+}

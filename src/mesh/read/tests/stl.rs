@@ -66,6 +66,18 @@ fn corners_of_equal_coordinates_are_joined() {
 }
 
 #[test]
+fn bytes_behind_the_triangles_are_counted() {
+    let bytes = binary();
+    assert_eq!(read(&bytes).unwrap().surplus_bytes, 0);
+    for surplus in [&b"\0"[..], b"a name\r\n", &[7; 50], &[0xFF; 1000]] {
+        let model = read(&[&bytes, surplus].concat()).unwrap();
+        assert_eq!(model.format, Format::BinaryStl);
+        assert_eq!(corners(&model.mesh), expected());
+        assert_eq!(model.surplus_bytes, surplus.len());
+    }
+}
+
+#[test]
 fn minus_zero_is_zero_and_next_to_equal_is_not() {
     let near = f32::from_bits(1.0_f32.to_bits() + 1);
     let bytes = of_corners(&[
@@ -166,7 +178,11 @@ fn faults_are_told_with_their_place() {
         ),
         (
             with(80, u32::MAX.to_le_bytes()),
-            "announces 4294967295 triangles, which make a file of 214748364834 bytes",
+            "announces 4294967295 triangles, which make a file of 214748364834 bytes, but it has 384, enough for 6",
+        ),
+        (
+            with(80, [0; 4]),
+            "announces no triangle, but 300 bytes follow",
         ),
         (
             with(84 + 50 + 24, f32::INFINITY.to_le_bytes()),

@@ -35,8 +35,8 @@ fn the_pyramid_is_read_with_indices_of_each_type() {
         let primitive = json!({ "attributes": { "POSITION": points }, "indices": indices });
         let model = one_mesh(made, &[primitive]).read();
         assert_pyramid(&model, &kind.to_string());
+        assert_eq!(model.scale(), Some(Scale::stated(Unit::Metres)));
         assert_eq!((model.paint, model.remarks), (None, vec![]));
-        assert_eq!(model.format.unit(), Some(Unit::Metres));
     }
 }
 
