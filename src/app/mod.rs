@@ -20,7 +20,7 @@ pub mod opening;
 pub mod person;
 pub mod picture;
 pub mod portrait;
-mod scans;
+pub(crate) mod scans;
 pub mod session;
 
 pub mod store;

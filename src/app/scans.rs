@@ -9,6 +9,7 @@ use crate::app::worker::Worker;
 use crate::mesh::colour::{by_parts, by_problems};
 use crate::mesh::display::Display;
 use crate::mesh::intersect::{IntersectParams, intersections};
+use crate::mesh::mend::{Mend, mend_all};
 use crate::mesh::problem::problems;
 use crate::mesh::report::{ReportParams, report};
 use crate::mesh::unit::{Scale, Unit};
@@ -20,12 +21,14 @@ use crate::world::scene::new_revision;
 const MOST_WAITING: usize = 16;
 
 /// A file to read.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Scan {
     /// As the project names it.
     pub(super) file: String,
     /// Where it is.
     pub(super) path: PathBuf,
+    /// What is mended on it, in order.
+    pub(super) mends: Vec<Mend>,
     /// Whether it comes onto the stage when it is read; else it stands there and waits for its mesh.
     pub(super) comes: bool,
 }
@@ -104,20 +107,23 @@ impl Scans {
 }
 
 fn scan(scan: &Scan, cancel: &AtomicBool) -> Done {
-    (scan.clone(), look(&scan.path, cancel))
+    (scan.clone(), look(&scan.path, &scan.mends, cancel))
 }
 
-/// Reads a file and looks at what is in it.
-fn look(path: &Path, cancel: &AtomicBool) -> Result<Read, String> {
+/// Reads a file, mends what is asked for, and looks at the result.
+fn look(path: &Path, mends: &[Mend], cancel: &AtomicBool) -> Result<Read, String> {
     let model = read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?;
-    let mesh = Arc::new(model.mesh);
+    let (stated, format) = (model.scale(), model.format);
+    let (mesh, accounts) = mend_all(model.mesh, mends, cancel, &mut |_, _, _| ())
+        .map_err(|error| format!("{error}: {}", path.display()))?;
+    let mesh = Arc::new(mesh);
     let report = report(&mesh, &ReportParams::default(), cancel, &mut |_, _| ())
         .map_err(|error| error.to_string())?;
     let stopped = || "the reading of the model was cancelled".to_owned();
     let found = intersections(&mesh, &IntersectParams::default(), cancel, &mut |_, _| ())
         .ok_or_else(stopped)?;
     let plain = Display::new(Arc::clone(&mesh), cancel).ok_or_else(stopped)?;
-    let guess = Scale::guessed(report.size().max_element());
+    let guess = stated.or_else(|| Scale::guessed(report.size().max_element()));
     if plain.size().max_element() <= 0.0 || guess.is_none() {
         return Err(format!(
             "{}: all of the model lies in one place, so there is nothing to see",
@@ -126,20 +132,24 @@ fn look(path: &Path, cancel: &AtomicBool) -> Result<Read, String> {
     }
     Ok(Read {
         unit: guess.map_or(Unit::Metres, |scale| scale.unit),
-        z_up: stands_on_its_third_axis(model.format),
+        z_up: stands_on_its_third_axis(format),
         model: LoadedModel {
             parts: Arc::new(plain.coloured(by_parts(&report))),
             problems: Arc::new(plain.coloured(by_problems(&mesh, &report, &found))),
             plain: Arc::new(plain),
             revisions: [new_revision(), new_revision(), new_revision()],
             faults: problems(&report, Some(&found)),
+            accounts: accounts.iter().map(ToString::to_string).collect(),
         },
     })
 }
 
-/// Programs for scans count upwards along the third axis; those for pictures, whose format OBJ is, along the second.
+/// Programs for scans count upwards along the third axis; those for pictures, whose formats OBJ and glTF are, and tracers of neurons along the second.
 pub(crate) fn stands_on_its_third_axis(format: Format) -> bool {
-    !matches!(format, Format::Obj)
+    !matches!(
+        format,
+        Format::Obj | Format::Gltf | Format::Glb | Format::Swc
+    )
 }
 
 /// Endings of the files that are offered.
@@ -197,6 +207,7 @@ mod tests {
         let scan = |file: &str, comes| Scan {
             file: file.to_owned(),
             path: folder.path().join(file),
+            mends: Vec::new(),
             comes,
         };
         assert!(scans.ask(scan("a.obj", true)) && scans.ask(scan("a.obj", true)));
@@ -222,7 +233,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("point.obj");
         std::fs::write(&path, "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n").unwrap();
-        let told = look(&path, &AtomicBool::new(false)).unwrap_err();
+        let told = look(&path, &[], &AtomicBool::new(false)).unwrap_err();
         assert!(told.contains("in one place"), "{told}");
     }
 

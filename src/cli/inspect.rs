@@ -8,9 +8,11 @@ use anyhow::{Context as _, Result, anyhow};
 use clap::Args as ClapArgs;
 
 use self::facts::Facts;
-use super::outputs::{check_places, model_file, not_over_each_other};
+use self::pictured::Look;
+use super::outputs::{check_places, model_file, not_over_each_other, picture_file};
 use super::print_result;
 use super::progress::Progress;
+use crate::app::scans::stands_on_its_third_axis;
 use crate::mesh::intersect::{IntersectParams, Intersections, intersections};
 use crate::mesh::mend::Account;
 use crate::mesh::paint::Paint;
@@ -20,6 +22,7 @@ use crate::mesh::{Mesh, ReadLimits, read};
 use crate::tree::Tree;
 
 mod facts;
+mod pictured;
 mod repair;
 mod text;
 
@@ -36,6 +39,21 @@ pub(super) struct Args {
     /// Write the model, mended where --repair is given, as .glb, .ply, .stl or .obj
     #[arg(short, long, value_name = "FILE", value_parser = model_file())]
     out: Option<PathBuf>,
+    /// Draw the model, mended where --repair is given, into a PNG picture
+    #[arg(long, value_name = "FILE", value_parser = picture_file())]
+    png: Option<PathBuf>,
+    /// What the picture shows, separated by commas
+    #[arg(
+        long,
+        value_enum,
+        value_name = "LOOKS",
+        value_delimiter = ',',
+        requires = "png"
+    )]
+    look: Vec<Look>,
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 1024, requires = "png", value_parser = clap::value_parser!(u32).range(1..))]
+    size: u32,
 }
 
 /// A model as its file has it.
@@ -50,6 +68,8 @@ pub(super) struct Loaded {
     pub(super) paint: Option<Paint>,
     /// What of the file is not shown as it was meant.
     pub(super) remarks: Vec<String>,
+    /// Whether its third axis points up in pictures.
+    pub(super) z_up: bool,
 }
 
 /// What a file holds beside its surface.
@@ -71,6 +91,7 @@ pub(super) fn load(path: &Path, cancel: &AtomicBool) -> Result<Loaded> {
     let model = read(path, &ReadLimits::default(), cancel)?;
     Ok(Loaded {
         scale: model.scale(),
+        z_up: stands_on_its_third_axis(model.format),
         format: model.format.to_string(),
         beside: Beside {
             skipped_faces: model.skipped_faces,
@@ -107,9 +128,9 @@ pub(super) fn run(
     let never = AtomicBool::new(false);
     // All that can be refused is, before any work.
     let mends = args.repair.as_deref().map(repair::mends).transpose()?;
-    let outputs = args.out.iter().map(PathBuf::as_path);
-    not_over_each_other(Some(&args.model), outputs, None)?;
-    check_places(&args.out)?;
+    let outputs = || args.out.iter().chain(&args.png);
+    not_over_each_other(Some(&args.model), outputs().map(PathBuf::as_path), None)?;
+    check_places(outputs())?;
     let mut loaded = Progress::during("reading", || read(&args.model, &never))?;
     if mends.is_some() {
         // It is for vertices and triangles that mends join and replace.
@@ -134,7 +155,19 @@ pub(super) fn run(
         true => serde_json::to_string(&facts)? + "\n",
         false => text::screen(&facts),
     };
-    print_result("the report", |out| out.write_all(text.as_bytes()))
+    let Inspected {
+        report,
+        intersections,
+        ..
+    } = inspected;
+    let printed = print_result("the report", |out| out.write_all(text.as_bytes()));
+    if let Some(path) = &args.png {
+        let Loaded { mesh, z_up, .. } = loaded;
+        let colours = pictured::colours(&args.look, &mesh, &report, &intersections);
+        pictured::draw(mesh, colours, &args.look, z_up, args.size, path)
+            .with_context(|| format!("cannot draw {}", args.model.display()))?;
+    }
+    printed
 }
 
 fn inspect<'a>(path: &'a Path, loaded: &'a Loaded, cancel: &AtomicBool) -> Result<Inspected<'a>> {

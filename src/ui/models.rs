@@ -8,6 +8,7 @@ use super::{
     words::Words,
 };
 use crate::mesh::colour::fault_colour;
+use crate::mesh::mend::{Cap, Close, Debris, Decimate, Mend, Remesh, Smooth, Weld};
 use crate::mesh::unit::Unit;
 use crate::world::document::{Document, Edit};
 use crate::world::model::{Colouring, LoadedModel, Model};
@@ -117,6 +118,7 @@ fn page(ui: &mut Ui, view: &View<'_>, words: &Words, model: &mut Model) -> bool 
     look(ui, words, model);
     ui.separator();
     faults(ui, words, loaded);
+    mending(ui, words, loaded, model);
     !ui.button(words.take_away).clicked()
 }
 
@@ -220,6 +222,40 @@ fn faults(ui: &mut Ui, words: &Words, loaded: &LoadedModel) {
             None => text,
         });
         ui.label(problem.hint);
+    }
+}
+
+/// What can be mended, and what each mend changed; undo takes one back.
+fn mending(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
+    ui.separator();
+    ui.label(RichText::new(words.mend).color(TITLE).size(18.0));
+    for account in &loaded.accounts {
+        ui.label(account);
+    }
+    let close = |cap| Close {
+        cap,
+        ..Close::default()
+    };
+    ui.horizontal_wrapped(|ui| {
+        for (name, mend) in [
+            (words.mend_weld, Mend::Weld(Weld::default())),
+            (words.mend_debris, Mend::Debris(Debris::default())),
+            (words.mend_largest, Mend::Largest),
+            (words.mend_orient, Mend::Orient),
+            (words.mend_close, Mend::Close(close(Cap::Flat))),
+            (words.mend_close_smooth, Mend::Close(close(Cap::Smooth))),
+            (words.mend_smooth, Mend::Smooth(Smooth::default())),
+            (words.mend_decimate, Mend::Decimate(Decimate::default())),
+            (words.mend_remesh, Mend::Remesh(Remesh::default())),
+        ] {
+            if ui.button(name).clicked() {
+                model.mends.push(mend);
+            }
+        }
+    });
+    let mended = !model.mends.is_empty();
+    if ui.add_enabled(mended, Button::new(words.unmend)).clicked() {
+        model.mends.clear();
     }
 }
 

@@ -453,18 +453,19 @@ impl World {
         self.compose();
     }
 
-    /// The file of a model on the stage that has not been read yet; [`Self::give_model`] brings what became of it.
+    /// A model on the stage that has not been read yet as it is to be; [`Self::give_model`] brings what became of it.
     #[must_use]
-    pub fn wanted_model(&self) -> Option<&str> {
+    pub fn wanted_model(&self) -> Option<&Model> {
         self.tools.models.wanted(self.document())
     }
 
-    /// Gives what a model's file holds, or a sentence that says why it cannot be read: its pedestal stays empty then.
-    pub fn give_model(&mut self, file: String, found: Result<LoadedModel, String>) {
+    /// Gives what a model's file holds, mended as it is to be, or a sentence that says why not: its pedestal stays empty then.
+    pub fn give_model(&mut self, model: &Model, found: Result<LoadedModel, String>) {
         if let Err(why) = &found {
             self.show_message(why.clone());
         }
-        self.tools.models.give(file, found.map(Arc::new));
+        self.tools.models.give(model, found.map(Arc::new));
+        self.tools.models.keep(self.history.committed());
     }
 
     /// How often a model was read or could not be.

@@ -11,11 +11,14 @@ use serde::{Deserialize, Serialize};
 use super::document::{PLACEMENT_BOUNDS, Placement};
 use super::scene::{ModelLook, SurfaceLook};
 use crate::mesh::display::Display;
+use crate::mesh::mend::Mend;
 use crate::mesh::problem::Problem;
 use crate::mesh::unit::Unit;
 
 /// Most models of a project.
 pub const MOST_MODELS: usize = 8;
+/// Most mends of a model.
+const MOST_MENDS: usize = 32;
 /// Longest name of a file, bytes.
 const LONGEST_NAME: usize = 1024;
 /// Smallest and largest longest side on the stage, metres: a model in the palm, and one to walk in.
@@ -44,6 +47,9 @@ pub struct Model {
     pub unit: Unit,
     /// Whether the file's third axis points up; else its second does.
     pub z_up: bool,
+    /// What is mended on it each time it is read, in order; the file stays as it is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mends: Vec<Mend>,
     /// Where its pedestal stands; `scale` is the length of its longest side on the stage, metres.
     pub place: Placement,
     /// Its faces, or none.
@@ -70,6 +76,11 @@ pub enum ModelError {
         PLACEMENT_BOUNDS.position, SIDE_BOUNDS[0], SIDE_BOUNDS[1]
     )]
     Place,
+    /// More than 32 mends.
+    #[error(
+        "a model is mended at most {MOST_MENDS} times: undo some, or write the mended one with `ramus inspect --repair` and bring that"
+    )]
+    TooManyMends,
     /// More than [`MOST_MODELS`].
     #[error("a project has at most {MOST_MODELS} models: remove one first")]
     TooMany,
@@ -85,6 +96,7 @@ impl Model {
             file,
             unit,
             z_up,
+            mends: Vec::new(),
             place: Placement {
                 position: Vec3::new(0.48 * side, 0.9, -1.0 - 0.5 * f32::from(row)),
                 yaw_deg: 0.0,
@@ -113,6 +125,9 @@ impl Model {
         let name = &self.file;
         if name.is_empty() || name.len() > LONGEST_NAME || name.contains(char::is_control) {
             return Err(ModelError::Name);
+        }
+        if self.mends.len() > MOST_MENDS {
+            return Err(ModelError::TooManyMends);
         }
         let Placement {
             position,
@@ -165,6 +180,8 @@ pub struct LoadedModel {
     pub revisions: [u64; 3],
     /// What is wrong with it, the worst first.
     pub faults: Vec<Problem>,
+    /// What each mend changed, a line each.
+    pub accounts: Vec<String>,
 }
 
 impl LoadedModel {
@@ -279,6 +296,7 @@ mod tests {
             problems: display,
             revisions: [1, 2, 3],
             faults: Vec::new(),
+            accounts: Vec::new(),
         }
     }
 
@@ -343,6 +361,10 @@ mod tests {
         assert_eq!(with(|m| m.file.clear()), Err(ModelError::Name));
         assert_eq!(with(|m| m.file = "a\nb".into()), Err(ModelError::Name));
         assert_eq!(with(|m| m.file = "a".repeat(2000)), Err(ModelError::Name));
+        assert_eq!(
+            with(|m| m.mends = vec![Mend::Orient; 33]),
+            Err(ModelError::TooManyMends)
+        );
         assert_eq!(with(|m| m.place.scale = 0.0), Err(ModelError::Place));
         assert_eq!(with(|m| m.place.scale = f32::NAN), Err(ModelError::Place));
         assert_eq!(with(|m| m.place.position.x = 1e9), Err(ModelError::Place));

@@ -17,6 +17,7 @@ use super::scene::{Color, PlacedModel, Rod, Scene};
 use super::stage::{Palette, StageParams, furniture, rim};
 use super::tools::{Hand, Hold, Hover, Tools};
 use crate::mesh::display::Display;
+use crate::mesh::mend::Mend;
 
 /// How far a model may be carried and how large it may be pulled: farther than the platform, since people walk in it.
 pub(super) const GRIP: GripParams = GripParams {
@@ -43,45 +44,64 @@ fn pedestal(stage: &StageParams) -> StageParams {
     }
 }
 
+/// A file and what is mended on it.
+type Source = (String, Vec<Mend>);
+
+fn is_of((file, mends): &Source, model: &Model) -> bool {
+    *file == model.file && *mends == model.mends
+}
+
 /// What became of a model's file.
 type Found = Result<Arc<LoadedModel>, String>;
 
 /// The models' meshes, as far as they were read, and the one in the hands.
 #[derive(Debug, Default)]
 pub(super) struct Models {
-    found: Vec<(String, Found)>,
+    found: Vec<(Source, Found)>,
     /// How often that changed.
     pub(super) changes: u64,
     grip: Option<(usize, PlatformGrip)>,
 }
 
 impl Models {
-    /// A file that is to be read next.
-    pub(super) fn wanted<'a>(&self, document: &'a Document) -> Option<&'a str> {
-        let files = document.models.iter().map(|model| &*model.file);
-        files.into_iter().find(|file| self.get(file).is_none())
+    /// A model whose file is to be read next.
+    pub(super) fn wanted<'a>(&self, document: &'a Document) -> Option<&'a Model> {
+        let mut models = document.models.iter();
+        models.find(|model| self.get(model).is_none())
     }
 
-    pub(super) fn give(&mut self, file: String, found: Found) {
-        self.found.retain(|(known, _)| *known != file);
-        self.found.push((file, found));
+    pub(super) fn give(&mut self, model: &Model, found: Found) {
+        self.found.retain(|(known, _)| !is_of(known, model));
+        let source = (model.file.clone(), model.mends.clone());
+        self.found.push((source, found));
         self.changes += 1;
     }
 
-    fn get(&self, file: &str) -> Option<&Found> {
-        let (_, found) = self.found.iter().find(|(known, _)| known == file)?;
+    fn get(&self, model: &Model) -> Option<&Found> {
+        let (_, found) = self.found.iter().find(|(known, _)| is_of(known, model))?;
         Some(found)
     }
 
-    /// The mesh of a model, if its file could be read and was.
+    /// The mesh of a model, if its file could be read and was; while another mend is at work, as it was before.
     pub(super) fn loaded(&self, model: &Model) -> Option<&Arc<LoadedModel>> {
-        self.get(&model.file)?.as_ref().ok()
+        match self.get(model) {
+            Some(found) => found.as_ref().ok(),
+            None => {
+                let before = self.found.iter().rev();
+                let mut same = before.filter(|((file, _), _)| *file == model.file);
+                same.find_map(|(_, found)| found.as_ref().ok())
+            }
+        }
     }
 
     /// Forgets the meshes that no model has any more; undo has them read again.
     pub(super) fn keep(&mut self, document: &Document) {
-        let kept = |file: &str| document.models.iter().any(|model| model.file == file);
-        self.found.retain(|(file, _)| kept(file));
+        let wanted = self.wanted(document).map(|model| model.file.clone());
+        let kept = |source: &Source| {
+            let mut models = document.models.iter();
+            wanted.as_ref() == Some(&source.0) || models.any(|model| is_of(source, model))
+        };
+        self.found.retain(|(source, _)| kept(source));
     }
 
     /// Describes pedestals, models and boxes.

@@ -26,6 +26,7 @@ fn loaded() -> LoadedModel {
         problems: display,
         revisions: [new_revision(), new_revision(), new_revision()],
         faults: Vec::new(),
+        accounts: Vec::new(),
     }
 }
 
@@ -46,8 +47,8 @@ fn with_models(count: usize, linked: bool) -> Person {
         .collect();
     let edit = arrange(&person, models, linked);
     person.world.apply(edit).unwrap();
-    while let Some(file) = person.world.wanted_model().map(str::to_owned) {
-        person.world.give_model(file, Ok(loaded()));
+    while let Some(model) = person.world.wanted_model().cloned() {
+        person.world.give_model(&model, Ok(loaded()));
     }
     person.frame();
     person
@@ -221,13 +222,12 @@ fn a_file_that_cannot_be_read_leaves_an_empty_pedestal_and_its_reason() {
     let mut person = with_trunk(LEFT);
     let plates = person.scene().plates.len();
     let model = Model::new("gone.ply".into(), Unit::Metres, false, 0);
-    let edit = arrange(&person, vec![model], false);
+    let edit = arrange(&person, vec![model.clone()], false);
     person.world.apply(edit).unwrap();
-    assert_eq!(person.world.wanted_model(), Some("gone.ply"));
-    person.world.give_model(
-        "gone.ply".into(),
-        Err("gone.ply: there is no such file".into()),
-    );
+    assert_eq!(person.world.wanted_model(), Some(&model));
+    person
+        .world
+        .give_model(&model, Err("gone.ply: there is no such file".into()));
     person.frame();
     assert_eq!(person.world.wanted_model(), None, "asked once");
     assert!(person.message().unwrap().contains("no such file"));

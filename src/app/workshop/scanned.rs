@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::Workshop;
-use crate::app::scans::{Done, Scan, named, offered};
+use crate::app::scans::{Done, Read, Scan, named, offered};
 use crate::world::document::Edit;
-use crate::world::model::{MOST_MODELS, Model};
+use crate::world::model::Model;
 
 impl Workshop {
     /// Has a model read and brings it onto the stage; what is wrong with it is told on the board.
@@ -30,8 +30,13 @@ impl Workshop {
     }
 
     fn bring(&mut self, file: String, path: PathBuf) {
-        let comes = true;
-        if !self.scans.ask(Scan { file, path, comes }) {
+        let scan = Scan {
+            file,
+            path,
+            mends: Vec::new(),
+            comes: true,
+        };
+        if !self.scans.ask(scan) {
             let told = "So many models wait to be read that this one is left out: ask again when they are there.";
             self.world.show_message(told.into());
         }
@@ -97,10 +102,11 @@ impl Workshop {
     }
 
     fn want_scans(&mut self) {
-        if let Some(file) = self.world.wanted_model() {
+        if let Some(model) = self.world.wanted_model() {
             let scan = Scan {
-                file: file.to_owned(),
-                path: self.path_of(file),
+                file: model.file.clone(),
+                path: self.path_of(&model.file),
+                mends: model.mends.clone(),
                 comes: false,
             };
             // Where too many wait already, the next frame asks again.
@@ -109,31 +115,34 @@ impl Workshop {
     }
 
     fn take_scan(&mut self, (scan, read): Done) {
-        let read = match read {
-            Ok(read) => read,
-            Err(why) if scan.comes => return self.world.show_message(why),
-            Err(why) => return self.world.give_model(scan.file, Err(why)),
-        };
         let document = self.world.document();
-        let stands = |model: &Model| model.file == scan.file;
-        if !scan.comes && !document.models.iter().any(stands) {
-            return; // It was taken away meanwhile.
+        let of = |model: &&Model| model.file == scan.file && model.mends == scan.mends;
+        let stands = document.models.iter().find(of).cloned();
+        let read = match (read, stands) {
+            (Ok(read), _) if scan.comes => return self.come(scan.file, read),
+            (Err(why), _) if scan.comes => return self.world.show_message(why),
+            // It was taken away meanwhile, or is mended otherwise.
+            (_, None) => return,
+            (read, Some(model)) => (model, read.map(|read| read.model)),
+        };
+        self.world.give_model(&read.0, read.1);
+    }
+
+    /// Brings a model that was read.
+    fn come(&mut self, file: String, read: Read) {
+        let document = self.world.document();
+        let mut models = document.models.to_vec();
+        let model = Model::new(file, read.unit, read.z_up, models.len());
+        models.push(model.clone());
+        let edit = Edit::Arrange {
+            models,
+            platform: document.platform,
+            linked: document.linked,
+        };
+        match self.world.apply(edit) {
+            Ok(()) => self.world.give_model(&model, Ok(read.model)),
+            Err(error) => self.world.show_message(error.to_string()),
         }
-        if scan.comes {
-            let mut models = document.models.to_vec();
-            models.truncate(MOST_MODELS);
-            let number = models.len();
-            models.push(Model::new(scan.file.clone(), read.unit, read.z_up, number));
-            let edit = Edit::Arrange {
-                models,
-                platform: document.platform,
-                linked: document.linked,
-            };
-            if let Err(error) = self.world.apply(edit) {
-                return self.world.show_message(error.to_string());
-            }
-        }
-        self.world.give_model(scan.file, Ok(read.model));
     }
 }
 
@@ -149,6 +158,8 @@ mod tests {
     use super::*;
     use crate::app::store::Store;
     use crate::app::workshop::WorkshopParams;
+    use crate::mesh::mend::Mend;
+    use crate::world::model::MOST_MODELS;
 
     const TETRAHEDRON: &str =
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
@@ -206,6 +217,68 @@ mod tests {
         assert_eq!(without.document().models.len(), 1, "nothing is lost");
         assert!(without.scene().models.is_empty() && !without.is_reading());
         assert!(without.world().has_message());
+    }
+
+    #[test]
+    fn a_mend_is_an_edit_that_the_project_keeps_and_undo_takes_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("open.obj");
+        // The tetrahedron without its last face.
+        let open_corner = TETRAHEDRON.rsplit_once("f ").unwrap().0;
+        fs::write(&file, open_corner).unwrap();
+        let opened = Store::open(&folder.path().join("a.ramus")).unwrap();
+        let mut workshop = Workshop::new(opened, WorkshopParams::default()).unwrap();
+        workshop.bring_model(&file);
+        workshop.finish_models();
+        let triangles = |workshop: &Workshop| {
+            let model = &workshop.document().models[0];
+            let loaded = workshop.world().loaded_model(model).unwrap();
+            (loaded.plain.mesh.triangles.len(), loaded.accounts.len())
+        };
+        assert_eq!(triangles(&workshop), (3, 0));
+        let mended = |workshop: &Workshop, mends: Vec<Mend>| {
+            let document = workshop.document();
+            let mut models = document.models.to_vec();
+            models[0].mends = mends;
+            Edit::Arrange {
+                models,
+                platform: document.platform,
+                linked: false,
+            }
+        };
+        let close = Mend::parse("close").unwrap();
+        let edit = mended(&workshop, vec![close]);
+        workshop.world.apply(edit).unwrap();
+        assert_eq!(
+            triangles(&workshop),
+            (3, 0),
+            "as it was, until it is mended"
+        );
+        workshop.finish_models();
+        assert_eq!(triangles(&workshop), (4, 1));
+        assert_eq!(workshop.scene().models.len(), 1);
+        assert_eq!(
+            fs::read_to_string(&file).unwrap(),
+            open_corner,
+            "the file stays"
+        );
+        let bytes = crate::world::project::to_bytes(workshop.document());
+        assert!(
+            String::from_utf8(bytes)
+                .unwrap()
+                .contains("\"mends\":[\"close")
+        );
+        workshop.world.undo();
+        workshop.finish_models();
+        assert_eq!(triangles(&workshop), (3, 0));
+        // What cannot be mended is told, and nothing is lost.
+        let edit = mended(&workshop, vec![Mend::parse("remesh=0.0000001").unwrap()]);
+        workshop.world.apply(edit).unwrap();
+        workshop.finish_models();
+        assert!(workshop.world().has_message() && !workshop.is_reading());
+        workshop.world.undo();
+        workshop.finish_models();
+        assert_eq!(triangles(&workshop), (3, 0));
     }
 
     #[test]

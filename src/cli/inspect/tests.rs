@@ -21,6 +21,7 @@ fn loaded(mesh: Mesh, unit: Option<Unit>) -> Loaded {
         beside: Beside::default(),
         paint: None,
         remarks: Vec::new(),
+        z_up: true,
     }
 }
 
@@ -204,6 +205,9 @@ fn what_cannot_be_read_is_an_error_and_what_can_is_printed() {
         json,
         repair: None,
         out: None,
+        png: None,
+        look: Vec::new(),
+        size: 64,
     };
     let refused = run(&args(false), |_, _| Err(anyhow!("no such file")));
     assert_eq!(refused.unwrap_err().to_string(), "no such file");

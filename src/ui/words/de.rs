@@ -150,6 +150,17 @@ pub(super) const WORDS: Words = Words {
     parts: "Teilen",
     problems: "Fehlern",
     no_problems: "Nichts daran ist falsch.",
+    mend: "Ausbessern",
+    mend_weld: "Eckpunkte verbinden",
+    mend_debris: "Krümel entfernen",
+    mend_largest: "nur den größten Teil",
+    mend_orient: "nach außen wenden",
+    mend_close: "flach schließen",
+    mend_close_smooth: "glatt schließen",
+    mend_smooth: "glätten",
+    mend_decimate: "halb so viele Dreiecke",
+    mend_remesh: "gleichmäßige Dreiecke",
+    unmend: "Wie in der Datei",
 };
 
 /// Parts of controllers, word by word.
@@ -312,6 +323,10 @@ pub(super) const SAID: &[(&str, &str)] = &[
         "Diese Sitzung wird aufgezeichnet, und eine Aufzeichnung kennt keine fallen gelassenen Dateien: Modelle von der Werkbank nehmen.",
     ),
     // What an edit is refused for.
+    (
+        "a model is mended at most {} times: undo some, or write the mended one with `ramus inspect --repair` and bring that",
+        "ein Modell wird höchstens {}-mal ausgebessert: einiges rückgängig machen oder das ausgebesserte mit `ramus inspect --repair` schreiben und dieses holen",
+    ),
     (
         "a project has at most {} models: remove one first",
         "ein Projekt hat höchstens {} Modelle: erst eines wegnehmen",
