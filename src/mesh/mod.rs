@@ -4,9 +4,11 @@ mod error;
 pub mod intersect;
 #[cfg(test)]
 pub(crate) mod made;
+pub mod pick;
 pub mod problem;
 mod read;
 pub mod report;
+pub mod surface;
 pub mod unit;
 
 pub use error::{MeshError, Place};

@@ -259,6 +259,26 @@ pub fn report(
     Ok(report)
 }
 
+/// Triangles by joined vertices, those that no surface has left out ([`NONE`] three times), and for each half-edge the one on the other side,
+/// [`NONE`] where there is not exactly one. None when `cancel` was set, or for more triangles or vertices than a report takes.
+pub(super) fn neighbours(mesh: &Mesh, cancel: &AtomicBool) -> Option<(Vec<[u32; 3]>, Vec<u32>)> {
+    let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
+    if triangles.max(vertices) > TRIANGLES_MOST || cancel.load(Ordering::Relaxed) {
+        return None;
+    }
+    let mut report = Report {
+        vertices,
+        triangles,
+        ..Report::default()
+    };
+    let mut faces = report.faces(mesh, &ReportParams::default());
+    if cancel.load(Ordering::Relaxed) {
+        return None;
+    }
+    let kinds = report.edges(&mut faces, vertices);
+    Some((faces, kinds.twins))
+}
+
 /// The numbers of those that are so.
 fn numbers_where(len: usize, is_so: impl Fn(usize) -> bool + Sync) -> Vec<u32> {
     let len = u32::try_from(len).unwrap_or(NONE);
