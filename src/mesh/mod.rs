@@ -1,14 +1,18 @@
 //! Scanned models: triangles in space, read from other programs' files, checked and told about.
 
+pub mod endpoints;
 mod error;
 pub mod intersect;
 #[cfg(test)]
 pub(crate) mod made;
+pub mod measure;
 pub mod pick;
 pub mod problem;
 mod read;
 pub mod report;
 pub mod surface;
+#[cfg(test)]
+pub(crate) mod truth;
 pub mod unit;
 
 pub use error::{MeshError, Place};

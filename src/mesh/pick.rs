@@ -15,6 +15,7 @@
 //! Coordinates and distances are those of [`Mesh::positions`]: in the file's unit, from [`Mesh::origin`].
 
 mod build;
+mod cache;
 mod node;
 mod triangle;
 mod walk;
@@ -24,6 +25,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
 
+pub use self::cache::Cache;
 use self::node::Node;
 use self::triangle::Sheared;
 use super::Mesh;

@@ -259,9 +259,19 @@ pub fn report(
     Ok(report)
 }
 
-/// Triangles by joined vertices, those that no surface has left out ([`NONE`] three times), and for each half-edge the one on the other side,
-/// [`NONE`] where there is not exactly one. None when `cancel` was set, or for more triangles or vertices than a report takes.
-pub(super) fn neighbours(mesh: &Mesh, cancel: &AtomicBool) -> Option<(Vec<[u32; 3]>, Vec<u32>)> {
+/// What the triangles of a surface are to each other.
+#[derive(Clone, Debug)]
+pub(super) struct Neighbours {
+    /// Triangles by joined vertices; [`NONE`] three times where no surface has them.
+    pub(super) faces: Vec<[u32; 3]>,
+    /// For each half-edge the one on the other side, [`NONE`] where there is not exactly one.
+    pub(super) twins: Vec<u32>,
+    /// Vertices of the closed boundary loops.
+    pub(super) loops: Vec<Vec<u32>>,
+}
+
+/// Finds out. None when `cancel` was set, or for more triangles or vertices than a report takes.
+pub(super) fn neighbours(mesh: &Mesh, cancel: &AtomicBool) -> Option<Neighbours> {
     let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
     if triangles.max(vertices) > TRIANGLES_MOST || cancel.load(Ordering::Relaxed) {
         return None;
@@ -276,7 +286,17 @@ pub(super) fn neighbours(mesh: &Mesh, cancel: &AtomicBool) -> Option<(Vec<[u32; 
         return None;
     }
     let kinds = report.edges(&mut faces, vertices);
-    Some((faces, kinds.twins))
+    let boundary = kinds.boundary.iter();
+    let edges: Vec<[u32; 2]> = boundary.map(|one| from_to(&faces, *one)).collect();
+    let ways = loops::ways(&edges).into_iter();
+    Some(Neighbours {
+        loops: ways
+            .filter(|way| way.closed)
+            .map(|way| way.vertices)
+            .collect(),
+        faces,
+        twins: kinds.twins,
+    })
 }
 
 /// The numbers of those that are so.
