@@ -2,15 +2,21 @@
 
 pub mod colour;
 pub mod display;
+pub mod endpoints;
 mod error;
 pub mod intersect;
 #[cfg(test)]
 pub(crate) mod made;
+pub mod measure;
 pub mod mend;
 pub mod paint;
+pub mod pick;
 pub mod problem;
 mod read;
 pub mod report;
+pub mod surface;
+#[cfg(test)]
+pub(crate) mod truth;
 pub mod unit;
 pub mod write;
 

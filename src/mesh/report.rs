@@ -260,6 +260,46 @@ pub fn report(
     Ok(report)
 }
 
+/// What the triangles of a surface are to each other.
+#[derive(Clone, Debug)]
+pub(super) struct Neighbours {
+    /// Triangles by joined vertices; [`NONE`] three times where no surface has them.
+    pub(super) faces: Vec<[u32; 3]>,
+    /// For each half-edge the one on the other side, [`NONE`] where there is not exactly one.
+    pub(super) twins: Vec<u32>,
+    /// Vertices of the closed boundary loops.
+    pub(super) loops: Vec<Vec<u32>>,
+}
+
+/// Finds out. None when `cancel` was set, or for more triangles or vertices than a report takes.
+pub(super) fn neighbours(mesh: &Mesh, cancel: &AtomicBool) -> Option<Neighbours> {
+    let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
+    if triangles.max(vertices) > TRIANGLES_MOST || cancel.load(Ordering::Relaxed) {
+        return None;
+    }
+    let mut report = Report {
+        vertices,
+        triangles,
+        ..Report::default()
+    };
+    let mut faces = report.faces(mesh, &ReportParams::default());
+    if cancel.load(Ordering::Relaxed) {
+        return None;
+    }
+    let kinds = report.edges(&mut faces, vertices);
+    let boundary = kinds.boundary.iter();
+    let edges: Vec<[u32; 2]> = boundary.map(|one| from_to(&faces, *one)).collect();
+    let ways = loops::ways(&edges).into_iter();
+    Some(Neighbours {
+        loops: ways
+            .filter(|way| way.closed)
+            .map(|way| way.vertices)
+            .collect(),
+        faces,
+        twins: kinds.twins,
+    })
+}
+
 /// The numbers of those that are so.
 fn numbers_where(len: usize, is_so: impl Fn(usize) -> bool + Sync) -> Vec<u32> {
     let len = u32::try_from(len).unwrap_or(NONE);

@@ -97,10 +97,9 @@ fn compact(mut mesh: Mesh, used: &[bool]) -> Mesh {
         return mesh;
     }
     let mut number = vec![NONE; used.len()];
-    let mut next = 0_u32;
-    for (number, _) in number.iter_mut().zip(used).filter(|(_, used)| **used) {
+    let stay = number.iter_mut().zip(used).filter(|(_, used)| **used);
+    for ((number, _), next) in stay.zip(0_u32..) {
         *number = next;
-        next += 1;
     }
     let mut at = used.iter();
     mesh.positions

@@ -117,8 +117,9 @@ impl Closer {
             let start = before - usize::from(cut == Cut::Fan);
             let mut done = true;
             for _ in 0..DOMES {
-                let room =
-                    (ADDED_MOST - self.added).saturating_sub(self.surface.points.len() - before);
+                let room = ADDED_MOST
+                    .saturating_sub(self.added)
+                    .saturating_sub(self.surface.points.len() - before);
                 done = refine::refine(
                     &mut self.surface,
                     &around,

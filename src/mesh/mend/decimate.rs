@@ -4,14 +4,12 @@
 //! Topology stays as it is (see [`Surface::can_collapse`]), no triangle folds over, and vertices on a boundary stay where they are or go away
 //! along it: an open end keeps its line, in fewer pieces. Non-manifold edges and vertices stay with all their triangles.
 //!
-//! meshoptimizer (crate `meshopt`) was tried: about four times as fast, but it needs a C++ compiler, cannot be stopped in the middle, and has
+//! meshoptimizer (crate `meshopt`) was tried and is faster, but it needs a C++ compiler, cannot be stopped in the middle, and has
 //! no link condition: it made non-manifold edges of a ring of 3,200 triangles on the way to 32, and nothing at all of one of 180.
-
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
 
 use glam::{DMat3, DVec3};
 
+use super::buckets::Buckets;
 use super::surface::{Neighbour, Surface};
 use super::{Amount, Decimate, MendError, Work};
 use crate::mesh::Mesh;
@@ -113,28 +111,11 @@ impl Quadric {
     }
 }
 
-/// An edge that may be collapsed; the cheapest is the greatest.
-#[derive(PartialEq)]
+/// An edge that may be collapsed.
 struct Candidate {
-    cost: f64,
     edge: [u32; 2],
     /// How often its ends had changed when it was put in.
     stamps: [u32; 2],
-}
-
-impl Eq for Candidate {}
-
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let costs = other.cost.total_cmp(&self.cost);
-        costs.then_with(|| other.edge.cmp(&self.edge))
-    }
-}
-
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
 }
 
 struct Queue {
@@ -144,7 +125,7 @@ struct Queue {
     quadrics: Vec<Quadric>,
     stamps: Vec<u32>,
     rim: Vec<bool>,
-    heap: BinaryHeap<Candidate>,
+    candidates: Buckets<Candidate>,
     rings: [Vec<Neighbour>; 2],
 }
 
@@ -157,7 +138,7 @@ impl Queue {
             quadrics: vec![Quadric::default(); len],
             stamps: vec![0; len],
             rim: vec![false; len],
-            heap: BinaryHeap::new(),
+            candidates: Buckets::new(),
             rings: Default::default(),
             surface,
         };
@@ -201,7 +182,6 @@ impl Queue {
         if self.surface.live() <= target {
             return Ok(false);
         }
-        self.heap.clear();
         for (at, edge) in self.surface.edges().into_iter().enumerate() {
             if at % BLOCK == 0 {
                 work.go_on()?;
@@ -218,7 +198,7 @@ impl Queue {
         }
         let (_, cost) = self.best(edge);
         let stamps = [self.stamps[a], self.stamps[b]];
-        self.heap.push(Candidate { cost, edge, stamps });
+        self.candidates.push(cost, Candidate { edge, stamps });
     }
 
     /// Where the vertex that an edge becomes stands, and what that costs.
@@ -252,7 +232,7 @@ impl Queue {
     fn drain(&mut self, target: usize, before: usize, work: &mut Work) -> Result<bool, MendError> {
         let (start, mut tried) = (self.surface.live(), 0_usize);
         while self.surface.live() > target
-            && let Some(candidate) = self.heap.pop()
+            && let Some(candidate) = self.candidates.pop()
         {
             let [a, b] = candidate.edge.map(|vertex| self.stamps[vertex as usize]);
             if candidate.stamps == [a, b] {

@@ -21,6 +21,11 @@ pub enum MendError {
         /// How many there may be.
         most: u64,
     },
+    /// The machine did not give the memory.
+    #[error(
+        "the machine does not give the memory to mend this model ({0} bytes at once): close other programs, or simplify it"
+    )]
+    Memory(usize),
     /// There is no triangle with three different vertices.
     #[error("the model has no triangle with three different vertices, so there is nothing to mend")]
     Nothing,

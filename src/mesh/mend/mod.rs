@@ -11,6 +11,7 @@
 //! also leaves out what no surface has: triangles with a vertex that is not there, not finite or there twice, triangles that are there
 //! already, vertices that no triangle uses. The account says how many of each, so nothing is changed silently.
 
+mod buckets;
 mod clean;
 mod close;
 mod decimate;
@@ -36,6 +37,9 @@ pub use self::text::{MendSyntax, list_from_text, text_from_list};
 use super::Mesh;
 use super::problem::grouped;
 use super::report::{self, Report, ReportParams};
+
+/// What a triangle takes while a mesh is mended, about, where that takes most: decimating.
+const BYTES: usize = 160;
 
 /// A length in the file's unit, or as a part of the model's size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -273,6 +277,11 @@ pub fn mend(
             vertices,
             most,
         });
+    }
+    // Asked for once before it is needed in several pieces: those end the program where they are not given.
+    let bytes = BYTES.saturating_mul(triangles.max(vertices));
+    if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
+        return Err(MendError::Memory(bytes));
     }
     let mut work = Work {
         cancel,

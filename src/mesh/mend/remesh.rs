@@ -303,7 +303,7 @@ impl Remesher {
     fn relax(&mut self, nearest: &Nearest, work: &Work) -> Result<(), MendError> {
         let mut ring = Vec::new();
         for vertex in (0_u32..).take(self.surface.points.len()) {
-            if vertex as usize % BLOCK == 0 {
+            if (vertex as usize).is_multiple_of(BLOCK) {
                 work.go_on()?;
             }
             let fixed = self.lines[vertex as usize] > 0 || self.surface.locked[vertex as usize];

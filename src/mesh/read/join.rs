@@ -160,7 +160,7 @@ impl<C: Coordinate> Joiner<C> {
     reason = "the upper half of the product is less than the second factor"
 )]
 fn scaled(hash: u64, most: usize) -> usize {
-    (u128::from(hash) * most as u128 >> 64) as usize
+    ((u128::from(hash) * most as u128) >> 64) as usize
 }
 
 /// Both halves of the product, each bit of which depends on all bits below it.

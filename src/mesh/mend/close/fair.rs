@@ -28,9 +28,11 @@ pub(super) fn fair(
     }
     let plate = Plate::new(surface, around, start);
     let middle = plate.middle(surface, around);
-    let still: Vec<DVec3> = surface.points.iter().map(|point| *point - middle).collect();
-    let mut points: Vec<DVec3> = still[start..].to_vec();
-    plate.solve(&still, &mut points, work)?;
+    // Of vertices that stay only those next to the cap are asked for, so small caps on large surfaces cost little.
+    let moving = surface.points[start..].iter();
+    let mut points: Vec<DVec3> = moving.map(|point| *point - middle).collect();
+    let still = |vertex: u32| surface.points[vertex as usize] - middle;
+    plate.solve(still, &mut points, work)?;
     if points.iter().all(|point| point.is_finite()) {
         for (place, point) in surface.points[start..].iter_mut().zip(points) {
             *place = (middle + point).as_vec3().as_dvec3();
@@ -112,15 +114,17 @@ impl Plate {
     }
 
     /// The three coordinates are three systems of one matrix, solved together with a step of their own each.
-    fn solve(&self, still: &[DVec3], points: &mut [DVec3], work: &Work) -> Result<(), MendError> {
+    fn solve(
+        &self,
+        still: impl Fn(u32) -> DVec3,
+        points: &mut [DVec3],
+        work: &Work,
+    ) -> Result<(), MendError> {
         let moving = |vertex: u32, of: &[DVec3]| {
             let inner = (vertex as usize).checked_sub(self.start);
             inner.and_then(|inner| of.get(inner).copied())
         };
-        let now = self.umbrellas(|vertex| {
-            let fixed = || still.get(vertex as usize).copied().unwrap_or_default();
-            moving(vertex, points).unwrap_or_else(fixed)
-        });
+        let now = self.umbrellas(|vertex| moving(vertex, points).unwrap_or_else(|| still(vertex)));
         let dots = |one: &[DVec3], other: &[DVec3]| -> DVec3 {
             one.iter().zip(other).map(|(a, b)| *a * *b).sum()
         };

@@ -74,7 +74,16 @@ fn faults_are_told_with_their_place() {
         ),
         (
             |made| made.json["nodes"][0]["scale"] = json!([1e39, 1, 1]),
-            "node 0 of the GLB file stands nowhere",
+            "is no JSON of a glTF file (number out of range)",
+        ),
+        (
+            |made| {
+                let node = |child: usize| json!({ "scale": [1e38, 1, 1], "children": [child] });
+                let mut nodes: Vec<Value> = (1..10).map(node).collect();
+                nodes.push(json!({ "mesh": 0 }));
+                made.json["nodes"] = nodes.into();
+            },
+            "node 8 of the GLB file stands nowhere",
         ),
         (
             |made| made.json["bufferViews"][0]["byteLength"] = json!(1000),

@@ -1,0 +1,57 @@
+//! The largest ball inside a solid that touches its surface at a place.
+//!
+//! Shrinking balls (Ma, Bae and Choi 2012, "3D medial axis point approximation using nearest neighbors and the normal field"): a ball
+//! that touches the place and is too large is shrunk until it touches the nearest of what is in it, and again, until nothing is. A scan's surface is
+//! rough, and what is nearest may be a bump next to the place, which would shrink the ball to nothing; so what is seen from the ball's centre within
+//! 30° of the place does not count (as in Peters and Ledoux 2016). (Letting it shrink the ball by a third, and no more, was tried: on the stairs
+//! of voxels that is a third too much.) Where the surface bends more sharply than the ball anywhere else, as at the ends of an ellipsoid, the ball
+//! is an eighth too large for it.
+
+use glam::Vec3;
+
+use super::thickness::inside;
+use crate::mesh::pick::Picker;
+
+/// Cosine of the angle within which what touches is the place itself.
+const SAME_PLACE: f32 = 0.866;
+
+/// Steps at most; a dozen are common.
+const STEPS: usize = 40;
+
+/// A ball inside a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Its centre.
+    pub centre: Vec3,
+    /// Its radius.
+    pub radius: f32,
+}
+
+/// The largest ball inside that touches the surface at a point, of which `normal` points outwards. None where nothing is opposite, as on
+/// surfaces that are turned inside out.
+pub fn inscribed(picker: &Picker, point: Vec3, normal: Vec3) -> Option<Ball> {
+    let inwards = -normal.try_normalize()?;
+    let mut radius = inside(picker, point, inwards)? / 2.0;
+    for _ in 0..STEPS {
+        let centre = point + radius * inwards;
+        let Some(near) = picker.nearest(centre, radius * 0.999) else {
+            break;
+        };
+        let seen = (near.point - centre).normalize_or_zero();
+        if seen.dot(-inwards) > SAME_PLACE {
+            break;
+        }
+        // The ball through both with its centre on the normal.
+        let to = near.point - point;
+        let smaller = to.length_squared() / (2.0 * inwards.dot(to));
+        if !(smaller > 0.0 && smaller < radius) {
+            break;
+        }
+        radius = smaller;
+    }
+    let ball = Ball {
+        centre: point + radius * inwards,
+        radius,
+    };
+    (radius > 0.0 && ball.centre.is_finite()).then_some(ball)
+}
