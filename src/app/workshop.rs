@@ -222,6 +222,7 @@ impl Workshop {
             Wish::Export(ending) => self.take_home(ending),
             Wish::Open(project) => self.go_on_with(&project),
             Wish::Draw(settings) => world.set_settings(settings),
+            Wish::Look(looking) => world.look(looking),
             Wish::Bring(file) => self.bring_named(&file),
             Wish::FindModels => self.offer_models(),
             Wish::Teach(lesson) => world.teach(lesson),

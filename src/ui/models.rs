@@ -12,6 +12,7 @@ use crate::mesh::mend::{Cap, Close, Debris, Decimate, Mend, Remesh, Smooth, Weld
 use crate::mesh::unit::Unit;
 use crate::world::document::{Document, Edit};
 use crate::world::model::{Colouring, LoadedModel, Model};
+use crate::world::models::{Cut, Looking};
 use crate::world::scene::SurfaceLook;
 
 /// See the module.
@@ -51,6 +52,7 @@ impl Models {
                 models[self.chosen] = changed;
                 wishes.push(arrange(document, models, document.linked));
             }
+            looking(ui, words, view.world.looking(), wishes);
             let mut linked = document.linked;
             if ui.checkbox(&mut linked, words.linked).changed() {
                 wishes.push(arrange(document, document.models.to_vec(), linked));
@@ -208,6 +210,26 @@ fn look(ui: &mut Ui, words: &Words, model: &mut Model) {
             ui.selectable_value(&mut model.colouring, colouring, name);
         }
     });
+}
+
+/// How all models are looked at.
+fn looking(ui: &mut Ui, words: &Words, before: Looking, wishes: &mut Vec<Wish>) {
+    ui.separator();
+    let mut looking = before;
+    ui.horizontal_wrapped(|ui| {
+        ui.label(words.cut);
+        for (cut, name) in [
+            (Cut::None, words.cut_none),
+            (Cut::InHand, words.cut_in_hand),
+            (Cut::Stays, words.cut_stays),
+        ] {
+            ui.selectable_value(&mut looking.cut, cut, name);
+        }
+    });
+    ui.checkbox(&mut looking.lamp, words.lamp);
+    if looking != before {
+        wishes.push(Wish::Look(looking));
+    }
 }
 
 /// What is wrong with it, in the colours in which it is shown.

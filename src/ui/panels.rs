@@ -22,6 +22,7 @@ use crate::{
         handles::Says,
         lesson::Lesson,
         model::Model,
+        models::Looking,
         panels::{PanelId, PanelPointer},
         room::RoomSettings,
     },
@@ -92,6 +93,8 @@ pub enum Wish {
     Draw(DrawSettings),
     /// Bring a scanned model onto the stage, by its file as the project names it.
     Bring(String),
+    /// Look at models like this.
+    Look(Looking),
     /// Look again which models lie beside the project.
     FindModels,
     /// Go to a lesson of the tutorial, or end it.
@@ -155,6 +158,7 @@ impl<'a> View<'a> {
             models: Arc::clone(&self.document.models),
             linked: self.document.linked,
             read: self.world.model_changes(),
+            looking: self.world.looking(),
             step: self.document.step,
             moment: (self.moment * PARTS).round(),
             seen: Seen {
@@ -177,6 +181,7 @@ struct Key {
     linked: bool,
     /// How often models were read.
     read: u64,
+    looking: Looking,
     step: u32,
     moment: f64,
     seen: Seen,
@@ -198,7 +203,7 @@ impl Key {
     fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.sketch, &other.sketch)
             && Arc::ptr_eq(&self.models, &other.models)
-            && (self.linked, self.read) == (other.linked, other.read)
+            && (self.linked, self.read, self.looking) == (other.linked, other.read, other.looking)
             && (self.step, self.moment) == (other.step, other.moment)
             && self.seen == other.seen
     }

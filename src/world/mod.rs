@@ -52,6 +52,7 @@ use history::{Action, History};
 use input::Input;
 use lesson::Course;
 use model::{LoadedModel, Model};
+use models::Looking;
 use panels::{PanelId, PanelPointer};
 use play::Player;
 use room::{Rig, RoomParams, RoomSettings};
@@ -188,6 +189,8 @@ impl World {
             .map(|hand| matches!(hand.hover, Hover::Panel(_)));
         let input = &self.rig.follow(input, seconds, on_panel);
         self.tools.update(input, passed, &mut self.history);
+        let cutting = usize::from(self.rig.settings.left_handed);
+        self.tools.follow_looking(cutting);
         if let Some(text) = self.tools.take_message() {
             self.show_message(text);
         }
@@ -466,6 +469,17 @@ impl World {
         }
         self.tools.models.give(model, found.map(Arc::new));
         self.tools.models.keep(self.history.committed());
+    }
+
+    /// How models are looked at.
+    #[must_use]
+    pub fn looking(&self) -> Looking {
+        self.tools.models.looking
+    }
+
+    /// Sets that.
+    pub fn look(&mut self, looking: Looking) {
+        self.tools.models.looking = looking;
     }
 
     /// How often a model was read or could not be.

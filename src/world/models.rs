@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec4};
 
 use super::document::{Document, Edit, Placement};
 use super::grip::{GripParams, PlatformGrip};
@@ -13,7 +13,7 @@ use super::history::History;
 use super::hover::{self, Pointer};
 use super::input::Pose;
 use super::model::{LoadedModel, Model, SIDE_BOUNDS};
-use super::scene::{Color, PlacedModel, Rod, Scene};
+use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene};
 use super::stage::{Palette, StageParams, furniture, rim};
 use super::tools::{Hand, Hold, Hover, Tools};
 use crate::mesh::display::Display;
@@ -54,12 +54,38 @@ fn is_of((file, mends): &Source, model: &Model) -> bool {
 /// What became of a model's file.
 type Found = Result<Arc<LoadedModel>, String>;
 
+/// Whether models are cut open.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cut {
+    /// They are whole.
+    #[default]
+    None,
+    /// What lies between a person and the plane before their left hand is cut away (right, if they are left-handed).
+    InHand,
+    /// The plane stays where the hand had it.
+    Stays,
+}
+
+/// How a person looks at models; it is theirs for the session, and no part of the project.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Looking {
+    /// Whether models are cut open.
+    pub cut: Cut,
+    /// Whether there is a light in the other hand.
+    pub lamp: bool,
+}
+
 /// The models' meshes, as far as they were read, and the one in the hands.
 #[derive(Debug, Default)]
 pub(super) struct Models {
     found: Vec<(Source, Found)>,
     /// How often that changed.
     pub(super) changes: u64,
+    pub(super) looking: Looking,
+    /// The plane of the cut: its normal, towards the person, and how far along it lies.
+    plane: Option<Vec4>,
+    /// Where the light is.
+    lamp: Option<Vec3>,
     grip: Option<(usize, PlatformGrip)>,
 }
 
@@ -134,7 +160,11 @@ impl Models {
                 display: Arc::clone(display),
                 revision,
                 world_from_model,
-                look: model.look(),
+                look: ModelLook {
+                    cut: self.plane,
+                    lamp: self.lamp,
+                    ..model.look()
+                },
             });
         }
     }
@@ -214,6 +244,28 @@ fn met_box(
 }
 
 impl Tools {
+    /// Lets the plane follow the hand that it is in, and the light the other; where a hand is lost both stay.
+    pub(super) fn follow_looking(&mut self, hand: usize) {
+        let sample = |hand: usize| self.hands.get(hand).and_then(|hand| hand.sample);
+        let (cutting, lighting) = (sample(hand), sample(1 - hand.min(1)));
+        let models = &mut self.models;
+        match models.looking.cut {
+            Cut::None => models.plane = None,
+            Cut::Stays => {}
+            Cut::InHand => {
+                if let Some(sample) = cutting {
+                    let normal = -sample.direction;
+                    models.plane = Some(normal.extend(normal.dot(sample.tip)));
+                }
+            }
+        }
+        if !models.looking.lamp {
+            models.lamp = None;
+        } else if let Some(sample) = lighting {
+            models.lamp = Some(sample.tip);
+        }
+    }
+
     /// The pedestal's rim that is meant, if one is.
     pub(super) fn pedestal_at(&self, pointer: &Pointer) -> Option<(usize, f32)> {
         let pedestal = pedestal(&self.stage);

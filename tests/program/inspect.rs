@@ -185,3 +185,62 @@ fn bad_lists_and_places_are_refused_before_the_work() {
         "an ending that tells no format is wrong usage"
     );
 }
+
+#[test]
+fn a_picture_is_drawn_with_the_looks_that_are_asked_for() {
+    let folder = folder();
+    let model = folder.path().join("bone.ply");
+    fs::write(&model, OPEN).unwrap();
+    let drawn = |looks: &str| {
+        let png = folder.path().join(format!("{looks}.png"));
+        let mut program = ramus();
+        program.arg("inspect").arg(&model).args(["--size", "96"]);
+        let told = succeed(program.arg("--png").arg(&png).args(["--look", looks]));
+        assert!(told.contains("ASCII PLY, 3 triangles"), "{told}");
+        let picture = image::open(&png).unwrap().to_rgb8();
+        assert_eq!(picture.dimensions(), (96, 96));
+        // What is not paper.
+        let ink = picture.pixels().filter(|pixel| pixel.0[2] < 200);
+        ink.count()
+    };
+    let (whole, edges) = (drawn("shaded"), drawn("edges"));
+    assert!(
+        whole > 500 && edges > 30 && edges < whole,
+        "{whole} {edges}"
+    );
+    // All its triangles are at the open end, so all are blue there.
+    let blue = image::open(folder.path().join("problems.png"));
+    assert!(blue.is_err(), "not asked for yet");
+    drawn("problems,box");
+    let picture = image::open(folder.path().join("problems,box.png"))
+        .unwrap()
+        .to_rgb8();
+    let blue = picture
+        .pixels()
+        .filter(|pixel| i32::from(pixel.0[2]) > i32::from(pixel.0[0]) + 40);
+    assert!(blue.count() > 200);
+    // Nothing is written over the model, and looks have names.
+    let mut over = ramus();
+    let png = folder.path().join("bone.png");
+    fs::copy(&model, &png).unwrap();
+    let over = over
+        .arg("inspect")
+        .arg(&png)
+        .arg("--png")
+        .arg(&png)
+        .output()
+        .unwrap();
+    refused(&over, &["would be overwritten"]);
+    let mut unknown = ramus();
+    unknown
+        .arg("inspect")
+        .arg(&model)
+        .args(["--png", "a.png", "--look", "pretty"]);
+    let unknown = unknown.output().unwrap();
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(
+        text(&unknown.stderr).contains("x-ray"),
+        "{}",
+        text(&unknown.stderr)
+    );
+}

@@ -299,3 +299,49 @@ fn the_scale_bar_and_the_box_are_drawn_with_it() {
         .sum::<f32>();
     assert!((bar - 0.08).abs() < 1e-4, "{bar}");
 }
+
+#[test]
+fn a_plane_follows_the_left_hand_and_a_light_the_right_one() {
+    use ramus::world::models::{Cut, Looking};
+    for left_handed in [false, true] {
+        let mut person = with_models(1, false);
+        let mut room = person.world.room();
+        room.left_handed = left_handed;
+        person.world.set_room(room);
+        let look = |person: &Person| person.scene().models[0].look;
+        assert_eq!((look(&person).cut, look(&person).lamp), (None, None));
+        let (cut, lamp) = (Cut::InHand, true);
+        person.world.look(Looking { cut, lamp });
+        let (cutting, lighting) = if left_handed {
+            (RIGHT, LEFT)
+        } else {
+            (LEFT, RIGHT)
+        };
+        let at = Vec3::new(0.48, 1.0, -0.9);
+        person.aim(cutting, at, Vec3::NEG_Z);
+        person.reach(lighting, Vec3::new(0.2, 1.1, -0.4));
+        person.frame();
+        let plane = look(&person).cut.unwrap();
+        assert!(
+            plane.truncate().distance(Vec3::Z) < 1e-4,
+            "towards the person"
+        );
+        assert!((plane.w - at.z).abs() < 1e-3);
+        assert!(
+            look(&person)
+                .lamp
+                .unwrap()
+                .distance(Vec3::new(0.2, 1.1, -0.4))
+                < 1e-3
+        );
+        // It stays, whatever the hand does, and goes when it is to.
+        let cut = Cut::Stays;
+        person.world.look(Looking { cut, lamp: false });
+        person.aim(cutting, at + Vec3::X, Vec3::X);
+        person.frame();
+        assert_eq!((look(&person).cut, look(&person).lamp), (Some(plane), None));
+        person.world.look(Looking::default());
+        person.frame();
+        assert_eq!(look(&person).cut, None);
+    }
+}

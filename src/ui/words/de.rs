@@ -161,6 +161,11 @@ pub(super) const WORDS: Words = Words {
     mend_decimate: "halb so viele Dreiecke",
     mend_remesh: "gleichmäßige Dreiecke",
     unmend: "Wie in der Datei",
+    cut: "aufschneiden:",
+    cut_none: "gar nicht",
+    cut_in_hand: "mit der linken Hand",
+    cut_stays: "wo es ist",
+    lamp: "ein Licht in der rechten Hand",
 };
 
 /// Parts of controllers, word by word.

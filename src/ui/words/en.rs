@@ -161,4 +161,9 @@ pub(super) const WORDS: Words = Words {
     mend_decimate: "half the triangles",
     mend_remesh: "even triangles",
     unmend: "As in the file",
+    cut: "cut open:",
+    cut_none: "not",
+    cut_in_hand: "by the left hand",
+    cut_stays: "where it is",
+    lamp: "a light in the right hand",
 };
