@@ -12,8 +12,9 @@ use super::super::points::narrow;
 use super::super::{Stop, with_room};
 use super::Remarks;
 use super::elements::{Accessors, Elements, Number, by_number};
+use super::rows::extend;
 use super::shape::Block;
-use super::surface::{Source, extend};
+use super::surface::Source;
 use crate::mesh::paint::{VertexColour, WHITE};
 
 /// Which accessor of a block is meant.

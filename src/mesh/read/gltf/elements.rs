@@ -153,6 +153,13 @@ impl Elements<'_> {
         by_number!(self.layout.kind, read::<_, COLUMNS>(self, row))
     }
 
+    /// The bytes of all rows, where they are so many numbers of a type with nothing between them.
+    pub(super) fn packed(&self, kind: ComponentType, columns: usize) -> Option<&[u8]> {
+        let layout = &self.layout;
+        let is_so = layout.kind == kind && layout.columns == columns;
+        (is_so && self.stride == columns * kind.size()).then_some(&*self.bytes)
+    }
+
     /// The first number of a row, as one that counts; 0 beyond the last row.
     #[inline]
     pub(super) fn count<C: Counting>(&self, row: usize) -> u32 {

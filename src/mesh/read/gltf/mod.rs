@@ -20,6 +20,7 @@ mod elements;
 mod folder;
 mod images;
 mod material;
+mod rows;
 mod scene;
 mod shape;
 mod surface;

@@ -10,19 +10,15 @@ use std::sync::Arc;
 
 use ::gltf::json::accessor::ComponentType;
 use glam::{DAffine3, DVec3, Vec3};
-use rayon::prelude::*;
 
 use super::super::points::{LARGEST, is_coordinate, narrow, origin_of};
 use super::super::{Stop, Task, with_room};
 use super::elements::{Accessors, Counting, Elements, Number, by_number};
+use super::rows::{Box3, all_rows, extend, extend_packed, largest_packed, packed_bounds, words};
 use super::scene::Placement;
 use super::shape::{Block, Join, Part, Shape};
 use crate::mesh::Mesh;
 
-/// Rows that a thread takes at once.
-const ROWS: usize = 1 << 14;
-/// Rows between two looks at whether to go on, shared by all threads.
-const SLAB: usize = 1 << 20;
 /// Places between two looks.
 const PLACES: usize = 1 << 10;
 
@@ -187,47 +183,6 @@ impl<'a> Source<'a> {
     }
 }
 
-/// What threads make of all rows, a few at a time.
-fn all_rows<T: Send>(
-    rows: usize,
-    task: &Task<'_>,
-    of_rows: impl Fn(Range<usize>) -> T + Sync,
-    unite: impl Fn(T, T) -> T + Sync + Send,
-    none: impl Fn() -> T + Sync + Send,
-) -> Result<T, Stop> {
-    let of_piece = |piece: usize| {
-        task.go_on()?;
-        let from = piece * ROWS;
-        Ok(of_rows(from..rows.min(from + ROWS)))
-    };
-    if rows <= ROWS {
-        return of_piece(0); // without waking anybody
-    }
-    (0..rows.div_ceil(ROWS))
-        .into_par_iter()
-        .map(of_piece)
-        .try_reduce(&none, |left, right| Ok(unite(left, right)))
-}
-
-/// Appends what each row gives.
-pub(super) fn extend<T: Send>(
-    to: &mut Vec<T>,
-    rows: usize,
-    task: &Task<'_>,
-    of_row: impl Fn(usize) -> T + Sync + Send,
-) -> Result<(), Stop> {
-    if rows <= ROWS {
-        to.extend((0..rows).map(of_row));
-        return Ok(());
-    }
-    for from in (0..rows).step_by(SLAB) {
-        task.go_on()?;
-        let slab = from..rows.min(from + SLAB);
-        to.par_extend(slab.into_par_iter().with_min_len(ROWS).map(&of_row));
-    }
-    Ok(())
-}
-
 /// That all corners are vertices.
 fn check_indices(
     elements: &Elements<'_>,
@@ -245,7 +200,10 @@ fn check_indices(
     let largest = match elements.layout.kind {
         ComponentType::U8 => largest::<u8>(elements, task),
         ComponentType::U16 => largest::<u16>(elements, task),
-        _ => largest::<u32>(elements, task),
+        _ => match elements.packed(ComponentType::U32, 1) {
+            Some(bytes) => largest_packed(bytes, task),
+            None => largest::<u32>(elements, task),
+        },
     }?;
     if largest as usize >= block.vertices {
         let problem = format!(
@@ -278,8 +236,23 @@ fn bounds<N: Number>(
     elements: &Elements<'_>,
     place: DAffine3,
     task: &Task<'_>,
-) -> Result<Option<(DVec3, DVec3)>, Stop> {
+) -> Result<Box3, Stop> {
     let place = moving(place);
+    let unite = |left: Box3, right: Box3| {
+        let (left, right) = left.zip(right)?;
+        Some((left.0.min(right.0), left.1.max(right.1)))
+    };
+    let nothing = || Some((DVec3::INFINITY, DVec3::NEG_INFINITY));
+    if let (None, Some(bytes)) = (place, elements.packed(ComponentType::F32, 3)) {
+        let of_rows = |rows: Range<usize>| {
+            packed_bounds(
+                bytes
+                    .get(12 * rows.start..12 * rows.end)
+                    .unwrap_or_default(),
+            )
+        };
+        return all_rows(elements.layout.rows, task, of_rows, unite, nothing);
+    }
     let of_rows = |rows: Range<usize>| {
         let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let mut all = true;
@@ -291,11 +264,6 @@ fn bounds<N: Number>(
         }
         all.then_some((least, most))
     };
-    let unite = |left: Option<(DVec3, DVec3)>, right: Option<(DVec3, DVec3)>| {
-        let (left, right) = left.zip(right)?;
-        Some((left.0.min(right.0), left.1.max(right.1)))
-    };
-    let nothing = || Some((DVec3::INFINITY, DVec3::NEG_INFINITY));
     all_rows(elements.layout.rows, task, of_rows, unite, nothing)
 }
 
@@ -330,6 +298,12 @@ fn put<N: Number>(
     task: &Task<'_>,
 ) -> Result<(), Stop> {
     let place = moving(place);
+    let packed = elements.packed(ComponentType::F32, 3);
+    if let (None, DVec3::ZERO, Some(bytes)) = (place, origin, packed) {
+        return extend_packed(to, bytes, task, |row: &[u8; 12]| {
+            Vec3::from(words(row, f32::from_le_bytes))
+        });
+    }
     extend(to, elements.layout.rows, task, |row| {
         let [x, y, z] = (point::<N>(elements, row, place) - origin).to_array();
         Vec3::new(narrow(x), narrow(y), narrow(z))
@@ -358,14 +332,14 @@ fn join(
         Some(elements) => match elements.layout.kind {
             ComponentType::U8 => by(&|at| elements.count::<u8>(at)),
             ComponentType::U16 => by(&|at| elements.count::<u16>(at)),
-            // By far the most, and worth a loop of their own.
-            _ => extend(to, part.triangles, task, |triangle| {
-                let corners = corners(part.join, triangle);
-                turned(
-                    corners.map(|at| start + elements.count::<u32>(at)),
-                    is_mirrored,
-                )
-            }),
+            _ => match (part.join, elements.packed(ComponentType::U32, 1)) {
+                // By far the most.
+                (Join::List, Some(bytes)) => extend_packed(to, bytes, task, |row: &[u8; 12]| {
+                    let corners = words(row, u32::from_le_bytes);
+                    turned(corners.map(|corner| start + corner), is_mirrored)
+                }),
+                _ => by(&|at| elements.count::<u32>(at)),
+            },
         },
     }
 }
@@ -375,7 +349,7 @@ fn join(
 fn corners(join: Join, triangle: usize) -> [usize; 3] {
     match join {
         Join::List => [3 * triangle, 3 * triangle + 1, 3 * triangle + 2],
-        Join::Strip if triangle % 2 == 0 => [triangle, triangle + 1, triangle + 2],
+        Join::Strip if triangle.is_multiple_of(2) => [triangle, triangle + 1, triangle + 2],
         Join::Strip => [triangle, triangle + 2, triangle + 1],
         Join::Fan => [triangle + 1, triangle + 2, 0],
     }
