@@ -1,5 +1,6 @@
 //! Scanned models: triangles in space, read from other programs' files, checked and told about.
 
+pub mod colour;
 pub mod endpoints;
 mod error;
 pub mod intersect;
