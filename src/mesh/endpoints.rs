@@ -5,6 +5,7 @@
 
 mod arms;
 mod error;
+mod open;
 mod propose;
 mod table;
 

@@ -1,8 +1,9 @@
 //! What is measured between and at places of a surface: distances, angles, thickness, and the section of the tube that a place is on.
 //!
-//! Coordinates are those of [`super::Mesh::positions`]; lengths are in the file's unit. What looks inwards takes it that triangles show their
-//! fronts to the outside, as a mesh is once it is oriented.
+//! Coordinates are those of [`super::Mesh::positions`]; lengths are in the file's unit. What looks inwards goes by the triangles' normals, the other
+//! way where the mesh is inside out as a whole; parts that are turned against each other must be oriented first.
 
+mod along;
 mod axis;
 mod ball;
 mod section;
@@ -10,8 +11,10 @@ mod thickness;
 
 use glam::Vec3;
 
+pub use self::along::{Along, Cancelled, along};
 pub use self::ball::{Ball, inscribed};
 pub use self::section::{Section, section};
+pub(crate) use self::thickness::diameter;
 pub use self::thickness::{Thickness, thickness};
 
 /// How far two points are from each other, straight.

@@ -4,6 +4,7 @@ pub mod colour;
 pub mod display;
 pub mod endpoints;
 mod error;
+pub mod field;
 pub mod intersect;
 #[cfg(test)]
 pub(crate) mod made;

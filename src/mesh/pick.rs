@@ -49,6 +49,7 @@ struct Hierarchy {
 pub struct Picker {
     mesh: Arc<Mesh>,
     hierarchy: Hierarchy,
+    inside_out: bool,
 }
 
 /// Which sides of triangles a ray sees.
@@ -88,7 +89,33 @@ impl Picker {
         progress: &mut dyn FnMut(usize, usize),
     ) -> Option<Self> {
         let hierarchy = Hierarchy::new(&mesh, cancel, progress)?;
-        Some(Self { mesh, hierarchy })
+        Some(Self::of(mesh, hierarchy))
+    }
+
+    fn of(mesh: Arc<Mesh>, hierarchy: Hierarchy) -> Self {
+        Self {
+            inside_out: hierarchy.is_inside_out(),
+            mesh,
+            hierarchy,
+        }
+    }
+
+    /// Triangles as a whole show their backs to the outside: what they enclose, seen from the middle of the box, is below zero. Open surfaces count too.
+    pub fn is_inside_out(&self) -> bool {
+        self.inside_out
+    }
+
+    /// The side of triangles that a ray out of the solid sees.
+    pub(crate) fn inner_sides(&self) -> Sides {
+        match self.inside_out {
+            true => Sides::Fronts,
+            false => Sides::Backs,
+        }
+    }
+
+    /// Into the solid, from a normal of its triangles.
+    pub(crate) fn inwards(&self, normal: Vec3) -> Vec3 {
+        if self.inside_out { normal } else { -normal }
     }
 
     /// The mesh that it is of.

@@ -12,8 +12,10 @@ use std::f64::consts::TAU;
 use crate::mesh::report::NONE;
 use crate::mesh::surface::graph::{Field, Graph};
 
-/// An arm must be so many times as long as thick. A half-ball on a wall has 2.5.
-const SLENDER: f64 = 3.0;
+/// An arm that is not so many times as long as thick is not looked at further. A half-ball on a wall has 2.5; only what is flatter has less than 1.
+const SLENDER: f64 = 0.6;
+/// Part of the longer arm's area that an arm must have for the place to be a fork of it, and not a bump.
+const FORK: f64 = 0.05;
 
 /// A whole part that has no fork must be so many times as long as thick to have ends. A ball has 4.9.
 const SLENDER_WHOLE: f64 = 7.0;
@@ -22,6 +24,8 @@ const SLENDER_WHOLE: f64 = 7.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Arm {
     pub(super) peak: u32,
+    /// Where it meets the longer one; None where it meets none.
+    pub(super) foot: Option<u32>,
     pub(super) length: f64,
     /// By its area, below the peak.
     pub(super) radius: f64,
@@ -43,21 +47,28 @@ struct Piece {
 }
 
 impl Piece {
-    fn arm(&self, length: f64) -> Arm {
+    fn arm(&self, length: f64, foot: Option<u32>) -> Arm {
         let (own, area) = self.stretch.unwrap_or((length, self.area));
         Arm {
             peak: self.peak,
+            foot,
             length,
             radius: area / (TAU * own),
         }
     }
 }
 
-/// All arms that are longer than thick, and for each part of the surface the one that is left in the end, which leads to where distances are
+/// All arms that are not flat, and for each part of the surface the one that is left in the end, which leads to where distances are
 /// counted from.
 pub(super) struct Arms {
     pub(super) side: Vec<Arm>,
     pub(super) whole: Vec<Arm>,
+}
+
+impl Arms {
+    pub(super) fn all(&self) -> impl Iterator<Item = &Arm> {
+        self.side.iter().chain(&self.whole)
+    }
 }
 
 /// Finds them; `areas` are those of vertices.
@@ -83,11 +94,13 @@ pub(super) fn arms(graph: &Graph, field: &Field, areas: &[f64]) -> Arms {
             let Some((ended, longer)) = pieces.join(*vertex, *other, &distance) else {
                 continue;
             };
-            let arm = ended.arm(distance(ended.peak) - level);
+            let arm = ended.arm(distance(ended.peak) - level, Some(*vertex));
             let grown = &mut pieces.pieces[longer as usize];
             if ended.peak != *vertex && arm.is_slender(SLENDER) {
                 let own = (distance(grown.peak) - level, grown.area);
-                grown.stretch.get_or_insert(own);
+                if ended.area > FORK * grown.area {
+                    grown.stretch.get_or_insert(own);
+                }
                 side.push(arm);
             }
             grown.area += ended.area;
@@ -98,7 +111,7 @@ pub(super) fn arms(graph: &Graph, field: &Field, areas: &[f64]) -> Arms {
         .filter(|vertex| pieces.parent[**vertex as usize] == **vertex);
     let whole = roots.filter_map(|root| {
         let piece = pieces.pieces[pieces.of_root[*root as usize] as usize];
-        let arm = piece.arm(distance(piece.peak));
+        let arm = piece.arm(distance(piece.peak), None);
         let times = piece.stretch.map_or(SLENDER_WHOLE, |_| SLENDER);
         arm.is_slender(times).then_some(arm)
     });

@@ -5,21 +5,22 @@
 //! surface ─▶ farthest place ─▶ distances from there ─▶ arms ─▶ tips with one side ─┴▶ ends ─▶ the widest is the source
 //! ```
 //!
-//! The place farthest from any is a tip, and seen from a tip all others are ends of arms ([`super::arms`]). Two things that look like it are none.
+//! The place farthest from any is a tip, and seen from a tip all others are ends of arms ([`super::arms`]); that first tip is looked at as
+//! the end of an arm as seen from the farthest of the others. Bumps make arms too; how long an
+//! arm must be is measured by the largest balls inside its tip and where it begins. Two things that look like it are none.
 //! Where a network of vessels closes to a loop, distances meet from both sides: a piece around such a peak ends in two loops, one around a
 //! tip in one. And an arm's peak at an open end is that open end.
 //!
-//! An open end is the end of a tube if the surface within one radius of it has the area of a tube (2π r²) and not that of a plate around a hole
-//! (3π r²). Tried instead and left: local maxima of the distance alone (each bump is one), sums of distances to all places (short branches near the
+//! Tried instead and left: local maxima of the distance alone (each bump is one), sums of distances to all places (short branches near the
 //! middle are lost), and skeletons (they are the next room's, and need ends to start from).
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::f64::consts::{PI, TAU};
 use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
 
-use super::arms::{Arm, arms};
+use super::arms::{Arm, Arms, arms};
+use super::open::{Open, open_ends};
 use super::{Endpoint, Kind, Snapped};
 use crate::mesh::measure::inscribed;
 use crate::mesh::report::NONE;
@@ -29,11 +30,19 @@ use crate::mesh::surface::graph::{Field, Graph, field};
 /// Parts of the surface below this part of the largest one's area have no ends.
 const DEBRIS: f64 = 1e-3;
 
-/// Area within one radius of an open end, in π · radius², above which it is a hole in a wall: tubes have 2, plates 3.
-const PLATE: f64 = 2.6;
+/// An arm must be longer than so many radii of the largest ball in its tip, and of half the ball where it begins. On the seven models of
+/// known ends the shortest true arm has 0.89 and the longest bump 0.12.
+const SHORT: f64 = 0.7;
 
-/// How many radii below a peak it is looked at whether it is a tip.
-const TIP: f64 = 3.0;
+/// The longest arm of a part must be longer than so many radii: from pole to pole a ball has 3.1.
+const SHORT_WHOLE: f64 = 4.0;
+
+/// How many radii below a peak it is looked at whether it is a tip: fronts that come from both sides of a tube meet around it within four, half its
+/// circumference, and ways along edges are longer than straight ones.
+const TIP: f64 = 5.0;
+
+/// How many radii below a peak an open end is that the arm ends in.
+const NEAR: f64 = 1.5;
 
 /// Why an end is proposed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,25 +83,33 @@ struct End {
     snapped: Option<(Vec3, f64)>,
     reason: Reason,
     arm: f64,
-    /// How thick it is, by the area around it, which is less rough than a ball: what the source is chosen by.
     radius: f64,
+    slenderness: f64,
 }
 
 /// Proposes ends: the source first, then targets with the longest arms first. None when `cancel` was set.
 pub fn propose(surface: &Surface, cancel: &AtomicBool) -> Option<Vec<Proposal>> {
     let (graph, areas) = (surface.graph(), surface.vertex_areas());
-    let Some(start) = farthest(surface, graph, &areas, cancel)? else {
+    let Some(starts) = farthest(surface, graph, &areas, cancel)? else {
         return Some(Vec::new());
     };
-    let sources: Vec<(u32, u32)> = start.iter().copied().zip(0..).collect();
-    let from_tips = field(surface, graph, &sources, |_| f64::INFINITY, cancel)?;
-    let shape = Shape {
-        surface,
-        graph,
-        field: &from_tips,
-    };
-    let open = shape.open_ends(&areas, cancel)?;
-    Some(named(surface, shape.ends(&start, &areas, open)))
+    let open = open_ends(surface, &areas, cancel)?;
+    let sweep = |starts: &[u32]| Sweep::new(surface, &areas, starts, cancel);
+    let first = sweep(&starts)?;
+    let peaks: Vec<u32> = first.arms.whole.iter().map(|arm| arm.peak).collect();
+    let second = sweep(&peaks)?;
+    let mut tips = Tips::new(surface, open);
+    first.arms.all().for_each(|arm| tips.add(&first, arm));
+    // Where the first distances are counted from is a tip, too, and the peak of an arm as seen from another.
+    for part in 0..u32::try_from(peaks.len()).unwrap_or(NONE) {
+        let to_start = |arm: &Arm| first.field.distances[arm.peak as usize];
+        let of_part = second.arms.all().filter(|arm| second.part(arm) == part);
+        let nearest = of_part.min_by(|a, b| to_start(a).total_cmp(&to_start(b)));
+        if let Some(arm) = nearest.filter(|arm| to_start(arm) < arm.length) {
+            tips.add(&second, arm);
+        }
+    }
+    Some(named(surface, tips.finish()))
 }
 
 /// A vertex of each part that is no debris, farthest from some vertex of it.
@@ -140,148 +157,51 @@ fn farthest(
     Some(Some(best.into_iter().map(|(vertex, _)| vertex).collect()))
 }
 
-/// An open end that a tube has.
-struct Open {
-    centre: DVec3,
-    radius: f64,
-}
-
-struct Shape<'a> {
-    surface: &'a Surface,
+/// Distances from a place of each part, and the arms that they make.
+struct Sweep<'a> {
     graph: &'a Graph,
-    field: &'a Field,
+    field: Field,
+    arms: Arms,
 }
 
-impl Shape<'_> {
-    /// The open ends; None for holes in walls.
-    fn open_ends(&self, areas: &[f64], cancel: &AtomicBool) -> Option<Vec<Option<Open>>> {
-        let loops = self.surface.open_ends();
-        let ends: Vec<Open> = loops.iter().map(|line| self.measured(line)).collect();
-        let sources: Vec<(u32, u32)> = (0_u32..)
-            .zip(loops)
-            .flat_map(|(number, line)| line.iter().map(move |vertex| (*vertex, number)))
-            .collect();
-        let radius = |number: u32| ends.get(number as usize).map_or(0.0, |end| end.radius);
-        let near = field(self.surface, self.graph, &sources, radius, cancel)?;
-        let mut around = vec![0.0; ends.len()];
-        for (area, source) in areas.iter().zip(&near.sources) {
-            if let Some(sum) = around.get_mut(*source as usize) {
-                *sum += area;
-            }
-        }
-        let ends = ends.into_iter().zip(around);
-        Some(
-            ends.map(|(end, area)| {
-                let is_tube = area < PLATE * PI * end.radius * end.radius;
-                (is_tube && self.is_of_interest(&end)).then_some(end)
-            })
-            .collect(),
-        )
+impl<'a> Sweep<'a> {
+    fn new(
+        surface: &'a Surface,
+        areas: &[f64],
+        starts: &[u32],
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
+        let graph = surface.graph();
+        let sources: Vec<(u32, u32)> = starts.iter().copied().zip(0..).collect();
+        let field = field(surface, graph, &sources, |_| f64::INFINITY, cancel)?;
+        let arms = arms(graph, &field, areas);
+        Some(Self { graph, field, arms })
     }
 
-    fn is_of_interest(&self, end: &Open) -> bool {
-        end.radius > 0.0 && end.centre.is_finite()
+    /// Which of the places an arm is seen from.
+    fn part(&self, arm: &Arm) -> u32 {
+        self.field.sources[arm.peak as usize]
     }
 
-    /// Centre and radius of a loop, by its length.
-    fn measured(&self, line: &[u32]) -> Open {
-        let (mut length, mut moment) = (0.0, DVec3::ZERO);
-        for (from, to) in line.iter().zip(line.iter().cycle().skip(1)) {
-            let (from, to) = (self.surface.position(*from), self.surface.position(*to));
-            length += from.distance(to);
-            moment += from.distance(to) * from.midpoint(to);
-        }
-        Open {
-            centre: moment / length,
-            radius: length / TAU,
-        }
-    }
-
-    fn ends(&self, start: &[u32], areas: &[f64], open: Vec<Option<Open>>) -> Vec<End> {
-        let found = arms(self.graph, self.field, areas);
-        let loop_of_vertex: BTreeMap<u32, usize> = self
-            .surface
-            .open_ends()
-            .iter()
-            .enumerate()
-            .flat_map(|(number, line)| line.iter().map(move |vertex| (*vertex, number)))
-            .collect();
-        // Where distances are counted from, each whole part has an end too, as long and thick as the other.
-        let from = found.whole.iter().map(|arm| Arm {
-            peak: start[self.field.sources[arm.peak as usize] as usize],
-            ..*arm
-        });
-        let mut arm_of_loop = vec![0.0; open.len()];
-        let mut ends = Vec::new();
-        let normals = self.surface.vertex_normals();
-        for (arm, upwards) in found
-            .side
-            .iter()
-            .chain(&found.whole)
-            .map(|arm| (*arm, true))
-            .chain(from.map(|arm| (arm, false)))
-        {
-            let piece = self.piece(&arm, upwards);
-            let here = piece.iter();
-            let at_loop = here.filter_map(|vertex| loop_of_vertex.get(vertex));
-            if let Some(number) = at_loop.filter(|number| open[**number].is_some()).min() {
-                arm_of_loop[*number] = f64::max(arm_of_loop[*number], arm.length);
-            } else if self.lines_around(&piece) <= 1 {
-                let area: f64 = piece.iter().map(|vertex| areas[*vertex as usize]).sum();
-                ends.push(self.tip(&arm, area / (TAU * deep(&arm)), normals[arm.peak as usize]));
-            }
-        }
-        let loops = open.into_iter().zip(arm_of_loop);
-        ends.extend(loops.filter_map(|(end, arm)| {
-            let end = end?;
-            Some(End {
-                place: end.centre.as_vec3(),
-                snapped: Some((end.centre.as_vec3(), end.radius)),
-                reason: Reason::OpenEnd,
-                arm,
-                radius: end.radius,
-            })
-        }));
-        ends
-    }
-
-    fn tip(&self, arm: &Arm, radius: f64, normal: DVec3) -> End {
-        let place = self.surface.position(arm.peak).as_vec3();
-        let ball = inscribed(self.surface.picker(), place, normal.as_vec3());
-        let snapped = ball.map(|ball| (ball.centre, f64::from(ball.radius)));
-        End {
-            place,
-            radius,
-            snapped,
-            reason: Reason::Tip,
-            arm: arm.length,
-        }
-    }
-
-    /// What hangs together around a peak, down to some radii below it.
-    fn piece(&self, arm: &Arm, upwards: bool) -> BTreeSet<u32> {
-        let height = |vertex: u32| {
-            let distance = self.field.distances[vertex as usize];
-            if upwards { distance } else { -distance }
-        };
-        let level = height(arm.peak) - deep(arm);
-        let mut vertices = BTreeSet::from([arm.peak]);
+    /// What hangs together around a peak, down to a depth below it.
+    fn piece(&self, arm: &Arm, depth: f64) -> BTreeSet<u32> {
+        let height = |vertex: u32| self.field.distances[vertex as usize];
+        let level = height(arm.peak) - depth.min(0.9 * arm.length);
+        let mut piece = BTreeSet::from([arm.peak]);
         let mut open = vec![arm.peak];
         while let Some(at) = open.pop() {
             for other in self.graph.neighbours(at) {
-                if height(*other) >= level && vertices.insert(*other) {
+                if height(*other) >= level && piece.insert(*other) {
                     open.push(*other);
                 }
             }
         }
-        vertices
+        piece
     }
 
     /// How many closed lines part a piece from the rest: what hangs together of the vertices just outside it.
     fn lines_around(&self, piece: &BTreeSet<u32>) -> usize {
-        let around = piece
-            .iter()
-            .flat_map(|vertex| self.graph.neighbours(*vertex));
+        let around = piece.iter().flat_map(|one| self.graph.neighbours(*one));
         let mut outside: BTreeSet<u32> =
             around.copied().filter(|one| !piece.contains(one)).collect();
         let mut lines = 0;
@@ -297,9 +217,85 @@ impl Shape<'_> {
     }
 }
 
-/// How far below a peak it is looked at.
-fn deep(arm: &Arm) -> f64 {
-    (TIP * arm.radius).min(0.9 * arm.length)
+/// Ends as they are found.
+struct Tips<'a> {
+    surface: &'a Surface,
+    normals: Vec<DVec3>,
+    loop_of_vertex: BTreeMap<u32, usize>,
+    /// Open ends of tubes, and the longest arm that ends in each.
+    open: Vec<Option<(Open, f64)>>,
+    ends: Vec<End>,
+}
+
+impl<'a> Tips<'a> {
+    fn new(surface: &'a Surface, open: Vec<Option<Open>>) -> Self {
+        let loops = surface.open_ends().iter().enumerate();
+        Self {
+            surface,
+            normals: surface.vertex_normals(),
+            loop_of_vertex: loops
+                .flat_map(|(number, line)| line.iter().map(move |vertex| (*vertex, number)))
+                .collect(),
+            open: open.into_iter().map(|end| Some((end?, 0.0))).collect(),
+            ends: Vec::new(),
+        }
+    }
+
+    /// Looks at an arm: it is that of an open end, a tip, or nothing.
+    fn add(&mut self, sweep: &Sweep, arm: &Arm) {
+        let tip = self.tip(arm);
+        let radius = tip.as_ref().map_or(0.0, |(tip, _)| tip.radius);
+        let radius = radius.max(arm.radius);
+        let at_loop = sweep.piece(arm, NEAR * radius).into_iter();
+        let mut at_loop = at_loop.filter_map(|vertex| self.loop_of_vertex.get(&vertex));
+        let number = at_loop.find(|number| self.open[**number].is_some());
+        if let Some((_, longest)) = number.and_then(|number| self.open[*number].as_mut()) {
+            *longest = longest.max(arm.length);
+        } else if let Some((tip, true)) = tip
+            && sweep.lines_around(&sweep.piece(arm, TIP * radius)) <= 1
+        {
+            self.ends.push(tip);
+        }
+    }
+
+    /// The end of an arm, and whether the arm is long enough for its thickness and for that of what it stands on. None where it has no inside.
+    fn tip(&self, arm: &Arm) -> Option<(End, bool)> {
+        let ball = |vertex: u32| {
+            let (place, normal) = (self.surface.position(vertex), self.normals[vertex as usize]);
+            inscribed(self.surface.picker(), place.as_vec3(), normal.as_vec3())
+        };
+        let at_tip = ball(arm.peak)?;
+        let radius = f64::from(at_tip.radius);
+        let least = match arm.foot {
+            Some(foot) => {
+                let below = ball(foot).map_or(0.0, |ball| f64::from(ball.radius));
+                SHORT * radius.max(below / 2.0)
+            }
+            None => SHORT_WHOLE * radius,
+        };
+        let end = End {
+            place: self.surface.position(arm.peak).as_vec3(),
+            snapped: Some((at_tip.centre, radius)),
+            reason: Reason::Tip,
+            arm: arm.length,
+            radius,
+            slenderness: arm.length / arm.radius,
+        };
+        Some((end, arm.length > least))
+    }
+
+    /// All ends, open ones too.
+    fn finish(self) -> Vec<End> {
+        let open = self.open.into_iter().flatten().map(|(end, arm)| End {
+            place: end.centre.as_vec3(),
+            snapped: Some((end.centre.as_vec3(), end.radius)),
+            reason: Reason::OpenEnd,
+            arm,
+            radius: end.radius,
+            slenderness: arm / end.radius,
+        });
+        self.ends.into_iter().chain(open).collect()
+    }
 }
 
 /// Chooses the source and gives names.
@@ -337,7 +333,7 @@ fn named(surface: &Surface, mut ends: Vec<End>) -> Vec<Proposal> {
         },
         reason: end.reason,
         arm: end.arm,
-        slenderness: end.arm / end.radius,
+        slenderness: end.slenderness,
     });
     proposals.collect()
 }

@@ -333,7 +333,7 @@ fn the_aorta_has_three_ends_open_and_closed() {
 #[test]
 fn bumps_are_no_arms() {
     let sphere = made::sphere(5);
-    for (length, ends) in [(0.3, 0), (6.0, 2)] {
+    for (length, ends) in [(0.1, 0), (6.0, 2)] {
         let mut mesh = sphere.clone();
         for position in &mut mesh.positions {
             // A column of radius 0.3 around z, pulled out of the ball.

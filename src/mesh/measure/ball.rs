@@ -27,10 +27,10 @@ pub struct Ball {
     pub radius: f32,
 }
 
-/// The largest ball inside that touches the surface at a point, of which `normal` points outwards. None where nothing is opposite, as on
-/// surfaces that are turned inside out.
+/// The largest ball inside that touches the surface at a point, of which `normal` is that of the triangles. None where nothing is
+/// opposite.
 pub fn inscribed(picker: &Picker, point: Vec3, normal: Vec3) -> Option<Ball> {
-    let inwards = -normal.try_normalize()?;
+    let inwards = picker.inwards(normal).try_normalize()?;
     let mut radius = inside(picker, point, inwards)? / 2.0;
     for _ in 0..STEPS {
         let centre = point + radius * inwards;

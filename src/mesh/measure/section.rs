@@ -21,7 +21,7 @@ use glam::{DVec3, Vec3};
 use super::axis::{eigen, scatter, spread};
 use super::ball::inscribed;
 use super::thickness::inside;
-use crate::mesh::pick::{Hit, Picker, Sides};
+use crate::mesh::pick::{Hit, Picker};
 use crate::mesh::surface::{Surface, next};
 
 /// Rays that look around.
@@ -73,8 +73,9 @@ pub fn section(surface: &Surface, place: &Hit) -> Option<Section> {
     reason = "told in single precision, as the mesh is"
 )]
 fn of_tube(surface: &Surface, place: &Hit) -> Option<Section> {
-    let through = inside(surface.picker(), place.point, -place.normal)?;
-    let mut middle = (place.point - place.normal * through / 2.0).as_dvec3();
+    let inwards = surface.picker().inwards(place.normal);
+    let through = inside(surface.picker(), place.point, inwards)?;
+    let mut middle = (place.point + inwards * through / 2.0).as_dvec3();
     let mut axis = axis_around(surface.picker(), middle)?;
     for _ in 0..ROUNDS {
         let cut = cut(surface, place, axis)?;
@@ -105,7 +106,7 @@ fn axis_around(picker: &Picker, middle: DVec3) -> Option<DVec3> {
                 middle.as_vec3(),
                 direction.as_vec3(),
                 f32::INFINITY,
-                Sides::Backs,
+                picker.inner_sides(),
             )
         })
         .collect();

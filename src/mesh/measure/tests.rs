@@ -231,3 +231,149 @@ proptest! {
         prop_assert!(near.distance > 0.97 * ball.radius && near.distance <= ball.radius * 1.0001);
     }
 }
+
+fn along_surface(surface: &Surface, from: &Hit, to: &Hit) -> Option<Along> {
+    let found = along(surface, from, to, &AtomicBool::new(false)).unwrap();
+    if let Some(found) = &found {
+        // The points tell the same way, but that they are single.
+        let told: f64 = found
+            .points
+            .windows(2)
+            .map(|pair| distance(pair[0], pair[1]))
+            .sum();
+        assert!(
+            (told / found.length - 1.0).abs() < 1e-4 || found.length < 1e-6,
+            "{told} {}",
+            found.length
+        );
+        assert_eq!(
+            (found.points[0], *found.points.last().unwrap()),
+            (from.point, to.point)
+        );
+    }
+    found
+}
+
+#[test]
+fn the_way_on_a_ball_is_its_great_circle() {
+    let surface = surface(made::sphere(5));
+    let from = place(&surface, Vec3::new(0.31, 0.22, 9.0), Vec3::ZERO);
+    let mut worst = 0.0_f64;
+    for number in 1..40_u8 {
+        let turn = f32::from(number) * 0.077;
+        let out = Quat::from_rotation_z(f32::from(number) * 0.9)
+            * Vec3::new(turn.sin(), 0.0, turn.cos())
+            * 9.0;
+        let to = place(&surface, out, Vec3::ZERO);
+        let expected = angle(Vec3::ZERO, from.point, to.point).unwrap();
+        let found = along_surface(&surface, &from, &to).unwrap();
+        worst = worst.max((found.length / expected - 1.0).abs());
+        assert!(
+            (found.length / expected - 1.0).abs() < 0.002,
+            "{number}: {} for {expected}",
+            found.length
+        );
+    }
+    println!("worst on a ball: {worst:.5}");
+}
+
+#[test]
+fn the_way_on_a_tube_is_straight_once_it_is_unrolled() {
+    for (round, rows, height) in [(64, 40, 1.0), (200, 12, 3.0), (24, 60, 0.2)] {
+        let surface = surface(bent(
+            made::tube(round, rows),
+            Vec3::new(1.0, 1.0, height),
+            Quat::IDENTITY,
+        ));
+        let top = f32::from(u16::try_from(rows - 1).unwrap()) * height;
+        for number in 0..20_u8 {
+            let (turn, from_z, to_z) = (
+                f32::from(number) * 0.15,
+                0.11 * top,
+                top * (0.15 + f32::from(number) * 0.04),
+            );
+            let at = |turn: f32, z: f32| {
+                place(
+                    &surface,
+                    Vec3::new(9.0 * turn.cos(), 9.0 * turn.sin(), z),
+                    Vec3::new(0.0, 0.0, z),
+                )
+            };
+            let (from, to) = (at(0.01, from_z), at(turn, to_z));
+            // Around the polygon of the tube's section: exact on its triangles.
+            let around = |turn: f64| {
+                let side = std::f64::consts::TAU / f64::from(round);
+                let (whole, part) = ((turn / side).floor(), turn % side);
+                let middle = side / 2.0;
+                2.0 * middle.sin() * whole + middle.sin() + middle.cos() * (part - middle).tan()
+            };
+            let polygon = around(f64::from(to.point.y.atan2(to.point.x)))
+                - around(f64::from(from.point.y.atan2(from.point.x)));
+            let expected = polygon.hypot(f64::from(to.point.z - from.point.z));
+            let found = along_surface(&surface, &from, &to).unwrap();
+            assert!(
+                (found.length / expected - 1.0).abs() < 1e-5,
+                "{round} {number}: {} for {expected}",
+                found.length
+            );
+        }
+    }
+}
+
+#[test]
+fn ways_over_edges_corners_and_between_parts() {
+    let cube = surface(made::cube());
+    let nearest = |surface: &Surface, point: [f32; 3]| {
+        surface.picker().nearest(Vec3::from(point), 99.0).unwrap()
+    };
+    let table = [
+        ([0.5, 0.5, 0.0], [0.5, 0.5, 1.0], 2.0),
+        ([0.5, 0.5, 0.0], [1.0, 0.5, 0.5], 1.0),
+        ([0.0, 0.0, 0.0], [1.0, 1.0, 1.0], 5.0_f64.sqrt()),
+        ([0.2, 0.3, 0.0], [0.9, 0.3, 0.0], 0.7),
+        ([0.2, 0.3, 0.0], [0.2, 0.3, 0.0], 0.0),
+    ];
+    for (from, to, expected) in table {
+        let found = along_surface(&cube, &nearest(&cube, from), &nearest(&cube, to)).unwrap();
+        assert!(
+            (found.length - expected).abs() < 1e-6,
+            "{from:?} {to:?} {}",
+            found.length
+        );
+    }
+    let two = surface(made::both(
+        &made::cube(),
+        &made::placed(made::cube(), 1.0, Vec3::splat(5.0)),
+    ));
+    let apart = along_surface(&two, &nearest(&two, [0.0; 3]), &nearest(&two, [6.0; 3]));
+    assert_eq!(apart, None);
+    let cancelled = along(
+        &cube,
+        &nearest(&cube, [0.0; 3]),
+        &nearest(&cube, [1.0; 3]),
+        &AtomicBool::new(true),
+    );
+    assert_eq!(cancelled, Err(Cancelled));
+    // Three walls on one edge: there is no strip over it, and the way along edges is told.
+    let book = surface(made::book());
+    let found = along_surface(
+        &book,
+        &nearest(&book, [0.9, 0.0, 0.5]),
+        &nearest(&book, [-0.45, 0.78, 0.5]),
+    )
+    .unwrap();
+    assert!((1.6..2.6).contains(&found.length), "{}", found.length);
+}
+
+proptest! {
+    #[test]
+    fn ways_are_no_shorter_than_straight_and_the_same_back(a in prop::array::uniform3(-3.0_f32..3.0), b in prop::array::uniform3(-3.0_f32..3.0)) {
+        let surface = surface(made::torus(40, 20));
+        let [from, to] = [a, b].map(|point| surface.picker().nearest(Vec3::from(point), 99.0).unwrap());
+        let there = along_surface(&surface, &from, &to).unwrap();
+        let back = along_surface(&surface, &to, &from).unwrap();
+        prop_assert!(there.length >= distance(from.point, to.point) * (1.0 - 1e-6));
+        // Both are locally shortest; around different sides they may differ.
+        prop_assert!((there.length / back.length.max(1e-9) - 1.0).abs() < 0.25 || there.length < 1e-6);
+    }
+}

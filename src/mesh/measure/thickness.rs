@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_3;
 use glam::{DQuat, DVec3, Vec3};
 
 use super::axis::spread;
-use crate::mesh::pick::{Picker, Sides};
+use crate::mesh::pick::Picker;
 
 /// Rays of a cone.
 const RAYS: u32 = 30;
@@ -21,17 +21,17 @@ pub struct Thickness {
     pub diameter: Option<f32>,
 }
 
-/// How thick the solid is below a point of its surface, of which `normal` points outwards.
+/// How thick the solid is below a point of its surface, of which `normal` is that of the triangles.
 pub fn thickness(picker: &Picker, point: Vec3, normal: Vec3) -> Thickness {
     Thickness {
-        opposite: inside(picker, point, -normal),
+        opposite: inside(picker, point, picker.inwards(normal)),
         diameter: diameter(picker, point, normal),
     }
 }
 
 /// How far a ray that starts on the surface is inside.
 pub(super) fn inside(picker: &Picker, point: Vec3, direction: Vec3) -> Option<f32> {
-    let hit = picker.ray_to(point, direction, f32::INFINITY, Sides::Backs)?;
+    let hit = picker.ray_to(point, direction, f32::INFINITY, picker.inner_sides())?;
     // What is hit where it starts is the surface it starts on.
     let rounding = 16.0 * f32::EPSILON * point.abs().max_element();
     (hit.distance > rounding).then_some(hit.distance)
@@ -39,7 +39,7 @@ pub(super) fn inside(picker: &Picker, point: Vec3, direction: Vec3) -> Option<f3
 
 /// The shape diameter alone.
 pub(crate) fn diameter(picker: &Picker, point: Vec3, normal: Vec3) -> Option<f32> {
-    let inwards = -normal.as_dvec3().try_normalize()?;
+    let inwards = picker.inwards(normal).as_dvec3().try_normalize()?;
     let turn = DQuat::from_rotation_arc(DVec3::Z, inwards);
     let rays: Vec<(f64, f64)> = spread(RAYS, FRAC_PI_3)
         .filter_map(|direction| {

@@ -21,6 +21,9 @@ use crate::mesh::Mesh;
 /// Part of the nodes that reinsertion tries.
 const REINSERTED: f32 = 0.01;
 
+/// Triangles of one piece of work.
+const CHUNK: usize = 1 << 14;
+
 /// Corners of a triangle, if all are there and finite.
 pub(super) fn usable(mesh: &Mesh, triangle: [u32; 3]) -> Option<[Vec3; 3]> {
     let corner = |vertex: u32| mesh.positions.get(vertex as usize).copied();
@@ -96,6 +99,26 @@ impl Hierarchy {
                 .collect(),
             corners: Vec::new(),
         }
+    }
+
+    /// The volume of pyramids from the middle of the box to all triangles is below zero. Sums of chunks are added in their order, so it does not depend on
+    /// the number of threads.
+    pub(super) fn is_inside_out(&self) -> bool {
+        let Some(root) = self.nodes.first() else {
+            return false;
+        };
+        let [min, max] = root.bounds().map(Vec3::as_dvec3);
+        let middle = min.midpoint(max);
+        let volume = |corners: &[Vec3; 3]| {
+            let [a, b, c] = corners.map(|corner| corner.as_dvec3() - middle);
+            a.dot(b.cross(c))
+        };
+        let chunks: Vec<f64> = self
+            .corners
+            .par_chunks(CHUNK)
+            .map(|chunk| chunk.iter().map(volume).sum())
+            .collect();
+        chunks.into_iter().sum::<f64>() < 0.0
     }
 
     /// Makes all boxes anew from the triangles. Children stand behind their parents, so they are known first from the end.

@@ -89,10 +89,7 @@ impl Picker {
             return None;
         }
         hierarchy.fit(mesh);
-        Some(Self {
-            mesh: Arc::clone(mesh),
-            hierarchy,
-        })
+        Some(Self::of(Arc::clone(mesh), hierarchy))
     }
 
     fn save(&self, hash: [u64; 2], path: &Path) -> Result<(), TreeError> {
@@ -287,7 +284,7 @@ mod tests {
             if let Some(mut taken) = Hierarchy::from_bytes(&mesh, hash, &bytes) {
                 taken.fit(&mesh);
                 let built = picker(mesh.clone());
-                let taken = Picker { mesh: Arc::new(mesh), hierarchy: taken };
+                let taken = Picker::of(Arc::new(mesh), taken);
                 for point in &built.mesh.positions {
                     let asked = *point * 1.7;
                     prop_assert_eq!(taken.nearest(asked, 9.0), built.nearest(asked, 9.0));
