@@ -9,7 +9,7 @@
 //! to the ray's origin than 0.0001, in whatever unit the model is, and misses boxes that a ray along an axis only touches; it has no search
 //! for the nearest point. Nodes of four boxes in single precision serve rays and points alike, as fast as obvhs's binary hierarchy does rays.
 //! Corners are copied into the order of the nodes: a fifth of the time of random queries, which wait for memory, for 36 bytes a triangle.
-//! Triangles are decided by a watertight test ([`triangle`]), so a ray never slips through a closed surface. What is found does
+//! Triangles are decided by a watertight test (`triangle`), so a ray never slips through a closed surface. What is found does
 //! not depend on how the hierarchy was built: of what is equally near, the smallest triangle number is given.
 //!
 //! Coordinates and distances are those of [`Mesh::positions`]: in the file's unit, from [`Mesh::origin`].

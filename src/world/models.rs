@@ -1,6 +1,6 @@
 //! Scanned models in the hands: found, gripped by their pedestal's rim or by themselves, carried, turned and scaled, and drawn.
 //!
-//! A model is held as the platform is ([`super::grip`]): level, turned by one hand, scaled by two. Where all is linked, what turns one turns the others
+//! A model is held as the platform is (`grip`): level, turned by one hand, scaled by two. Where all is linked, what turns one turns the others
 //! about their own middles. A hand means a model only where it means nothing else, so a model that a person stands in is in no tool's way.
 
 use std::sync::Arc;

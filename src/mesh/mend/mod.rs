@@ -7,7 +7,7 @@
 //! A mend is a small value with a [textual form](Mend::parse), so a project records the list of mends and not the mended mesh: the model and
 //! the list give the same mesh again, to the bit and on any number of threads, and undo takes the last one off the list.
 //!
-//! Every mend looks at vertices of exactly equal coordinates as one, as the [report](super::report) does, and so joins them first; it
+//! Every mend looks at vertices of exactly equal coordinates as one, as the [report] does, and so joins them first; it
 //! also leaves out what no surface has: triangles with a vertex that is not there, not finite or there twice, triangles that are there
 //! already, vertices that no triangle uses. The account says how many of each, so nothing is changed silently.
 
