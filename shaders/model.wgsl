@@ -33,6 +33,7 @@ const LINE = 1.3;
 const POINT = 3.0;
 const LINE_COLOR = vec3f(0.010, 0.012, 0.014);
 // What is seen of a surface from behind: its inside, or where it is cut.
+const OWN = 2.0;
 const INSIDE = vec3f(0.42, 0.17, 0.12);
 
 var<immediate> model: Model;
@@ -84,7 +85,8 @@ fn color_of(triangle: u32) -> vec4f {
         return model.color;
     }
     let packed = colours[triangle];
-    return select(model.color, vec4f(linear_from_srgb(packed), 1.0), (packed >> 24u) != 0u);
+    // What has a colour of its own has it on both sides, which OWN tells.
+    return select(model.color, vec4f(linear_from_srgb(packed), OWN), (packed >> 24u) != 0u);
 }
 
 @vertex
@@ -140,7 +142,7 @@ fn facing(corner: Corner, front: bool) -> Facing {
 
 fn shade(corner: Corner, front: bool) -> vec3f {
     let f = facing(corner, front);
-    let own = select(INSIDE, corner.color.rgb, front);
+    let own = select(INSIDE, corner.color.rgb, front || corner.color.a >= OWN);
     var color: vec3f;
     if (model.flags & MATTE) != 0u {
         color = own * (ambient(f.normal) * 1.25 + 0.10);

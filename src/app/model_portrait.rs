@@ -47,7 +47,12 @@ pub fn of_model(display: Display, how: &ModelPortrait) -> Result<RgbaImage> {
     let scale = params.radius / half;
     let middle = (display.low + display.high) * 0.5;
     let turned = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), turn, Vec3::ZERO);
-    let (low, high) = extent(&display, |at| turned.transform_point3(at - middle));
+    let placed = |at| turned.transform_point3(at - middle);
+    let (low, high) = if how.boxed {
+        box_extent(&display, placed)
+    } else {
+        extent(&display, placed)
+    };
     // What is lowest touches the ground.
     let lift = Vec3::Y * -low.y;
     let world_from_model =
@@ -74,6 +79,22 @@ pub fn of_model(display: Display, how: &ModelPortrait) -> Result<RgbaImage> {
     }
     let [left, _] = picture.read(None)?;
     Ok(left)
+}
+
+/// The box around the file's box, as it is placed.
+fn box_extent(display: &Display, placed: impl Fn(Vec3) -> Vec3) -> (Vec3, Vec3) {
+    let (low, high) = (display.low, display.high);
+    let corners = (0..8_u8).map(|corner| {
+        let pick = |bit: u8, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
+        placed(Vec3::new(
+            pick(0, low.x, high.x),
+            pick(1, low.y, high.y),
+            pick(2, low.z, high.z),
+        ))
+    });
+    corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), at| {
+        (low.min(at), high.max(at))
+    })
 }
 
 /// The box around what triangles use, as it is placed: seldom as large as the one around the file's box.

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result, anyhow};
 use clap::Args as ClapArgs;
 
 use self::facts::Facts;
-use self::pictured::Look;
+use self::pictured::{Look, Up};
 use super::outputs::{check_places, model_file, not_over_each_other, picture_file};
 use super::print_result;
 use super::progress::Progress;
@@ -51,6 +51,9 @@ pub(super) struct Args {
         requires = "png"
     )]
     look: Vec<Look>,
+    /// Which of the file's axes points up in the picture; without it the second of glTF, OBJ and SWC files, the third of others
+    #[arg(long, value_enum, value_name = "AXIS", requires = "png")]
+    up: Option<Up>,
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, requires = "png", value_parser = clap::value_parser!(u32).range(1..))]
     size: u32,
@@ -163,6 +166,7 @@ pub(super) fn run(
     let printed = print_result("the report", |out| out.write_all(text.as_bytes()));
     if let Some(path) = &args.png {
         let Loaded { mesh, z_up, .. } = loaded;
+        let z_up = args.up.map_or(z_up, |up| up == Up::Z);
         let colours = pictured::colours(&args.look, &mesh, &report, &intersections);
         pictured::draw(mesh, colours, &args.look, z_up, args.size, path)
             .with_context(|| format!("cannot draw {}", args.model.display()))?;

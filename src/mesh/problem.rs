@@ -169,27 +169,23 @@ fn hint(fault: Fault) -> &'static str {
         Fault::OneSidedComponents => {
             "it has no inside to measure: cut it, or mesh the segmentation again"
         }
-        Fault::InsideOutComponents => {
-            "turn its triangles (Blender: Mesh › Normals › Recalculate Outside)"
-        }
-        Fault::TurnedTriangles => {
-            "turn them to agree (Blender: Mesh › Normals › Recalculate Outside)"
-        }
+        Fault::InsideOutComponents => "turn its triangles (mend: `orient`)",
+        Fault::TurnedTriangles => "turn them to agree (mend: `orient`)",
         Fault::SelfIntersections => {
             "unite the parts to one surface (Blender: Modifiers › Remesh, or Boolean › Union with Self Intersection)"
         }
         Fault::OpenEnds => {
-            "as it should be where a vessel or duct was cut; else fill the holes (Blender: Mesh › Clean Up › Fill Holes)"
+            "as it should be where a vessel or duct was cut; else fill the holes (mend: `close`)"
         }
         Fault::DuplicateTriangles => "they are left out; delete them to have a smaller file",
         Fault::DegenerateTriangles => {
-            "they are left out; delete them to have a smaller file (Blender: Mesh › Clean Up › Degenerate Dissolve)"
+            "they are left out; delete them to have a smaller file (mend: `weld`)"
         }
         Fault::ZeroAreaTriangles => {
             "they do no harm to lengths and areas; dissolve them where normals look wrong (Blender: Mesh › Clean Up › Degenerate Dissolve)"
         }
         Fault::DuplicateVertices => {
-            "usual in STL files and at seams of colours; they are taken as one (Blender: Mesh › Merge › By Distance makes them one)"
+            "usual in STL files and at seams of colours; they are taken as one (mend: `weld` makes them one)"
         }
         Fault::UnusedVertices => "they are not shown; delete them to have a smaller file",
     }

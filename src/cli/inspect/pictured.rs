@@ -38,6 +38,15 @@ pub(super) enum Look {
     Problems,
 }
 
+/// An axis of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Up {
+    /// The second
+    Y,
+    /// The third
+    Z,
+}
+
 /// Seen from a corner: shapes are told apart, radians.
 const TURN: f32 = 0.5;
 

@@ -38,7 +38,7 @@ fn the_screen_tells_problems_first_and_hints() {
 duct.ply: PLY, 36 triangles, 24 vertices
 
 ! 2 open ends (boundary loops)
-    as it should be where a vessel or duct was cut; else fill the holes (Blender: Mesh › Clean Up › Fill Holes)
+    as it should be where a vessel or duct was cut; else fill the holes (mend: `close`)
 
 Size      20.00 × 17.32 × 30.00, from (-10.00 -8.6603 0) to (10.00 8.6603 30.00)
 Unit      millimetres (guessed by size): 3.0 cm long, or 30 cm if in centimetres, or 30 m if in metres
@@ -207,6 +207,7 @@ fn what_cannot_be_read_is_an_error_and_what_can_is_printed() {
         out: None,
         png: None,
         look: Vec::new(),
+        up: None,
         size: 64,
     };
     let refused = run(&args(false), |_, _| Err(anyhow!("no such file")));
