@@ -26,7 +26,7 @@ pub fn curvature(surface: &Surface, cancel: &AtomicBool) -> Option<Vec<f32>> {
     let mut pulls = vec![DVec3::ZERO; vertices];
     let mut is_inside = vec![true; vertices];
     for (triangle, face) in surface.triangles() {
-        if triangle as usize % CHUNK == 0 && cancel.load(Ordering::Relaxed) {
+        if (triangle as usize).is_multiple_of(CHUNK) && cancel.load(Ordering::Relaxed) {
             return None;
         }
         let at = face.map(|vertex| surface.position(vertex));
