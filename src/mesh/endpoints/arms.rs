@@ -8,9 +8,10 @@
 //! again and again is not taken for a thick one.
 
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::mesh::report::NONE;
-use crate::mesh::surface::graph::{Field, Graph};
+use crate::mesh::surface::graph::{Field, Graph, STEPS};
 
 /// An arm that is not so many times as long as thick is not looked at further. A half-ball on a wall has 2.5; only what is flatter has less than 1.
 const SLENDER: f64 = 0.6;
@@ -71,8 +72,13 @@ impl Arms {
     }
 }
 
-/// Finds them; `areas` are those of vertices.
-pub(super) fn arms(graph: &Graph, field: &Field, areas: &[f64]) -> Arms {
+/// Finds them; `areas` are those of vertices. None when `cancel` was set.
+pub(super) fn arms(
+    graph: &Graph,
+    field: &Field,
+    areas: &[f64],
+    cancel: &AtomicBool,
+) -> Option<Arms> {
     let distance = |vertex: u32| field.distances[vertex as usize];
     let mut order: Vec<u32> = (0..graph.vertices())
         .filter(|vertex| distance(*vertex).is_finite())
@@ -84,7 +90,10 @@ pub(super) fn arms(graph: &Graph, field: &Field, areas: &[f64]) -> Arms {
         pieces: Vec::new(),
     };
     let mut side = Vec::new();
-    for vertex in &order {
+    for (step, vertex) in order.iter().enumerate() {
+        if step.is_multiple_of(STEPS) && cancel.load(Ordering::Relaxed) {
+            return None;
+        }
         pieces.add(*vertex, areas[*vertex as usize]);
         for other in graph.neighbours(*vertex) {
             if pieces.parent[*other as usize] == NONE {
@@ -115,10 +124,10 @@ pub(super) fn arms(graph: &Graph, field: &Field, areas: &[f64]) -> Arms {
         let times = piece.stretch.map_or(SLENDER_WHOLE, |_| SLENDER);
         arm.is_slender(times).then_some(arm)
     });
-    Arms {
+    Some(Arms {
         whole: whole.collect(),
         side,
-    }
+    })
 }
 
 struct Pieces {

@@ -174,7 +174,7 @@ impl<'a> Sweep<'a> {
         let graph = surface.graph();
         let sources: Vec<(u32, u32)> = starts.iter().copied().zip(0..).collect();
         let field = field(surface, graph, &sources, |_| f64::INFINITY, cancel)?;
-        let arms = arms(graph, &field, areas);
+        let arms = arms(graph, &field, areas, cancel)?;
         Some(Self { graph, field, arms })
     }
 

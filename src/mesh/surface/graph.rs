@@ -11,7 +11,7 @@ use super::Surface;
 use crate::mesh::report::NONE;
 
 /// Steps between two looks at whether to stop.
-const STEPS: usize = 1 << 12;
+pub(in crate::mesh) const STEPS: usize = 1 << 12;
 
 /// Which vertices have an edge to which; most stand twice, once for each triangle at the edge.
 #[derive(Clone, Debug)]
@@ -85,10 +85,10 @@ pub(in crate::mesh) fn way(
         heap.push(Reverse(((distance + left(*vertex)).to_bits(), *vertex)));
     }
     let mut best: Option<(f64, u32)> = None;
-    let mut steps = 0;
+    let mut steps = 0_usize;
     while let Some(Reverse((bits, vertex))) = heap.pop() {
         steps += 1;
-        if steps % STEPS == 0 && cancel.load(Ordering::Relaxed) {
+        if steps.is_multiple_of(STEPS) && cancel.load(Ordering::Relaxed) {
             return None;
         }
         let distance = distances[vertex as usize];
@@ -143,11 +143,11 @@ pub(in crate::mesh) fn field(
         field.sources[*vertex as usize] = *source;
         heap.push(Reverse((0_u64, *vertex)));
     }
-    let mut steps = 0;
+    let mut steps = 0_usize;
     // Distances are not negative, so their bits are in the order of their values.
     while let Some(Reverse((bits, vertex))) = heap.pop() {
         steps += 1;
-        if steps % STEPS == 0 && cancel.load(Ordering::Relaxed) {
+        if steps.is_multiple_of(STEPS) && cancel.load(Ordering::Relaxed) {
             return None;
         }
         let distance = f64::from_bits(bits);
