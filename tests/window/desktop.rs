@@ -48,6 +48,8 @@ impl Desktop {
         let screen = tempfile::tempdir().unwrap();
         let mut server = Command::new("Xvfb")
             .args([
+                // Else it begins anew when its last client leaves, and turns away whoever comes meanwhile.
+                "-noreset",
                 "-displayfd",
                 "1",
                 "-screen",
@@ -94,7 +96,9 @@ impl Desktop {
             log: log.to_owned(),
         };
         until("its window comes", || {
-            assert!(program.child.try_wait().unwrap().is_none(), "it ended");
+            let ended = program.child.try_wait().unwrap();
+            let said = || std::fs::read_to_string(log).unwrap_or_default();
+            assert!(ended.is_none(), "it ended ({ended:?}): {}", said());
             program.window = program.xdotool(&["search", "--onlyvisible", "--name", title]);
             !program.window.is_empty()
         });
