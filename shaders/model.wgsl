@@ -2,6 +2,7 @@
 // that a pixel knows how far it is from its triangle's edges.
 // Twin: src/render/model_upload.rs.
 #include "shared/light.wgsl"
+#include "shared/octahedral.wgsl"
 
 struct Vertex {
     place: vec3f,
@@ -65,14 +66,6 @@ fn turned(normal: vec3f) -> vec3f {
         dot(model.rows[1].xyz, normal),
         dot(model.rows[2].xyz, normal),
     );
-}
-
-fn unfolded(packed: u32) -> vec3f {
-    let p = unpack2x16snorm(packed);
-    let z = 1.0 - abs(p.x) - abs(p.y);
-    let side = vec2f(select(-1.0, 1.0, p.x >= 0.0), select(-1.0, 1.0, p.y >= 0.0));
-    let xy = select((vec2f(1.0) - abs(p.yx)) * side, p, z >= 0.0);
-    return normalize(vec3f(xy, z));
 }
 
 fn linear_from_srgb(packed: u32) -> vec3f {

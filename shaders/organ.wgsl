@@ -1,6 +1,7 @@
 // What a tree carries besides its tubes: polygons, spheres, leaves and flowers, as triangles with a look for each vertex.
 // Twin of the vertices: src/render/organ_upload.rs.
 #include "shared/light.wgsl"
+#include "shared/octahedral.wgsl"
 #include "shared/look.wgsl"
 
 struct Vertex {
@@ -29,14 +30,6 @@ fn world_of(vertex: Vertex) -> vec3f {
     let g = frame.tree.x;
     let place = select(vertex.base + g * (vertex.place - vertex.base), vertex.place, g >= 1.0);
     return (frame.world_from_tree * vec4f(place, 1.0)).xyz;
-}
-
-fn unfolded(packed: u32) -> vec3f {
-    let p = unpack2x16snorm(packed);
-    let z = 1.0 - abs(p.x) - abs(p.y);
-    let side = vec2f(select(-1.0, 1.0, p.x >= 0.0), select(-1.0, 1.0, p.y >= 0.0));
-    let xy = select((vec2f(1.0) - abs(p.yx)) * side, p, z >= 0.0);
-    return normalize(vec3f(xy, z));
 }
 
 @vertex

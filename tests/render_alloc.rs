@@ -3,14 +3,17 @@
 
 mod counting;
 
-use std::sync::Arc;
+use std::sync::{Arc, atomic::AtomicBool};
 
 use counting::allocations;
 use glam::{Affine3A, Vec3};
 use ramus::{
+    mesh::{Mesh, display::Display},
     render::{Eye, Fov, Gpu, GpuParams, Headless, Offscreen, Renderer, RendererParams, StereoMode},
     tree::{NO_PARENT, Tree},
-    world::scene::{Ball, Board, Controller, PlacedTree, Plate, Rod, Scene},
+    world::scene::{
+        Ball, Board, Controller, ModelLook, PlacedModel, PlacedTree, Plate, Rod, Scene, SurfaceLook,
+    },
 };
 
 fn scene() -> Scene {
@@ -73,7 +76,31 @@ fn scene() -> Scene {
         growth: 0.0,
         newest: 4,
     });
+    let looks = [Some(SurfaceLook::Shaded), Some(SurfaceLook::XRay), None];
     scene
+        .models
+        .extend((1..).zip(looks).map(|(revision, surface)| PlacedModel {
+            display: display(),
+            revision,
+            world_from_model: Affine3A::from_translation(Vec3::Y),
+            look: ModelLook {
+                surface,
+                wireframe: true,
+                vertices: true,
+                ..ModelLook::default()
+            },
+        }));
+    scene
+}
+
+/// Of one triangle.
+fn display() -> Arc<Display> {
+    let mesh = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+        triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
+    };
+    Arc::new(Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap())
 }
 
 #[test]
@@ -108,6 +135,9 @@ fn a_warm_frame_allocates_nothing_and_makes_no_pipeline() {
             // Everything moves and the tree grows; the shadow is drawn again in each frame.
             if let Some(tree) = &mut scene.tree {
                 tree.growth = t;
+            }
+            for model in &mut scene.models {
+                model.world_from_model.translation.x = t;
             }
             let before = allocations();
             renderer.draw(&scene, &eyes, &offscreen.target()).unwrap();

@@ -81,3 +81,62 @@ fn a_stroke_in_a_hand_that_rests_allocates_nothing() {
     let shown = person.world.shown().sketch.strokes[0].segments();
     assert!(shown > 4, "{shown}");
 }
+
+#[test]
+fn models_on_the_stage_allocate_nothing() {
+    use std::sync::{Arc, atomic::AtomicBool};
+
+    use ramus::mesh::{Mesh, display::Display, unit::Unit};
+    use ramus::world::document::Edit;
+    use ramus::world::model::{LoadedModel, Model};
+    use ramus::world::models::{Cut, Looking};
+    let mesh = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
+        triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        ..Mesh::default()
+    };
+    let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
+    let display = Arc::new(display);
+    let mut person = Person::new();
+    let mut model = Model::new("corner.ply".into(), Unit::Millimetres, true, 0);
+    model.boxed = true;
+    let gone = Model::new("gone.ply".into(), Unit::Metres, true, 1);
+    let edit = Edit::Arrange {
+        models: vec![model.clone(), gone.clone()],
+        platform: person.world.document().platform,
+        linked: true,
+    };
+    person.world.apply(edit).unwrap();
+    let loaded = LoadedModel {
+        plain: Arc::clone(&display),
+        parts: Arc::clone(&display),
+        problems: display,
+        revisions: [1, 2, 3],
+        faults: Vec::new(),
+        accounts: Vec::new(),
+    };
+    person.world.give_model(&model, Ok(loaded));
+    person
+        .world
+        .give_model(&gone, Err("gone.ply: no such file".into()));
+    let cut = Cut::InHand;
+    person.world.look(Looking { cut, lamp: true });
+    let place = model.place.position;
+    let mut scene = Scene::default();
+    // Hands that point at the rim, at the model and past it.
+    let play = |person: &mut Person, scene: &mut Scene| {
+        for n in 0..40_u8 {
+            let up = Vec3::Y * 0.015 * f32::from(n % 20);
+            person.aim(RIGHT, place + up + Vec3::Z * 0.4, Vec3::NEG_Z);
+            person.aim(LEFT, place + up, Vec3::NEG_Y);
+            person.input.time += 0.01;
+            person.world.update(&person.input);
+            person.world.scene(scene);
+            assert!(person.world.wanted_model().is_none());
+        }
+    };
+    play(&mut person, &mut scene);
+    assert_eq!(scene.models.len(), 1);
+    let warm = counted(|| play(&mut person, &mut scene));
+    assert_eq!(warm, 0, "allocations in 40 warm frames");
+}

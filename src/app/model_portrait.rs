@@ -83,15 +83,7 @@ pub fn of_model(display: Display, how: &ModelPortrait) -> Result<RgbaImage> {
 
 /// The box around the file's box, as it is placed.
 fn box_extent(display: &Display, placed: impl Fn(Vec3) -> Vec3) -> (Vec3, Vec3) {
-    let (low, high) = (display.low, display.high);
-    let corners = (0..8_u8).map(|corner| {
-        let pick = |bit: u8, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
-        placed(Vec3::new(
-            pick(0, low.x, high.x),
-            pick(1, low.y, high.y),
-            pick(2, low.z, high.z),
-        ))
-    });
+    let corners = display.corners().into_iter().map(placed);
     corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), at| {
         (low.min(at), high.max(at))
     })

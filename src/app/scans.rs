@@ -186,7 +186,7 @@ pub(super) fn named(path: &Path, folder: Option<&Path>) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     #![allow(
         clippy::unwrap_used,
         clippy::missing_assert_message,

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::Vec3;
+use glam::{BVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Mesh;
@@ -68,6 +68,15 @@ impl Display {
             colours,
             ..self.clone()
         }
+    }
+
+    /// The box's corners: the bits of a corner's number say on which axes it is at the larger end.
+    #[must_use]
+    pub fn corners(&self) -> [Vec3; 8] {
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: u8| {
+            let larger = BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0);
+            Vec3::select(larger, self.high, self.low)
+        })
     }
 
     /// Width, height and depth of the box.

@@ -28,6 +28,7 @@ mod pipelines;
 pub mod probe;
 mod renderer;
 mod shadow;
+mod staging;
 mod surface;
 mod target;
 mod tree_upload;

@@ -10,7 +10,8 @@ use glam::{Affine3A, Vec4};
 use gpu_allocator::MemoryLocation;
 
 use super::{
-    data::rows, error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, tree_upload::CHUNK_BYTES,
+    data::rows, error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, staging::Staging,
+    tree_upload::CHUNK_BYTES,
 };
 use crate::{
     mesh::display::Display,
@@ -97,9 +98,9 @@ pub(crate) struct ModelChunk {
     parts: [Buffer; 3],
     pub(crate) triangles: u32,
     pub(crate) vertices: u32,
-    /// All parts, one after the other, until they are copied.
-    staging: Option<Buffer>,
-    copied: u64,
+    /// Bytes of each part.
+    sizes: [u64; 3],
+    staging: Staging,
     pub(crate) set: vk::DescriptorSet,
 }
 
@@ -246,13 +247,7 @@ impl ModelChunk {
             size_of_val(colours),
         ]
         .map(|size| size as u64);
-        let mut staging = Buffer::new(
-            gpu,
-            "the model on its way",
-            sizes.iter().sum(),
-            vk::BufferUsageFlags::TRANSFER_SRC,
-            MemoryLocation::CpuToGpu,
-        )?;
+        let mut staging = Staging::new(gpu, "the model on its way", sizes.iter().sum())?;
         staging.write(0, &run.vertices);
         staging.write(sizes[0], &run.triangles);
         staging.write(sizes[0] + sizes[1], colours);
@@ -269,49 +264,17 @@ impl ModelChunk {
             ],
             triangles: count(run.triangles.len()),
             vertices: count(run.vertices.len()),
-            staging: Some(staging),
-            copied: 0,
+            sizes,
+            staging,
             set: vk::DescriptorSet::null(),
         })
     }
 
-    fn sizes(&self, staging: u64) -> [u64; 3] {
-        let vertices = u64::from(self.vertices) * size_of::<Vertex>() as u64;
-        let triangles = u64::from(self.triangles) * size_of::<[u32; 3]>() as u64;
-        let colours = u64::from(self.triangles) * size_of::<u32>() as u64;
-        // No colours: nothing is left for them.
-        [
-            vertices,
-            triangles,
-            colours.min(staging.saturating_sub(vertices + triangles)),
-        ]
-    }
-
     fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, budget: &mut u64) -> bool {
-        let Some(staging) = &self.staging else {
-            return true;
-        };
-        let mut first = 0;
-        for (buffer, size) in self.parts.iter().zip(self.sizes(staging.size)) {
-            let done = self.copied.clamp(first, first + size) - first;
-            let now = (size - done).min(*budget);
-            if now > 0 {
-                let region = [vk::BufferCopy {
-                    src_offset: first + done,
-                    dst_offset: done,
-                    size: now,
-                }];
-                // SAFETY: both buffers have these ranges and live until the frame is done.
-                unsafe {
-                    gpu.device
-                        .cmd_copy_buffer(commands, staging.handle, buffer.handle, &region)
-                };
-                *budget -= now;
-                self.copied += now;
-            }
-            first += size;
-        }
-        self.copied >= first
+        let [vertices, triangles, colours] = self.parts.each_ref().map(|part| part.handle);
+        let [a, b, c] = self.sizes;
+        let parts = [(vertices, a), (triangles, b), (colours, c)];
+        self.staging.copy(gpu, commands, &parts, budget)
     }
 
     fn write_set(&self, gpu: &Gpu) {

@@ -8,7 +8,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use gpu_allocator::MemoryLocation;
 
-use super::{error::RenderError, gpu::Gpu, memory::Buffer, tree_upload::CHUNK_BYTES};
+use super::{
+    error::RenderError, gpu::Gpu, memory::Buffer, staging::Staging, tree_upload::CHUNK_BYTES,
+};
 use crate::{
     mesh::display::octahedral,
     tree::{
@@ -44,9 +46,8 @@ pub(crate) struct OrganChunk {
     pub(crate) indices: Buffer,
     /// Number of indices.
     pub(crate) count: u32,
-    /// Vertices, then indices, until they are copied.
-    staging: Option<Buffer>,
-    copied: u64,
+    /// Vertices, then indices.
+    staging: Staging,
     pub(crate) set: vk::DescriptorSet,
 }
 
@@ -85,13 +86,8 @@ impl OrganChunk {
     fn new(gpu: &Gpu, vertices: &[Vertex], indices: &[u32]) -> Result<Self, RenderError> {
         let [vertex_bytes, index_bytes] =
             [size_of_val(vertices), size_of_val(indices)].map(|n| n as u64);
-        let mut staging = Buffer::new(
-            gpu,
-            "the organs on their way",
-            vertex_bytes + index_bytes,
-            vk::BufferUsageFlags::TRANSFER_SRC,
-            MemoryLocation::CpuToGpu,
-        )?;
+        let bytes = vertex_bytes + index_bytes;
+        let mut staging = Staging::new(gpu, "the organs on their way", bytes)?;
         staging.write(0, vertices);
         staging.write(vertex_bytes, indices);
         let there = |name, size, usage| {
@@ -110,8 +106,7 @@ impl OrganChunk {
                 vk::BufferUsageFlags::INDEX_BUFFER,
             )?,
             count: u32::try_from(indices.len()).unwrap_or(u32::MAX),
-            staging: Some(staging),
-            copied: 0,
+            staging,
             set: vk::DescriptorSet::null(),
         })
     }
@@ -123,32 +118,8 @@ impl OrganChunk {
         commands: vk::CommandBuffer,
         budget: &mut u64,
     ) -> bool {
-        let Some(staging) = &self.staging else {
-            return true;
-        };
-        let parts = [&self.vertices, &self.indices];
-        let sizes = [self.vertices.size, self.indices.size];
-        let mut first = 0;
-        for (buffer, size) in parts.into_iter().zip(sizes) {
-            let done = self.copied.clamp(first, first + size) - first;
-            let now = (size - done).min(*budget);
-            if now > 0 {
-                let region = [vk::BufferCopy {
-                    src_offset: first + done,
-                    dst_offset: done,
-                    size: now,
-                }];
-                // SAFETY: both buffers have these ranges and live until the frame is done.
-                unsafe {
-                    gpu.device
-                        .cmd_copy_buffer(commands, staging.handle, buffer.handle, &region)
-                };
-                *budget -= now;
-                self.copied += now;
-            }
-            first += size;
-        }
-        self.copied >= first
+        let parts = [&self.vertices, &self.indices].map(|buffer| (buffer.handle, buffer.size));
+        self.staging.copy(gpu, commands, &parts, budget)
     }
 
     pub(crate) fn take_staging(&mut self) -> Option<Buffer> {

@@ -12,7 +12,7 @@ use gpu_allocator::MemoryLocation;
 
 use super::{
     error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, meshes::BATCH,
-    organ_upload::OrganChunk,
+    organ_upload::OrganChunk, staging::Staging,
 };
 use crate::{
     tree::{
@@ -58,9 +58,8 @@ pub(crate) struct Chunk {
     /// Instances of the tubes' and of the caps' batches.
     pub(crate) tube_batches: u32,
     pub(crate) cap_batches: u32,
-    /// Both, one after the other, until they are copied.
-    staging: Option<Buffer>,
-    copied: u64,
+    /// Both, one after the other.
+    staging: Staging,
     pub(crate) set: vk::DescriptorSet,
 }
 
@@ -212,13 +211,8 @@ impl Chunk {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         let segment_bytes = (padded * size_of::<TubeSegment>()) as u64;
         let cap_bytes = (caps.len() * size_of::<u32>()) as u64;
-        let mut staging = Buffer::new(
-            gpu,
-            "the tree on its way",
-            segment_bytes + cap_bytes,
-            vk::BufferUsageFlags::TRANSFER_SRC,
-            MemoryLocation::CpuToGpu,
-        )?;
+        let bytes = segment_bytes + cap_bytes;
+        let mut staging = Staging::new(gpu, "the tree on its way", bytes)?;
         staging.write(0, segments);
         let spare = [TubeSegment::default(); BATCH as usize];
         staging.write(
@@ -244,42 +238,20 @@ impl Chunk {
             )?,
             tube_batches: count(padded),
             cap_batches: count(caps.len()),
-            staging: Some(staging),
-            copied: 0,
+            staging,
             set: vk::DescriptorSet::null(),
         })
     }
 
     fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, budget: &mut u64) -> bool {
-        let Some(staging) = &self.staging else {
-            return true;
-        };
         let segment_bytes =
             u64::from(self.tube_batches) * u64::from(BATCH) * size_of::<TubeSegment>() as u64;
         let cap_bytes = u64::from(self.cap_batches) * u64::from(BATCH) * size_of::<u32>() as u64;
         let parts = [
-            (self.segments.handle, 0, segment_bytes),
-            (self.caps.handle, segment_bytes, cap_bytes),
+            (self.segments.handle, segment_bytes),
+            (self.caps.handle, cap_bytes),
         ];
-        for (buffer, first, size) in parts {
-            let done = self.copied.clamp(first, first + size) - first;
-            let now = (size - done).min(*budget);
-            if now > 0 {
-                let region = [vk::BufferCopy {
-                    src_offset: first + done,
-                    dst_offset: done,
-                    size: now,
-                }];
-                // SAFETY: both buffers have these ranges and live until the frame is done.
-                unsafe {
-                    gpu.device
-                        .cmd_copy_buffer(commands, staging.handle, buffer, &region)
-                };
-                *budget -= now;
-                self.copied += now;
-            }
-        }
-        self.copied >= segment_bytes + cap_bytes
+        self.staging.copy(gpu, commands, &parts, budget)
     }
 }
 

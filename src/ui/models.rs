@@ -164,8 +164,9 @@ fn size(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
     };
     ui.horizontal_wrapped(|ui| {
         ui.label(format!("{} {told}", words.shown_at));
-        if let Some((_, said)) = loaded.scale_bar(model) {
-            ui.label(format!("{} {said}", words.bar_is));
+        if let Some((length, _)) = loaded.scale_bar(model) {
+            let symbol = model.unit.symbol();
+            ui.label(format!("{} {length} {symbol}", words.bar_is));
         }
     });
     ui.horizontal(|ui| {

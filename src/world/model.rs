@@ -240,10 +240,10 @@ impl LoadedModel {
         (least..=most).contains(&side).then_some(side)
     }
 
-    /// A bar to measure by: 1, 2 or 5 of a power of ten of a unit, about a third of the model's longest side. Its length on the stage in metres, and
-    /// what it stands for.
+    /// A bar to measure by: 1, 2 or 5 of a power of ten of the file's unit, about a third of the model's longest side. What it stands for in that
+    /// unit, and its length on the stage, metres.
     #[must_use]
-    pub fn scale_bar(&self, model: &Model) -> Option<(f32, String)> {
+    pub fn scale_bar(&self, model: &Model) -> Option<(f64, f32)> {
         let third = f64::from(self.side()) / 3.0;
         if !third.is_normal() {
             return None;
@@ -253,7 +253,7 @@ impl LoadedModel {
         let length = round.into_iter().find(|length| *length <= third)?;
         #[expect(clippy::cast_possible_truncation, reason = "a length on the stage")]
         let on_stage = (length / f64::from(self.side()) * f64::from(model.place.scale)) as f32;
-        Some((on_stage, format!("{length} {}", model.unit.symbol())))
+        Some((length, on_stage))
     }
 
     /// How many metres of the stage stand for a real one.
@@ -339,9 +339,9 @@ mod tests {
         let mut model = Model::new("a.ply".into(), Unit::Millimetres, true, 0);
         for scale in [0.01, 0.4, 30.0, 500.0] {
             model.place.scale = scale;
-            let (length, said) = tube.scale_bar(&model).unwrap();
+            let (said, length) = tube.scale_bar(&model).unwrap();
             // The tube is 30 long: a third of it is 10.
-            assert_eq!(said, "10 mm");
+            assert_eq!(said, 10.0);
             assert!((length - scale / 3.0).abs() < 1e-4 * scale, "{length}");
         }
         assert_eq!(tube.real_side(&model), Some(0.03));

@@ -153,7 +153,7 @@ impl Models {
                 let radius = (place.scale * BOX_RADIUS).clamp(least, most);
                 box_rods(display, &world_from_model, radius, &mut scene.rods);
             }
-            if let Some((length, _)) = loaded.scale_bar(model) {
+            if let Some((_, length)) = loaded.scale_bar(model) {
                 bar(place, length, &mut scene.rods);
             }
             scene.models.push(PlacedModel {
@@ -201,21 +201,16 @@ fn bar(place: &Placement, length: f32, rods: &mut Vec<Rod>) {
 
 /// The twelve edges of a model's box.
 pub fn box_rods(display: &Display, world_from_model: &Affine3A, radius: f32, rods: &mut Vec<Rod>) {
-    let (low, high) = (display.low, display.high);
-    let corner = |bits: usize| {
-        let pick = |bit: usize, low: f32, high: f32| if bits & bit == 0 { low } else { high };
-        world_from_model.transform_point3(Vec3::new(
-            pick(1, low.x, high.x),
-            pick(2, low.y, high.y),
-            pick(4, low.z, high.z),
-        ))
-    };
-    for from in 0..8 {
-        for to in [1, 2, 4].map(|bit| from | bit) {
-            if to != from {
+    let corners = display
+        .corners()
+        .map(|corner| world_from_model.transform_point3(corner));
+    for (number, from) in corners.into_iter().enumerate() {
+        // Each edge once, from its smaller end.
+        for axis in [1, 2, 4] {
+            if number & axis == 0 {
                 rods.push(Rod {
-                    from: corner(from),
-                    to: corner(to),
+                    from,
+                    to: corners[number | axis],
                     radius,
                     color: BOX_COLOR,
                 });

@@ -97,7 +97,7 @@ impl Desktop {
         };
         until("its window comes", || {
             let ended = program.child.try_wait().unwrap();
-            let said = || std::fs::read_to_string(log).unwrap_or_default();
+            let said = || fs::read_to_string(log).unwrap_or_default();
             assert!(ended.is_none(), "it ended ({ended:?}): {}", said());
             program.window = program.xdotool(&["search", "--onlyvisible", "--name", title]);
             !program.window.is_empty()

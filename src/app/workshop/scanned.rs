@@ -102,14 +102,16 @@ impl Workshop {
     }
 
     fn want_scans(&mut self) {
-        if let Some(model) = self.world.wanted_model() {
+        // One at a time: what is read now may be the one that is wanted.
+        if !self.scans.is_busy()
+            && let Some(model) = self.world.wanted_model()
+        {
             let scan = Scan {
                 file: model.file.clone(),
                 path: self.path_of(&model.file),
                 mends: model.mends.clone(),
                 comes: false,
             };
-            // Where too many wait already, the next frame asks again.
             self.scans.ask(scan);
         }
     }
@@ -156,13 +158,11 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::app::scans::tests::TETRAHEDRON;
     use crate::app::store::Store;
     use crate::app::workshop::WorkshopParams;
     use crate::mesh::mend::Mend;
     use crate::world::model::MOST_MODELS;
-
-    const TETRAHEDRON: &str =
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
     #[test]
     fn a_model_is_brought_kept_with_the_project_and_read_again() {
