@@ -14,11 +14,14 @@ use std::fs::File;
 use std::hint::black_box;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
+use ramus::mesh::display::Display;
+use ramus::mesh::write::WriteFormat;
 use ramus::mesh::{self, Mesh, ReadLimits};
 
 /// Corners around the ring, and along it: two triangles for each pair.
@@ -50,6 +53,22 @@ fn ring() -> Mesh {
     ring
 }
 
+fn binary_ply(to: &mut BufWriter<File>, ring: &Mesh) {
+    WriteFormat::Ply.write(ring, to).unwrap();
+}
+
+fn binary_stl(to: &mut BufWriter<File>, ring: &Mesh) {
+    WriteFormat::Stl.write(ring, to).unwrap();
+}
+
+fn obj(to: &mut BufWriter<File>, ring: &Mesh) {
+    WriteFormat::Obj.write(ring, to).unwrap();
+}
+
+fn glb(to: &mut BufWriter<File>, ring: &Mesh) {
+    WriteFormat::Glb.write(ring, to).unwrap();
+}
+
 fn ply_header(to: &mut impl Write, ring: &Mesh, format: &str) {
     write!(
         to,
@@ -60,19 +79,6 @@ fn ply_header(to: &mut impl Write, ring: &Mesh, format: &str) {
     .unwrap();
 }
 
-fn binary_ply(to: &mut impl Write, ring: &Mesh) {
-    ply_header(to, ring, "binary_little_endian");
-    for value in ring.positions.iter().flat_map(|point| point.to_array()) {
-        to.write_all(&value.to_le_bytes()).unwrap();
-    }
-    for triangle in &ring.triangles {
-        to.write_all(&[3]).unwrap();
-        for corner in triangle {
-            to.write_all(&corner.to_le_bytes()).unwrap();
-        }
-    }
-}
-
 fn ascii_ply(to: &mut impl Write, ring: &Mesh) {
     ply_header(to, ring, "ascii");
     for Vec3 { x, y, z } in &ring.positions {
@@ -80,21 +86,6 @@ fn ascii_ply(to: &mut impl Write, ring: &Mesh) {
     }
     for [a, b, c] in &ring.triangles {
         writeln!(to, "3 {a} {b} {c}").unwrap();
-    }
-}
-
-fn binary_stl(to: &mut impl Write, ring: &Mesh) {
-    to.write_all(&[0; 80]).unwrap();
-    to.write_all(&(ring.triangles.len() as u32).to_le_bytes())
-        .unwrap();
-    for triangle in &ring.triangles {
-        to.write_all(&[0; 12]).unwrap();
-        for corner in triangle {
-            for value in ring.positions[*corner as usize].to_array() {
-                to.write_all(&value.to_le_bytes()).unwrap();
-            }
-        }
-        to.write_all(&[0; 2]).unwrap();
     }
 }
 
@@ -109,47 +100,6 @@ fn ascii_stl(to: &mut impl Write, ring: &Mesh) {
         writeln!(to, "    endloop\n  endfacet").unwrap();
     }
     writeln!(to, "endsolid ring").unwrap();
-}
-
-fn obj(to: &mut impl Write, ring: &Mesh) {
-    for Vec3 { x, y, z } in &ring.positions {
-        writeln!(to, "v {x} {y} {z}").unwrap();
-    }
-    for triangle in &ring.triangles {
-        let [a, b, c] = triangle.map(|corner| corner + 1);
-        writeln!(to, "f {a} {b} {c}").unwrap();
-    }
-}
-
-fn glb(to: &mut impl Write, ring: &Mesh) {
-    let (vertices, triangles) = (ring.positions.len(), ring.triangles.len());
-    let (positions, indices) = (12 * vertices, 12 * triangles);
-    let all = positions + indices;
-    let corners = 3 * triangles;
-    let mut json = format!(
-        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{all}}}],"bufferViews":[{{"buffer":0,"byteLength":{positions}}},
-        {{"buffer":0,"byteOffset":{positions},"byteLength":{indices}}}],"accessors":[
-        {{"bufferView":0,"componentType":5126,"type":"VEC3","count":{vertices}}},
-        {{"bufferView":1,"componentType":5125,"type":"SCALAR","count":{corners}}}],
-        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],"nodes":[{{"mesh":0}}]}}"#
-    );
-    while !json.len().is_multiple_of(4) {
-        json.push(' ');
-    }
-    let total = (12 + 8 + json.len() + 8 + all) as u32;
-    to.write_all(b"glTF\x02\0\0\0").unwrap();
-    for word in [total, json.len() as u32] {
-        to.write_all(&word.to_le_bytes()).unwrap();
-    }
-    write!(to, "JSON{json}").unwrap();
-    to.write_all(&(all as u32).to_le_bytes()).unwrap();
-    to.write_all(b"BIN\0").unwrap();
-    for value in ring.positions.iter().flat_map(|point| point.to_array()) {
-        to.write_all(&value.to_le_bytes()).unwrap();
-    }
-    for corner in ring.triangles.as_flattened() {
-        to.write_all(&corner.to_le_bytes()).unwrap();
-    }
 }
 
 /// The arrays of a VTP file: points, connectivity and offsets, as bytes.
@@ -286,6 +236,13 @@ fn read_benches(criterion: &mut Criterion) {
         assert_eq!(model.mesh.positions.len(), ring.positions.len());
         group.bench_function(name, |bencher| {
             bencher.iter_with_large_drop(|| mesh::read(black_box(&path), &limits, &never).unwrap());
+        });
+        // Vertices of one place joined, normals, box: all that a picture needs.
+        group.bench_function(format!("{name}, ready to draw"), |bencher| {
+            bencher.iter_with_large_drop(|| {
+                let model = mesh::read(black_box(&path), &limits, &never).unwrap();
+                Display::new(Arc::new(model.mesh), &never).unwrap()
+            });
         });
         std::fs::remove_file(path).unwrap();
     }
