@@ -136,6 +136,9 @@ for stage in "${stages[@]}"; do
     if [ "$code" -ne 0 ]; then
         echo "== $stage failed after $((SECONDS - stage_began)) s"
         [ -z "$summary" ] || echo "$summary"
+        # A full disk or memory ends a compiler without saying so.
+        df -h "$target" || true
+        free -m || true
         exit 1
     fi
     echo "== $stage: $((SECONDS - stage_began)) s"
