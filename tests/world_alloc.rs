@@ -86,20 +86,24 @@ fn a_stroke_in_a_hand_that_rests_allocates_nothing() {
 fn models_on_the_stage_allocate_nothing() {
     use std::sync::{Arc, atomic::AtomicBool};
 
-    use ramus::mesh::{Mesh, display::Display, unit::Unit};
+    use ramus::mesh::{Mesh, endpoints::Endpoint, pick::Picker, surface::Surface, unit::Unit};
     use ramus::world::document::Edit;
+    use ramus::world::marks::Measuring;
     use ramus::world::model::{LoadedModel, Model};
     use ramus::world::models::{Cut, Looking};
+    use ramus::world::{DrawSettings, DrawTool};
     let mesh = Mesh {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
         triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
         ..Mesh::default()
     };
-    let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
-    let display = Arc::new(display);
+    let never = AtomicBool::new(false);
+    let picker = Picker::new(Arc::new(mesh), &never, &mut |_, _| ()).unwrap();
+    let loaded = LoadedModel::new(Surface::new(picker, &never).unwrap(), &never).unwrap();
     let mut person = Person::new();
     let mut model = Model::new("corner.ply".into(), Unit::Millimetres, true, 0);
     model.boxed = true;
+    model.endpoints = Arc::new(vec![Endpoint::default(); 3]);
     let gone = Model::new("gone.ply".into(), Unit::Metres, true, 1);
     let edit = Edit::Arrange {
         models: vec![model.clone(), gone.clone()],
@@ -107,18 +111,14 @@ fn models_on_the_stage_allocate_nothing() {
         linked: true,
     };
     person.world.apply(edit).unwrap();
-    let loaded = LoadedModel {
-        plain: Arc::clone(&display),
-        parts: Arc::clone(&display),
-        problems: display,
-        revisions: [1, 2, 3],
-        faults: Vec::new(),
-        accounts: Vec::new(),
-    };
     person.world.give_model(&model, Ok(loaded));
     person
         .world
         .give_model(&gone, Err("gone.ply: no such file".into()));
+    // The trigger measures: places under the hands are shown.
+    let tool = DrawTool::Measure(Measuring::Along);
+    let settings = person.world.settings();
+    person.world.set_settings(DrawSettings { tool, ..settings });
     let cut = Cut::InHand;
     person.world.look(Looking { cut, lamp: true });
     let place = model.place.position;

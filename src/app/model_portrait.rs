@@ -3,25 +3,32 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, DVec3, Quat, Vec3};
 use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::picture::Picture;
 use super::portrait::{PortraitParams, before_box, looking_at, open_gpu};
 use crate::mesh::display::Display;
+use crate::mesh::endpoints::Endpoint;
+use crate::mesh::unit::Unit;
 use crate::render::Backdrop;
+use crate::world::marks::{color_of, pin};
 use crate::world::model::up;
-use crate::world::models::box_rods;
+use crate::world::models::{box_rods, box_signs};
 use crate::world::scene::{ModelLook, PlacedModel, Scene};
 
 /// How a model is shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ModelPortrait {
     /// What of it is to be seen.
     pub look: ModelLook,
     /// Whether its box is drawn round it.
     pub boxed: bool,
+    /// What its numbers count, which is written on the box.
+    pub unit: Unit,
+    /// Endpoints that are shown on it, in the file's coordinates.
+    pub endpoints: Vec<Endpoint>,
     /// Whether the file's third axis points up; else its second does.
     pub z_up: bool,
     /// Turn about the vertical, radians: seen from a corner, shapes are told apart.
@@ -63,6 +70,19 @@ pub fn of_model(display: Display, how: &ModelPortrait) -> Result<RgbaImage> {
     if how.boxed {
         let radius = eye.distance(target) * 0.0012;
         box_rods(&display, &world_from_model, radius, &mut scene.rods);
+        box_signs(&display, &world_from_model, how.unit, eye, &mut scene);
+    }
+    let origin = display.mesh.origin;
+    let on_stage = |place: DVec3| world_from_model.transform_point3((place - origin).as_vec3());
+    for endpoint in &how.endpoints {
+        let radius = eye.distance(target) * 0.006;
+        pin(
+            endpoint,
+            on_stage,
+            radius,
+            color_of(endpoint.kind),
+            &mut scene,
+        );
     }
     scene.models.push(PlacedModel {
         display: Arc::new(display),

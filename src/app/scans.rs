@@ -1,24 +1,21 @@
 //! Scanned models of the workshop: read and looked at on a worker, one after the other.
 
-use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::app::worker::Worker;
+use crate::app::queue::Queue;
 use crate::mesh::colour::{by_parts, by_problems};
-use crate::mesh::display::Display;
 use crate::mesh::intersect::{IntersectParams, intersections};
 use crate::mesh::mend::{Mend, mend_all};
+use crate::mesh::pick::{Cache, Picker};
 use crate::mesh::problem::problems;
 use crate::mesh::report::{ReportParams, report};
+use crate::mesh::surface::Surface;
 use crate::mesh::unit::{Scale, Unit};
-use crate::mesh::{Format, ReadLimits, read};
+use crate::mesh::{Format, Mesh, ReadLimits, read};
 use crate::world::model::LoadedModel;
 use crate::world::scene::new_revision;
-
-/// Most files that wait at a time.
-const MOST_WAITING: usize = 16;
 
 /// A file to read.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +26,8 @@ pub(super) struct Scan {
     pub(super) path: PathBuf,
     /// What is mended on it, in order.
     pub(super) mends: Vec<Mend>,
+    /// Where to keep what takes long to work out, if somewhere.
+    pub(super) cache: Option<PathBuf>,
     /// Whether it comes onto the stage when it is read; else it stands there and waits for its mesh.
     pub(super) comes: bool,
 }
@@ -45,73 +44,42 @@ pub(super) struct Read {
 pub(super) type Done = (Scan, Result<Read, String>);
 
 /// Reads what was asked for.
-pub(super) struct Scans {
-    worker: Worker<Scan, Done>,
-    waiting: VecDeque<Scan>,
-    reading: Option<Scan>,
-}
+pub(super) struct Scans(Queue<Scan, Done>);
 
 impl Scans {
     /// # Errors
     /// Where the system gives no thread.
     pub(super) fn start() -> std::io::Result<Self> {
-        Ok(Self {
-            worker: Worker::start("ramus-scans", scan)?,
-            waiting: VecDeque::new(),
-            reading: None,
-        })
+        Ok(Self(Queue::start("ramus-scans", scan)?))
     }
 
     /// Asks for a file, unless it is on its way. False: too many wait already.
     pub(super) fn ask(&mut self, scan: Scan) -> bool {
-        if self.reading.as_ref() == Some(&scan) || self.waiting.contains(&scan) {
-            return true;
-        }
-        let room = self.waiting.len() < MOST_WAITING;
-        if room {
-            self.waiting.push_back(scan);
-        }
-        room
+        self.0.open().any(|other| *other == scan) || self.0.ask(scan)
     }
 
     /// Goes on; gives what was read since.
     pub(super) fn poll(&mut self) -> Option<Done> {
-        let done = self.reading.as_ref().and_then(|_| self.worker.poll());
-        self.go_on(done.is_some());
-        done
+        self.0.poll()
     }
 
     /// Waits for the next file that is on its way, if one is.
     pub(super) fn wait(&mut self) -> Option<Done> {
-        self.go_on(false);
-        let done = self.reading.as_ref().and_then(|_| self.worker.wait());
-        self.go_on(true);
-        done
-    }
-
-    fn go_on(&mut self, is_done: bool) {
-        if is_done {
-            self.reading = None;
-        }
-        if self.reading.is_none()
-            && let Some(next) = self.waiting.pop_front()
-        {
-            self.reading = Some(next.clone());
-            self.worker.ask(next);
-        }
+        self.0.wait()
     }
 
     pub(super) fn is_busy(&self) -> bool {
-        self.reading.is_some() || !self.waiting.is_empty()
+        self.0.is_busy()
     }
 }
 
 fn scan(scan: &Scan, cancel: &AtomicBool) -> Done {
-    (scan.clone(), look(&scan.path, &scan.mends, cancel))
+    (scan.clone(), look(scan, cancel))
 }
 
 /// Reads a file, mends what is asked for, and looks at the result.
-fn look(path: &Path, mends: &[Mend], cancel: &AtomicBool) -> Result<Read, String> {
+fn look(scan: &Scan, cancel: &AtomicBool) -> Result<Read, String> {
+    let Scan { path, mends, .. } = scan;
     let model = read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?;
     let (stated, format) = (model.scale(), model.format);
     let (mesh, accounts) = mend_all(model.mesh, mends, cancel, &mut |_, _, _| ())
@@ -122,7 +90,15 @@ fn look(path: &Path, mends: &[Mend], cancel: &AtomicBool) -> Result<Read, String
     let stopped = || "the reading of the model was cancelled".to_owned();
     let found = intersections(&mesh, &IntersectParams::default(), cancel, &mut |_, _| ())
         .ok_or_else(stopped)?;
-    let plain = Display::new(Arc::clone(&mesh), cancel).ok_or_else(stopped)?;
+    let picker = match &scan.cache {
+        Some(folder) => kept_picker(&mesh, folder, cancel),
+        None => Picker::new(Arc::clone(&mesh), cancel, &mut |_, _| ()),
+    };
+    let surface = picker
+        .and_then(|picker| Surface::new(picker, cancel))
+        .ok_or_else(stopped)?;
+    let mut model = LoadedModel::new(surface, cancel).ok_or_else(stopped)?;
+    let plain = Arc::clone(&model.plain);
     let guess = stated.or_else(|| Scale::guessed(report.size().max_element()));
     if plain.size().max_element() <= 0.0 || guess.is_none() {
         return Err(format!(
@@ -130,18 +106,54 @@ fn look(path: &Path, mends: &[Mend], cancel: &AtomicBool) -> Result<Read, String
             path.display()
         ));
     }
+    model.parts = Arc::new(plain.coloured(by_parts(&report)));
+    model.problems = Arc::new(plain.coloured(by_problems(&mesh, &report, &found)));
+    model.revisions = [new_revision(), new_revision(), new_revision()];
+    model.faults = problems(&report, Some(&found));
+    model.accounts = accounts.iter().map(ToString::to_string).collect();
     Ok(Read {
         unit: guess.map_or(Unit::Metres, |scale| scale.unit),
         z_up: stands_on_its_third_axis(format),
-        model: LoadedModel {
-            parts: Arc::new(plain.coloured(by_parts(&report))),
-            problems: Arc::new(plain.coloured(by_problems(&mesh, &report, &found))),
-            plain: Arc::new(plain),
-            revisions: [new_revision(), new_revision(), new_revision()],
-            faults: problems(&report, Some(&found)),
-            accounts: accounts.iter().map(ToString::to_string).collect(),
-        },
+        model,
     })
+}
+
+/// Smaller models are searched through sooner than a file is found.
+const LEAST_KEPT: usize = 100_000;
+/// Most files in the cache.
+const MOST_KEPT: usize = 32;
+
+/// A picker whose hierarchy is kept in a folder, by what the mesh holds; what the folder cannot take is built each time.
+fn kept_picker(mesh: &Arc<Mesh>, folder: &Path, cancel: &AtomicBool) -> Option<Picker> {
+    let none = &mut |_: usize, _: usize| ();
+    if mesh.triangles.len() < LEAST_KEPT || std::fs::create_dir_all(folder).is_err() {
+        return Picker::new(Arc::clone(mesh), cancel, none);
+    }
+    let path = folder.join(format!("{}.{CACHED}", Picker::name_of(mesh)));
+    let (picker, cache) = Picker::cached(Arc::clone(mesh), &path, cancel, none)?;
+    if matches!(cache, Cache::Written) {
+        forget_the_oldest(folder);
+    }
+    Some(picker)
+}
+
+/// Ending of the files in the cache.
+const CACHED: &str = "pick";
+
+/// Takes the oldest files out of a cache that holds too many.
+fn forget_the_oldest(folder: &Path) {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut files: Vec<_> = entries
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == CACHED))
+        .filter_map(|path| Some((path.metadata().ok()?.modified().ok()?, path)))
+        .collect();
+    files.sort_unstable();
+    let many = files.len().saturating_sub(MOST_KEPT);
+    for (_, path) in files.drain(..many) {
+        // One that stays is tried again next time.
+        let _ = std::fs::remove_file(path);
+    }
 }
 
 /// Programs for scans count upwards along the third axis; those for pictures, whose formats OBJ and glTF are, and tracers of neurons along the second.
@@ -153,12 +165,12 @@ pub(crate) fn stands_on_its_third_axis(format: Format) -> bool {
 }
 
 /// Endings of the files that are offered.
-const ENDINGS: [&str; 8] = ["glb", "gltf", "obj", "ply", "stl", "swc", "vtk", "vtp"];
+pub(super) const ENDINGS: [&str; 8] = ["glb", "gltf", "obj", "ply", "stl", "swc", "vtk", "vtp"];
 /// Most files that are offered.
 const MOST_OFFERED: usize = 100;
 
-/// The models in a folder and in its folder `models`, as the project in it would name them.
-pub(super) fn offered(folder: &Path) -> Vec<String> {
+/// The files with such endings in a folder and in its folder `models`, as the project in it would name them.
+pub(super) fn offered(folder: &Path, endings: &[&str]) -> Vec<String> {
     let mut files: Vec<String> = ["", "models/"]
         .into_iter()
         .flat_map(|below| {
@@ -166,7 +178,7 @@ pub(super) fn offered(folder: &Path) -> Vec<String> {
             entries.flatten().filter_map(move |entry| {
                 let name = entry.file_name().into_string().ok()?;
                 let ending = Path::new(&name).extension()?.to_str()?.to_lowercase();
-                ENDINGS
+                endings
                     .contains(&&*ending)
                     .then(|| format!("{below}{name}"))
             })
@@ -208,6 +220,7 @@ pub(crate) mod tests {
             file: file.to_owned(),
             path: folder.path().join(file),
             mends: Vec::new(),
+            cache: None,
             comes,
         };
         assert!(scans.ask(scan("a.obj", true)) && scans.ask(scan("a.obj", true)));
@@ -222,10 +235,6 @@ pub(crate) mod tests {
         assert_eq!(second.file, "none.obj");
         assert!(read.unwrap_err().contains("none.obj"));
         assert!(scans.wait().is_none() && scans.poll().is_none() && !scans.is_busy());
-        for number in 0..MOST_WAITING {
-            assert!(scans.ask(scan(&number.to_string(), true)));
-        }
-        assert!(!scans.ask(scan("one more", true)));
     }
 
     #[test]
@@ -233,7 +242,14 @@ pub(crate) mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("point.obj");
         std::fs::write(&path, "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n").unwrap();
-        let told = look(&path, &[], &AtomicBool::new(false)).unwrap_err();
+        let scan = Scan {
+            file: "point.obj".to_owned(),
+            path,
+            mends: Vec::new(),
+            cache: None,
+            comes: true,
+        };
+        let told = look(&scan, &AtomicBool::new(false)).unwrap_err();
         assert!(told.contains("in one place"), "{told}");
     }
 
@@ -244,8 +260,11 @@ pub(crate) mod tests {
         for file in ["duct.STL", "models/airway.ply", "tree.ramus", "notes.txt"] {
             std::fs::write(folder.path().join(file), "").unwrap();
         }
-        assert_eq!(offered(folder.path()), ["duct.STL", "models/airway.ply"]);
-        assert!(offered(&folder.path().join("nowhere")).is_empty());
+        assert_eq!(
+            offered(folder.path(), &ENDINGS),
+            ["duct.STL", "models/airway.ply"]
+        );
+        assert!(offered(&folder.path().join("nowhere"), &ENDINGS).is_empty());
         let below = folder.path().join("models/airway.ply");
         assert_eq!(named(&below, Some(folder.path())), "models/airway.ply");
         assert_eq!(

@@ -77,24 +77,28 @@ impl Takeaway {
         }
     }
 
-    /// `name-1.ending`, `name-2.ending`, …: nothing is written over, not by what waits either.
+    /// A free name beside a project, for what waits too.
     fn free_name(&self, project: &Path, ending: &str) -> PathBuf {
         let stem = project.file_stem().unwrap_or_default().to_string_lossy();
-        let name = |n: u32| project.with_file_name(format!("{stem}-{n}.{ending}"));
-        let taken = |path: &PathBuf| {
+        free_name(&project.with_file_name(&*stem), ending, |path| {
             let waiting = self.waiting.iter().map(|(_, other)| other);
-            path.symlink_metadata().is_ok()
-                || self
-                    .writing
-                    .iter()
-                    .chain(waiting)
-                    .any(|other| other == path)
-        };
-        (1..)
-            .map(name)
-            .find(|path| !taken(path))
-            .unwrap_or_else(|| name(0))
+            self.writing
+                .iter()
+                .chain(waiting)
+                .any(|other| other == path)
+        })
     }
+}
+
+/// `name-1.ending`, `name-2.ending`, …: the first that no file has and that is not `taken`, so that nothing is written over.
+pub(super) fn free_name(name: &Path, ending: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
+    let stem = name.file_name().unwrap_or_default().to_string_lossy();
+    let numbered = |n: u32| name.with_file_name(format!("{stem}-{n}.{ending}"));
+    let is_free = |path: &PathBuf| path.symlink_metadata().is_err() && !taken(path);
+    (1..)
+        .map(numbered)
+        .find(is_free)
+        .unwrap_or_else(|| numbered(0))
 }
 
 /// What is told of a file.

@@ -16,6 +16,7 @@ use ramus_xr::{Frame, Hand, Pulse, View};
 use crate::app::convert::{buttons, input_from_frame};
 use crate::app::scans::Scans;
 use crate::app::store::{Opened, Store, StoreError};
+use crate::app::studies::Studies;
 use crate::app::takeaway::Takeaway;
 use crate::app::worker::Worker;
 use crate::sketch::{Grower, Grown, Sketch};
@@ -57,6 +58,7 @@ pub struct Workshop {
     settings: Settings,
     takeaway: Takeaway,
     scans: Scans,
+    studies: Studies,
     /// Time of the last frame.
     clock: Option<f64>,
     store: Option<Store>,
@@ -126,6 +128,7 @@ impl Workshop {
             settings: Settings::default(),
             takeaway: Takeaway::start()?,
             scans: Scans::start()?,
+            studies: Studies::start()?,
             clock: None,
             world,
             store,
@@ -224,6 +227,9 @@ impl Workshop {
             Wish::Draw(settings) => world.set_settings(settings),
             Wish::Look(looking) => world.look(looking),
             Wish::Bring(file) => self.bring_named(&file),
+            Wish::Mark(mark) => done = world.mark(mark),
+            Wish::WriteEnds(model, ending) => self.write_ends(model, ending),
+            Wish::ReadEnds(model, file) => self.read_ends(model, &file),
             Wish::FindModels => self.offer_models(),
             Wish::Teach(lesson) => world.teach(lesson),
         }
@@ -293,7 +299,7 @@ impl Workshop {
         self.keep_journal();
         self.save()?;
         // Trees that are on their way belong to this world, and the next one's wishes have the same numbers.
-        let (worker, scans) = (grow_worker()?, Scans::start()?);
+        let (worker, scans, studies) = (grow_worker()?, Scans::start()?, Studies::start()?);
         let opened = Store::open(project)?;
         if let Some(store) = self.store.replace(opened.store) {
             // Everything is in the file already; what is left is the journal's end.
@@ -304,7 +310,7 @@ impl Workshop {
         world.set_settings(self.world.settings());
         world.take_buttons(self.world.buttons().clone());
         self.world = world;
-        (self.worker, self.scans) = (worker, scans);
+        (self.worker, self.scans, self.studies) = (worker, scans, studies);
         self.growing = None;
         (self.grower, self.saved) = (Grower::default(), self.edits);
         self.offer_models();

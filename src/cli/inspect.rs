@@ -2,22 +2,27 @@
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, Result, anyhow};
 use clap::Args as ClapArgs;
 
 use self::facts::Facts;
-use self::pictured::{Look, Up};
-use super::outputs::{check_places, model_file, not_over_each_other, picture_file};
+use self::pictured::{Look, Subject, Up};
+use super::outputs::{check_places, endpoints_file, model_file, not_over_each_other, picture_file};
 use super::print_result;
 use super::progress::Progress;
+use crate::app::ends;
 use crate::app::scans::stands_on_its_third_axis;
+use crate::mesh::endpoints::{Endpoint, propose};
 use crate::mesh::intersect::{IntersectParams, Intersections, intersections};
 use crate::mesh::mend::Account;
 use crate::mesh::paint::Paint;
+use crate::mesh::pick::Picker;
 use crate::mesh::report::{Report, ReportParams, report};
-use crate::mesh::unit::Scale;
+use crate::mesh::surface::Surface;
+use crate::mesh::unit::{Rounded, Scale, Unit};
 use crate::mesh::{Mesh, ReadLimits, read};
 use crate::tree::Tree;
 
@@ -51,6 +56,17 @@ pub(super) struct Args {
         requires = "png"
     )]
     look: Vec<Look>,
+    /// Propose ends of the model, mended where --repair is given, and write them as .csv or .json; the picture shows them
+    #[arg(long, value_name = "FILE", value_parser = endpoints_file())]
+    propose: Option<PathBuf>,
+    /// Show these endpoints in the picture, from a .csv or .json file
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "png",
+        conflicts_with = "propose"
+    )]
+    endpoints: Option<PathBuf>,
     /// Which of the file's axes points up in the picture; without it the second of glTF, OBJ and SWC files, the third of others
     #[arg(long, value_enum, value_name = "AXIS", requires = "png")]
     up: Option<Up>,
@@ -131,9 +147,14 @@ pub(super) fn run(
     let never = AtomicBool::new(false);
     // All that can be refused is, before any work.
     let mends = args.repair.as_deref().map(repair::mends).transpose()?;
-    let outputs = || args.out.iter().chain(&args.png);
+    let outputs = || args.out.iter().chain(&args.png).chain(&args.propose);
     not_over_each_other(Some(&args.model), outputs().map(PathBuf::as_path), None)?;
     check_places(outputs())?;
+    let read_ends = args.endpoints.as_deref().map(ends::read);
+    let mut endpoints = read_ends
+        .transpose()
+        .map_err(anyhow::Error::msg)?
+        .unwrap_or_default();
     let mut loaded = Progress::during("reading", || read(&args.model, &never))?;
     if mends.is_some() {
         // It is for vertices and triangles that mends join and replace.
@@ -158,20 +179,62 @@ pub(super) fn run(
         true => serde_json::to_string(&facts)? + "\n",
         false => text::screen(&facts),
     };
+    let unit = inspected.scale.map_or(Unit::Metres, |scale| scale.unit);
     let Inspected {
         report,
         intersections,
         ..
     } = inspected;
     let printed = print_result("the report", |out| out.write_all(text.as_bytes()));
+    let Loaded { mesh, z_up, .. } = loaded;
+    let mesh = Arc::new(mesh);
+    let mut surface = None;
+    if let Some(path) = &args.propose {
+        let surface = surface.insert(with_surface(&mesh)?);
+        endpoints = propose_into(surface, path)?;
+    }
     if let Some(path) = &args.png {
-        let Loaded { mesh, z_up, .. } = loaded;
-        let z_up = args.up.map_or(z_up, |up| up == Up::Z);
         let colours = pictured::colours(&args.look, &mesh, &report, &intersections);
-        pictured::draw(mesh, colours, &args.look, z_up, args.size, path)
+        let subject = Subject {
+            looks: &args.look,
+            z_up: args.up.map_or(z_up, |up| up == Up::Z),
+            pixels: args.size,
+            unit,
+            endpoints,
+        };
+        let surface = || surface.map_or_else(|| with_surface(&mesh), Ok);
+        let range = pictured::draw(surface, &mesh, colours, subject, path)
             .with_context(|| format!("cannot draw {}", args.model.display()))?;
+        if let Some([low, high]) = range {
+            let [low, high] = [low, high].map(|end| Rounded(end.into()));
+            whisper!("the colours run from {low} to {high}, in the file's unit");
+        }
     }
     printed
+}
+
+/// Where a mesh is measured.
+fn with_surface(mesh: &Arc<Mesh>) -> Result<Surface> {
+    let never = AtomicBool::new(false);
+    let mut progress = Progress::new("preparing");
+    let mut show = |done, of| progress.show(done, of);
+    let picker = Picker::new(Arc::clone(mesh), &never, &mut show);
+    let surface = picker.and_then(|picker| Surface::new(picker, &never));
+    surface.ok_or_else(|| anyhow!("the preparing of the model was cancelled"))
+}
+
+/// Proposes ends and writes them.
+fn propose_into(surface: &Surface, path: &Path) -> Result<Vec<Endpoint>> {
+    let never = AtomicBool::new(false);
+    let proposals = Progress::during("proposing ends", || propose(surface, &never));
+    let endpoints: Vec<Endpoint> = proposals
+        .unwrap_or_default()
+        .into_iter()
+        .map(|proposal| proposal.endpoint)
+        .collect();
+    ends::write(path, &endpoints).map_err(anyhow::Error::msg)?;
+    whisper!("proposed ends: {}, in {}", endpoints.len(), path.display());
+    Ok(endpoints)
 }
 
 fn inspect<'a>(path: &'a Path, loaded: &'a Loaded, cancel: &AtomicBool) -> Result<Inspected<'a>> {

@@ -8,6 +8,7 @@ use clap::builder::{PathBufValueParser, TypedValueParser};
 
 use super::sentence;
 use crate::app::album::Album;
+use crate::app::ends;
 use crate::app::export;
 use crate::app::film::Film;
 use crate::app::workshop::Workshop;
@@ -22,6 +23,11 @@ pub(super) fn tree_file() -> impl TypedValueParser<Value = PathBuf> {
 /// A name for a model: an ending that tells no format is wrong usage.
 pub(super) fn model_file() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| WriteFormat::of(&path).map(|_| path))
+}
+
+/// A name for endpoints: an ending that is neither csv nor json is wrong usage.
+pub(super) fn endpoints_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| ends::check_name(&path).map(|()| path))
 }
 
 /// A name for a picture: an ending that tells another format is wrong usage.

@@ -146,6 +146,101 @@ pub fn by_problems(mesh: &Mesh, report: &Report, intersections: &Intersections) 
     colours
 }
 
+/// The colours that numbers have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ramp {
+    /// From dark blue over green to yellow, equally far apart for the eye and for all kinds of colour vision: Smith and van der Walt's viridis.
+    Rising,
+    /// From blue over white, which is zero, to red: Moreland 2009, "Diverging Color Maps for Scientific Visualization".
+    AboutZero,
+}
+
+/// Where there is no number.
+const NO_NUMBER: Colour = [128, 128, 128, 255];
+
+impl Ramp {
+    /// The colour of a part of the way from the scale's low end to its high one, 0 to 1; what lies outside has that of the end.
+    #[must_use]
+    pub fn colour(self, part: f32) -> Colour {
+        const RISING: [[u8; 3]; 9] = [
+            [68, 1, 84],
+            [71, 44, 122],
+            [59, 81, 139],
+            [44, 113, 142],
+            [33, 144, 141],
+            [39, 173, 129],
+            [92, 200, 99],
+            [170, 220, 50],
+            [253, 231, 37],
+        ];
+        const ABOUT_ZERO: [[u8; 3]; 3] = [[59, 76, 192], [221, 221, 221], [180, 4, 38]];
+        let stops: &[[u8; 3]] = match self {
+            Self::Rising => &RISING,
+            Self::AboutZero => &ABOUT_ZERO,
+        };
+        if part.is_nan() {
+            return NO_NUMBER;
+        }
+        let steps = stops.len() - 1;
+        #[allow(clippy::cast_precision_loss, reason = "a handful of stops")]
+        let along = part.clamp(0.0, 1.0) * steps as f32;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "within the stops"
+        )]
+        let below = (along as usize).min(steps - 1);
+        #[allow(clippy::cast_precision_loss, reason = "a handful of stops")]
+        let part = along - below as f32;
+        let mixed = [0, 1, 2].map(|channel| {
+            let [one, other] = [stops[below][channel], stops[below + 1][channel]].map(f32::from);
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "between two bytes"
+            )]
+            let byte = (one + (other - one) * part).round() as u8;
+            byte
+        });
+        [mixed[0], mixed[1], mixed[2], 255]
+    }
+
+    /// The numbers between which the scale runs: all but the two smallest and largest of a hundred, so that a few wild ones do not decide; about
+    /// zero as far up as down. None where there is no number.
+    #[must_use]
+    pub fn range(self, values: &[f32]) -> Option<[f32; 2]> {
+        let about_zero = self == Self::AboutZero;
+        let size = |value: &f32| if about_zero { value.abs() } else { *value };
+        let mut known: Vec<f32> = values
+            .iter()
+            .map(size)
+            .filter(|value| value.is_finite())
+            .collect();
+        let last = known.len().checked_sub(1)?;
+        let mut of = |hundredth: usize| {
+            let (_, value, _) =
+                known.select_nth_unstable_by(last * hundredth / 100, f32::total_cmp);
+            *value
+        };
+        let (low, high) = (of(2), of(98));
+        Some(if about_zero {
+            [-high, high]
+        } else {
+            [low, high]
+        })
+    }
+}
+
+/// Each number in its colour.
+#[must_use]
+pub fn by_numbers(values: &[f32], scale: Ramp, [low, high]: [f32; 2]) -> Vec<Colour> {
+    let width = (high - low).max(f32::MIN_POSITIVE);
+    let colours = values.iter();
+    colours
+        .map(|value| scale.colour((value - low) / width))
+        .collect()
+}
+
 /// The vertex that the report takes for each.
 fn joined(mesh: &Mesh, report: &Report) -> Vec<u32> {
     if report.duplicate_vertices.is_empty() {
@@ -212,6 +307,39 @@ mod tests {
         assert!(counted(&crossing, &faults)[1] > 4);
         // Three pages of two triangles share the edge.
         assert!(counted(&made::book(), &faults)[3] >= 3);
+    }
+
+    #[test]
+    fn numbers_have_the_colours_of_their_scale() {
+        let [low, high] = Ramp::Rising.range(&[f32::NAN, 3.0, 1.0, 2.0]).unwrap();
+        assert_eq!([low, high], [1.0, 2.0], "of three the largest is wild");
+        let colours = by_numbers(
+            &[1.0, 1.5, 2.0, 9.0, -9.0, f32::NAN],
+            Ramp::Rising,
+            [low, high],
+        );
+        assert_eq!(colours[0], [68, 1, 84, 255]);
+        assert_eq!(colours[1], [33, 144, 141, 255]);
+        assert_eq!([colours[2], colours[4]], [[253, 231, 37, 255], colours[0]]);
+        assert_eq!([colours[3], colours[5]], [colours[2], NO_NUMBER]);
+        let range = Ramp::AboutZero.range(&[-4.0, 1.0, 0.5, -4.0]).unwrap();
+        assert_eq!(range, [-4.0, 4.0]);
+        assert_eq!(
+            by_numbers(&[0.0], Ramp::AboutZero, range),
+            [[221, 221, 221, 255]]
+        );
+        // All the same: one colour, and no division by nothing.
+        assert_eq!(by_numbers(&[2.0], Ramp::Rising, [2.0, 2.0]), [colours[0]]);
+        assert_eq!(Ramp::Rising.range(&[f32::NAN, f32::INFINITY]), None);
+        // Brighter and brighter, so that it can be read without colour.
+        let light = |part: f32| {
+            let [red, green, blue, _] = Ramp::Rising.colour(part).map(f32::from);
+            0.2126 * red + 0.7152 * green + 0.0722 * blue
+        };
+        let lights: Vec<f32> = (0..=100_u8)
+            .map(|part| light(f32::from(part) / 100.0))
+            .collect();
+        assert!(lights.windows(2).all(|pair| pair[1] > pair[0]));
     }
 
     #[test]

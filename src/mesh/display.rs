@@ -70,6 +70,20 @@ impl Display {
         }
     }
 
+    /// The same with the colours of its vertices, mixed on each triangle.
+    #[must_use]
+    pub fn painted(&self, vertices: Vec<[u8; 4]>) -> Self {
+        let mixed = |corners: &[u32; 3]| {
+            let of = |vertex: u32| vertices.get(vertex as usize).copied().unwrap_or_default();
+            let three = corners.map(of);
+            [0, 1, 2, 3].map(|channel| {
+                let sum: u16 = three.iter().map(|colour| u16::from(colour[channel])).sum();
+                u8::try_from(sum / 3).unwrap_or(u8::MAX)
+            })
+        };
+        self.coloured(self.mesh.triangles.par_iter().map(mixed).collect())
+    }
+
     /// The box's corners: the bits of a corner's number say on which axes it is at the larger end.
     #[must_use]
     pub fn corners(&self) -> [Vec3; 8] {

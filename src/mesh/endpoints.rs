@@ -1,7 +1,6 @@
 //! Where a branching model begins and ends: the source that paths start from, and their targets.
 //!
-//! Endpoints are set by hand, [read](Endpoints::from_csv) from CSV or JSON, or [proposed](propose()), in the model's own coordinates and unit. Each
-//! has a number of its own that is never given again while the list lives, so that undo, panels and other threads can name it.
+//! Endpoints are set by hand, [read](from_csv) from CSV or JSON, or [proposed](propose()), in the model's own coordinates and unit.
 
 mod arms;
 mod error;
@@ -10,9 +9,12 @@ mod propose;
 mod table;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 pub use self::error::EndpointError;
 pub use self::propose::{Proposal, Reason, propose};
+use self::table::Entry;
+pub use self::table::{from_csv, from_json, to_csv, to_json};
 
 /// Most endpoints of a list that is read.
 pub const ENDPOINTS_MOST: usize = 100_000;
@@ -52,8 +54,9 @@ pub struct Snapped {
     pub radius: f64,
 }
 
-/// A place where a model begins or ends.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// A place where a model begins or ends; written as in JSON files of endpoints.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Entry", into = "Entry")]
 pub struct Endpoint {
     /// Where it was set, in the model's coordinates.
     pub point: DVec3,
@@ -65,84 +68,32 @@ pub struct Endpoint {
     pub snapped: Option<Snapped>,
 }
 
-/// The number of an endpoint in its list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct EndpointId(u32);
-
-/// Endpoints of a model, in the order in which they were set.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Endpoints {
-    list: Vec<(EndpointId, Endpoint)>,
-    next: u32,
-}
-
-impl Endpoints {
-    /// Adds one to the end.
-    pub fn add(&mut self, endpoint: Endpoint) -> EndpointId {
-        let id = EndpointId(self.next);
-        self.next = self.next.saturating_add(1);
-        self.list.push((id, endpoint));
-        id
-    }
-
-    /// Puts one back that was removed, where it was, with its number; what undo does. False, and nothing is done, where the number is in use or
-    /// was never given.
-    pub fn restore(&mut self, place: usize, id: EndpointId, endpoint: Endpoint) -> bool {
-        let possible = id.0 < self.next && place <= self.list.len() && self.get(id).is_none();
-        if possible {
-            self.list.insert(place, (id, endpoint));
-        }
-        possible
-    }
-
-    /// Takes one away: where it was and what it was.
-    pub fn remove(&mut self, id: EndpointId) -> Option<(usize, Endpoint)> {
-        let place = self.list.iter().position(|(other, _)| *other == id)?;
-        Some((place, self.list.remove(place).1))
-    }
-
-    /// One of them.
-    pub fn get(&self, id: EndpointId) -> Option<&Endpoint> {
-        let found = self.list.iter().find(|(other, _)| *other == id);
-        found.map(|(_, endpoint)| endpoint)
-    }
-
-    /// One of them, to move, name or turn into the other kind.
-    pub fn get_mut(&mut self, id: EndpointId) -> Option<&mut Endpoint> {
-        let found = self.list.iter_mut().find(|(other, _)| *other == id);
-        found.map(|(_, endpoint)| endpoint)
-    }
-
-    /// All, in their order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = (EndpointId, &Endpoint)> {
-        self.list.iter().map(|(id, endpoint)| (*id, endpoint))
-    }
-
-    /// How many there are of a kind.
-    pub fn count(&self, kind: Kind) -> usize {
-        let of_kind = self.list.iter().filter(|(_, one)| one.kind == kind);
-        of_kind.count()
-    }
-
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.list.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.list.is_empty()
+impl Endpoint {
+    /// Whether a file can hold it: its name is short and in one line, its numbers are within bounds.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        Self::try_from(Entry::from(self.clone())).is_ok()
     }
 }
 
-impl FromIterator<Endpoint> for Endpoints {
-    fn from_iter<T: IntoIterator<Item = Endpoint>>(all: T) -> Self {
-        let mut list = Self::default();
-        all.into_iter().for_each(|endpoint| {
-            list.add(endpoint);
-        });
-        list
-    }
+/// How many there are of a kind.
+#[must_use]
+pub fn count(endpoints: &[Endpoint], kind: Kind) -> usize {
+    let of_kind = endpoints.iter().filter(|one| one.kind == kind);
+    of_kind.count()
+}
+
+/// What the next one of a kind is called: `source`, `source 2`, `target 1`, `target 2`, the first that no other has.
+#[must_use]
+pub fn next_name(endpoints: &[Endpoint], kind: Kind) -> String {
+    let free = |name: &String| !endpoints.iter().any(|other| other.name == *name);
+    let name = |number: usize| match (kind, number) {
+        (Kind::Source, 1) => kind.as_str().to_owned(),
+        _ => format!("{} {number}", kind.as_str()),
+    };
+    // Among so many names one is free.
+    let mut names = (1..=endpoints.len() + 1).map(name);
+    names.find(free).unwrap_or_default()
 }
 
 #[cfg(test)]

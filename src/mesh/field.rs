@@ -5,10 +5,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::measure::diameter;
+use super::measure::{diameter, inscribed};
 use super::report::NONE;
 use super::surface::Surface;
 use super::surface::graph::field;
@@ -86,6 +86,25 @@ fn mixed_areas(at: [DVec3; 3]) -> [f64; 3] {
 /// The shape diameter at each vertex ([`super::measure::Thickness::diameter`]), by all threads. Where there are more than `most` vertices so many are
 /// asked, evenly by number, and others have what the nearest along the surface has. None when `cancel` was set.
 pub fn thickness(surface: &Surface, most: usize, cancel: &AtomicBool) -> Option<Vec<f32>> {
+    asked(surface, most, cancel, |place, normal| {
+        diameter(surface.picker(), place, normal)
+    })
+}
+
+/// The radius of the largest ball inside that touches each vertex ([`super::measure::inscribed`]); else as [`thickness`].
+pub fn radius(surface: &Surface, most: usize, cancel: &AtomicBool) -> Option<Vec<f32>> {
+    asked(surface, most, cancel, |place, normal| {
+        Some(inscribed(surface.picker(), place, normal)?.radius)
+    })
+}
+
+/// What `ask` says of places and their normals, at so many vertices; the others have what the nearest has.
+fn asked(
+    surface: &Surface,
+    most: usize,
+    cancel: &AtomicBool,
+    ask: impl Fn(Vec3, Vec3) -> Option<f32> + Sync,
+) -> Option<Vec<f32>> {
     let normals = surface.vertex_normals();
     let used: Vec<u32> = (0_u32..)
         .zip(&normals)
@@ -101,11 +120,7 @@ pub fn thickness(surface: &Surface, most: usize, cancel: &AtomicBool) -> Option<
                 return None;
             }
             let (place, normal) = (surface.position(*vertex), normals[*vertex as usize]);
-            diameter(
-                surface.picker(),
-                place.as_vec3(),
-                normal.normalize_or_zero().as_vec3(),
-            )
+            ask(place.as_vec3(), normal.normalize_or_zero().as_vec3())
         })
         .collect();
     if cancel.load(Ordering::Relaxed) {
@@ -184,7 +199,7 @@ mod tests {
     #[test]
     fn balls_and_tubes_bend_as_their_radii_say() {
         for radius in [0.01, 1.0, 300.0] {
-            let ball = made::placed(made::sphere(4), radius, glam::Vec3::ZERO);
+            let ball = made::placed(made::sphere(4), radius, Vec3::ZERO);
             assert!(
                 bent(ball.clone())
                     .iter()
@@ -242,6 +257,12 @@ mod tests {
         let cancelled = AtomicBool::new(true);
         assert!(thickness(&surface, 300, &cancelled).is_none());
         assert!(curvature(&surface, &cancelled).is_none());
+        // The largest ball in a ring's tube has the tube's radius, 0.5 here; facets make it a little less.
+        let balls = radius(&surface, usize::MAX, &never).unwrap();
+        let thick = thickness(&surface, usize::MAX, &never).unwrap();
+        for (ball, thick) in balls.iter().zip(&thick) {
+            assert!((0.4..0.56).contains(&(ball / thick)), "{ball} {thick}");
+        }
         let nothing = thickness(&self::surface(Mesh::default()), 9, &never);
         assert!(nothing.unwrap().is_empty());
     }

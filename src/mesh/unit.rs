@@ -66,6 +66,25 @@ impl Unit {
     }
 }
 
+/// A number with three digits, as people read it: `0.012`, `3.40`, `12.5`, `1280`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rounded(pub f64);
+
+impl std::fmt::Display for Rounded {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let size = self.0.abs();
+        let decimals = match size {
+            _ if size >= 100.0 => 0,
+            _ if size >= 10.0 => 1,
+            _ if size >= 1.0 || size == 0.0 => 2,
+            _ if size >= 0.1 => 3,
+            _ if size >= 1e-3 => 4,
+            _ => return write!(f, "{:.2e}", self.0),
+        };
+        write!(f, "{:.decimals$}", self.0)
+    }
+}
+
 /// How sure a unit is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

@@ -69,6 +69,11 @@ impl Bench {
         self.models.offer(files);
     }
 
+    /// Offers files with endpoints.
+    pub(super) fn offer_endpoints(&mut self, files: Vec<String>) {
+        self.models.offer_endpoints(files);
+    }
+
     /// Lays the bench out.
     pub(super) fn show(&mut self, ui: &mut Ui, view: &View<'_>, wishes: &mut Vec<Wish>) {
         let words = view.settings.language.words();

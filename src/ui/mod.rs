@@ -12,6 +12,7 @@ mod bench;
 pub mod board;
 mod keyboard;
 mod lesson;
+mod marks;
 mod models;
 mod panels;
 mod projects;

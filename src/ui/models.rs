@@ -3,13 +3,14 @@
 use egui::{Button, RichText, Ui};
 
 use super::{
+    marks::{Marks, legend},
     panels::{View, Wish},
     theme::{MESSAGE, TITLE},
     words::Words,
 };
 use crate::mesh::colour::fault_colour;
 use crate::mesh::mend::{Cap, Close, Debris, Decimate, Mend, Remesh, Smooth, Weld};
-use crate::mesh::unit::Unit;
+use crate::mesh::unit::{Rounded, Unit};
 use crate::world::document::{Document, Edit};
 use crate::world::model::{Colouring, LoadedModel, Model};
 use crate::world::models::{Cut, Looking};
@@ -21,7 +22,24 @@ pub(super) struct Models {
     offered: Vec<String>,
     /// Which model's page is open.
     chosen: usize,
+    part: Part,
+    marks: Marks,
 }
+
+/// Parts of a model's page.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Part {
+    /// How it is shown.
+    #[default]
+    Look,
+    /// What is wrong with it, and mended.
+    Mend,
+    /// Endpoints and measures.
+    Places,
+}
+
+/// Size of headings.
+pub(super) const TITLE_SIZE: f32 = 18.0;
 
 /// Faults that are listed of a model.
 const MOST_FAULTS: usize = 6;
@@ -29,6 +47,10 @@ const MOST_FAULTS: usize = 6;
 impl Models {
     pub(super) fn offer(&mut self, files: Vec<String>) {
         self.offered = files;
+    }
+
+    pub(super) fn offer_endpoints(&mut self, files: Vec<String>) {
+        self.marks.offered = files;
     }
 
     /// Lays the tab out.
@@ -43,7 +65,7 @@ impl Models {
         self.choose(ui, document);
         if let Some(model) = document.models.get(self.chosen) {
             let mut changed = model.clone();
-            let kept = page(ui, view, words, &mut changed);
+            let kept = self.page(ui, view, words, &mut changed, wishes);
             let mut models = document.models.to_vec();
             if !kept {
                 models.remove(self.chosen);
@@ -52,14 +74,60 @@ impl Models {
                 models[self.chosen] = changed;
                 wishes.push(arrange(document, models, document.linked));
             }
-            looking(ui, words, view.world.looking(), wishes);
-            let mut linked = document.linked;
-            if ui.checkbox(&mut linked, words.linked).changed() {
-                wishes.push(arrange(document, document.models.to_vec(), linked));
-            }
             ui.separator();
         }
         self.bring(ui, words, wishes);
+    }
+
+    /// One model; false: it is to go.
+    fn page(
+        &mut self,
+        ui: &mut Ui,
+        view: &View<'_>,
+        words: &Words,
+        model: &mut Model,
+        wishes: &mut Vec<Wish>,
+    ) -> bool {
+        ui.label(
+            RichText::new(file_name(&model.file))
+                .color(TITLE)
+                .size(TITLE_SIZE),
+        );
+        let Some(loaded) = view.world.loaded_model(model) else {
+            ui.label(RichText::new(words.model_is_not_there).color(MESSAGE));
+            return !ui.button(words.take_away).clicked();
+        };
+        facts(ui, words, loaded, model);
+        ui.horizontal(|ui| {
+            for (part, name) in [
+                (Part::Look, words.part_look),
+                (Part::Mend, words.part_mend),
+                (Part::Places, words.part_places),
+            ] {
+                ui.selectable_value(&mut self.part, part, name);
+            }
+        });
+        ui.separator();
+        match self.part {
+            Part::Look => {
+                size(ui, words, loaded, model);
+                ui.separator();
+                look(ui, words, model);
+                legend(ui, view, words, model);
+                looking(ui, words, view.world.looking(), wishes);
+                linked(ui, view, words, wishes);
+            }
+            Part::Mend => {
+                faults(ui, words, loaded);
+                mending(ui, words, loaded, model);
+            }
+            Part::Places => {
+                let on = (self.chosen, &mut *model);
+                self.marks.show(ui, view, words, on, wishes);
+            }
+        }
+        ui.separator();
+        !ui.button(words.take_away).clicked()
     }
 
     fn choose(&mut self, ui: &mut Ui, document: &Document) {
@@ -76,7 +144,11 @@ impl Models {
 
     /// The files that can be brought.
     fn bring(&self, ui: &mut Ui, words: &Words, wishes: &mut Vec<Wish>) {
-        ui.label(RichText::new(words.models_here).color(TITLE).size(18.0));
+        ui.label(
+            RichText::new(words.models_here)
+                .color(TITLE)
+                .size(TITLE_SIZE),
+        );
         if self.offered.is_empty() {
             ui.label(words.no_models_here);
         }
@@ -103,32 +175,23 @@ fn file_name(file: &str) -> &str {
     file.rsplit(['/', '\\']).next().unwrap_or(file)
 }
 
-/// One model; false: it is to go.
-fn page(ui: &mut Ui, view: &View<'_>, words: &Words, model: &mut Model) -> bool {
-    ui.label(
-        RichText::new(file_name(&model.file))
-            .color(TITLE)
-            .size(18.0),
-    );
-    let Some(loaded) = view.world.loaded_model(model) else {
-        ui.label(RichText::new(words.model_is_not_there).color(MESSAGE));
-        return !ui.button(words.take_away).clicked();
-    };
-    facts(ui, words, loaded, model);
-    size(ui, words, loaded, model);
-    ui.separator();
-    look(ui, words, model);
-    ui.separator();
-    faults(ui, words, loaded);
-    mending(ui, words, loaded, model);
-    !ui.button(words.take_away).clicked()
+/// Whether all turn together.
+fn linked(ui: &mut Ui, view: &View<'_>, words: &Words, wishes: &mut Vec<Wish>) {
+    let document = view.document;
+    let mut linked = document.linked;
+    if ui.checkbox(&mut linked, words.linked).changed() {
+        wishes.push(arrange(document, document.models.to_vec(), linked));
+    }
 }
 
 /// How large it is, in its unit, which can be chosen.
 fn facts(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
     let mesh = &loaded.plain.mesh;
     let symbol = model.unit.symbol();
-    let [width, height, depth] = loaded.size(model.z_up).to_array().map(rounded);
+    let [width, height, depth] = loaded
+        .size(model.z_up)
+        .to_array()
+        .map(|side| Rounded(side.into()));
     ui.label(format!("{width} × {height} × {depth} {symbol}"));
     let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
     ui.label(format!(
@@ -158,9 +221,9 @@ fn facts(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
 fn size(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
     let times = loaded.magnification(model);
     let told = if times >= 1.0 {
-        format!("{} : 1", rounded64(times))
+        format!("{} : 1", Rounded(times))
     } else {
-        format!("1 : {}", rounded64(1.0 / times))
+        format!("1 : {}", Rounded(1.0 / times))
     };
     ui.horizontal_wrapped(|ui| {
         ui.label(format!("{} {told}", words.shown_at));
@@ -207,6 +270,9 @@ fn look(ui: &mut Ui, words: &Words, model: &mut Model) {
             (Colouring::Plain, words.nothing),
             (Colouring::Parts, words.parts),
             (Colouring::Problems, words.problems),
+            (Colouring::Curvature, words.curvature),
+            (Colouring::Radius, words.radius),
+            (Colouring::Thickness, words.thickness),
         ] {
             ui.selectable_value(&mut model.colouring, colouring, name);
         }
@@ -251,7 +317,7 @@ fn faults(ui: &mut Ui, words: &Words, loaded: &LoadedModel) {
 /// What can be mended, and what each mend changed; undo takes one back.
 fn mending(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
     ui.separator();
-    ui.label(RichText::new(words.mend).color(TITLE).size(18.0));
+    ui.label(RichText::new(words.mend).color(TITLE).size(TITLE_SIZE));
     for account in &loaded.accounts {
         ui.label(account);
     }
@@ -286,22 +352,4 @@ fn mending(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) 
 fn bright(colour: [u8; 3]) -> egui::Color32 {
     let [red, green, blue] = colour.map(|part| part / 2 + 110);
     egui::Color32::from_rgb(red, green, blue)
-}
-
-fn rounded(number: f32) -> String {
-    rounded64(f64::from(number))
-}
-
-/// Three digits, as they are read.
-fn rounded64(number: f64) -> String {
-    let size = number.abs();
-    if size >= 100.0 {
-        format!("{number:.0}")
-    } else if size >= 10.0 {
-        format!("{number:.1}")
-    } else if size >= 1.0 || size == 0.0 {
-        format!("{number:.2}")
-    } else {
-        format!("{number:.3}")
-    }
 }

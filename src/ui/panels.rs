@@ -21,6 +21,7 @@ use crate::{
         document::{Document, Edit},
         handles::Says,
         lesson::Lesson,
+        marks::Mark,
         model::Model,
         models::Looking,
         panels::{PanelId, PanelPointer},
@@ -95,6 +96,12 @@ pub enum Wish {
     Bring(String),
     /// Look at models like this.
     Look(Looking),
+    /// Do this with endpoints, proposals and measures.
+    Mark(Mark),
+    /// Write a model's endpoints beside it, as `csv` or `json`.
+    WriteEnds(usize, &'static str),
+    /// Take a model's endpoints from a file, as the project names it.
+    ReadEnds(usize, String),
     /// Look again which models lie beside the project.
     FindModels,
     /// Go to a lesson of the tutorial, or end it.
@@ -270,6 +277,12 @@ impl Panels {
         self.shown = None;
     }
 
+    /// Offers files with endpoints.
+    pub fn offer_endpoints(&mut self, files: Vec<String>) {
+        self.bench.offer_endpoints(files);
+        self.shown = None;
+    }
+
     /// Looks at every panel that changed; gives what is wanted and what hands should feel.
     pub fn look(
         &mut self,
@@ -345,7 +358,7 @@ impl Panels {
             PanelId::Label => {
                 let says = Some((view.says, view.settings.language));
                 let other = std::mem::replace(&mut self.said, says) != says;
-                label.look(None, seconds, other, |ui| show_label(ui, view.says, words))
+                label.look(None, seconds, other, |ui| show_label(ui, view, words))
             }
             PanelId::Lesson => lesson.look(pointer, seconds, changed, |ui| {
                 super::lesson::show(ui, view, wishes);
@@ -416,8 +429,16 @@ fn show_wrist(ui: &mut Ui, view: &View<'_>, words: &Words, wishes: &mut Vec<Wish
 }
 
 /// The line beside a handle.
-fn show_label(ui: &mut Ui, says: Option<Says>, words: &Words) {
-    let text = match says {
+fn show_label(ui: &mut Ui, view: &View<'_>, words: &Words) {
+    let text = match view.says {
+        Some(Says::End { model, at }) => {
+            let end = view
+                .document
+                .models
+                .get(model)
+                .and_then(|model| model.endpoints.get(at));
+            end.map(|end| end.name.clone()).unwrap_or_default()
+        }
         Some(Says::Divergence(degrees)) => format!("{} {degrees:.3}°", words.say_divergence),
         Some(Says::Moment(moment)) => format!("{} {moment:.1}", words.say_moment),
         Some(Says::Clear) => words.say_clear.to_owned(),

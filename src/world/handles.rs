@@ -47,6 +47,13 @@ pub enum Says {
     Clear,
     /// The stump was pulled once and asks for the second time.
     ClearAgain,
+    /// The name of a model's endpoint.
+    End {
+        /// The model's number.
+        model: usize,
+        /// The endpoint's.
+        at: usize,
+    },
 }
 
 /// Sizes and ways of the handles.
@@ -271,6 +278,11 @@ impl Tools {
 
     /// What the line beside a handle says, and where the handle is.
     pub(super) fn says(&self) -> Option<(Says, Vec3)> {
+        let end = [0, 1].into_iter().find_map(|hand| self.end_meant(hand));
+        if let Some((model, at)) = end {
+            let above = Vec3::Y * self.params.handles.label * 0.5;
+            return Some((Says::End { model, at }, self.end_place(model, at)? + above));
+        }
         let id = self
             .hands
             .iter()

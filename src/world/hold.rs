@@ -81,6 +81,14 @@ impl Tools {
                 self.pulse(hand, self.params.haptics.choose);
             }
             Hover::Model { at, .. } => self.take_model(hand, at),
+            Hover::End { model, at, .. } => {
+                let taken = Hold::End { model, at };
+                // One hand an endpoint.
+                if self.hands.iter().all(|other| other.hold != taken) {
+                    self.hands[hand].hold = taken;
+                    self.pulse(hand, self.params.haptics.choose);
+                }
+            }
             Hover::Panel(on) => self.carry(hand, on.id),
             Hover::Handle { id, .. } => self.take_handle(hand, id, true, history),
             Hover::Nothing => return,
@@ -119,6 +127,7 @@ impl Tools {
                 );
             }
             Hold::Model(at) => self.release_model(hand, at, history),
+            Hold::End { .. } => self.release_end(hand, history),
             Hold::Platform => {
                 let to = self.held_placement();
                 let committed = history.committed();
@@ -163,8 +172,17 @@ impl Tools {
             }
         }
         self.check_pens(sketch);
-        let models = history.committed().models.len();
-        self.let_go_of_models(|at| at >= models);
+        let models = &history.committed().models;
+        self.let_go_of_models(|at| at >= models.len());
+        for hand in &mut self.hands {
+            if let Hold::End { model, at } = hand.hold
+                && models
+                    .get(model)
+                    .is_none_or(|model| at >= model.endpoints.len())
+            {
+                hand.hold = Hold::Nothing;
+            }
+        }
     }
 
     /// Makes `shown` and the miniature follow the history and the hands.

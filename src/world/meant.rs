@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::hover::{self, Pointer};
+use super::settings::DrawTool;
 use super::stage::rim;
 use super::tools::{Hold, Hover, Met, Tools};
 use crate::sketch::NodeRef;
@@ -24,7 +25,12 @@ impl Tools {
                 Hover::Node { at, .. } => self.miniature.position(at)?,
                 _ => origin + direction * found.along()?,
             },
-            takes_trigger: !matches!(found, Hover::Rim { .. } | Hover::Model { .. }),
+            takes_trigger: match found {
+                Hover::Rim { .. } => false,
+                Hover::Model { spot, .. } => spot.is_some() && self.is_marking(),
+                Hover::End { .. } => self.params.settings.tool != DrawTool::Draw,
+                _ => true,
+            },
             scrolls: matches!(found, Hover::Panel(_)),
         })
     }
@@ -54,16 +60,38 @@ impl Tools {
         if let Some((at, met)) = self.pedestal_at(pointer)
             && along.is_none_or(|along| met <= along)
         {
-            nearest = Hover::Model { at, along: met };
+            nearest = Hover::Model {
+                at,
+                along: met,
+                spot: None,
+            };
+            along = Some(met);
+        }
+        if let Some((model, at, met)) = self.end_at(pointer)
+            && along.is_none_or(|along| met <= along)
+        {
+            nearest = Hover::End {
+                model,
+                at,
+                along: met,
+            };
             along = Some(met);
         }
         match self.panels.find(hand, pointer) {
             Some(on) if along.is_none_or(|along| on.along <= along) => return Hover::Panel(on),
             _ => {}
         }
-        // What a person stands in must not take the place of what is beyond it.
+        // What a person stands in must not take the place of what is beyond it, unless they mark places on it.
+        let marks = self.is_marking() && !matches!(nearest, Hover::End { .. });
+        let furniture = matches!(nearest, Hover::Rim { .. } | Hover::Model { .. });
+        let nearer = |met: f32, along: f32| met < along || furniture && met <= along;
+        let wanted = |met: f32| marks && along.is_none_or(|along| nearer(met, along));
         match self.model_at(pointer) {
-            Some((at, along)) if nearest == Hover::Nothing => Hover::Model { at, along },
+            Some((at, along, spot))
+                if nearest == Hover::Nothing || spot.is_some() && wanted(along) =>
+            {
+                Hover::Model { at, along, spot }
+            }
             _ => nearest,
         }
     }

@@ -28,6 +28,8 @@ pub mod hover;
 pub mod input;
 pub mod journal;
 pub mod lesson;
+mod marking;
+pub mod marks;
 mod meant;
 mod miniature;
 pub mod model;
@@ -36,8 +38,10 @@ pub mod panels;
 mod play;
 pub mod project;
 pub mod room;
+mod scanned;
 pub mod scene;
 pub mod settings;
+mod signs;
 mod snap;
 pub mod stage;
 mod stroke;
@@ -51,8 +55,6 @@ use handles::{HandleId, Says};
 use history::{Action, History};
 use input::Input;
 use lesson::Course;
-use model::{LoadedModel, Model};
-use models::Looking;
 use panels::{PanelId, PanelPointer};
 use play::Player;
 use room::{Rig, RoomParams, RoomSettings};
@@ -456,44 +458,6 @@ impl World {
         self.compose();
     }
 
-    /// A model on the stage that has not been read yet as it is to be; [`Self::give_model`] brings what became of it.
-    #[must_use]
-    pub fn wanted_model(&self) -> Option<&Model> {
-        self.tools.models.wanted(self.document())
-    }
-
-    /// Gives what a model's file holds, mended as it is to be, or a sentence that says why not: its pedestal stays empty then.
-    pub fn give_model(&mut self, model: &Model, found: Result<LoadedModel, String>) {
-        if let Err(why) = &found {
-            self.show_message(why.clone());
-        }
-        self.tools.models.give(model, found.map(Arc::new));
-        self.tools.models.keep(self.history.committed());
-    }
-
-    /// How models are looked at.
-    #[must_use]
-    pub fn looking(&self) -> Looking {
-        self.tools.models.looking
-    }
-
-    /// Sets that.
-    pub fn look(&mut self, looking: Looking) {
-        self.tools.models.looking = looking;
-    }
-
-    /// How often a model was read or could not be.
-    #[must_use]
-    pub fn model_changes(&self) -> u64 {
-        self.tools.models.changes
-    }
-
-    /// What is known of a model's mesh, if its file was read.
-    #[must_use]
-    pub fn loaded_model(&self, model: &Model) -> Option<&LoadedModel> {
-        self.tools.models.loaded(model).map(|loaded| &**loaded)
-    }
-
     /// Whether the picture moves by itself now: a step is growing or shrinking, or the tree plays.
     #[must_use]
     pub fn is_growing(&self) -> bool {
@@ -561,8 +525,10 @@ impl World {
             &mut scene.plates,
         );
         let meant = |at| self.tools.means_model(at);
-        let models = &self.tools.models;
-        models.draw(document, meant, stage, palette, scene);
+        let (models, head) = (&self.tools.models, self.tools.head);
+        models.draw(document, meant, stage, palette, head, scene);
+        let lit = [0, 1].map(|hand| self.tools.end_meant(hand));
+        models.draw_marks(document, lit, head, scene);
         let highlights = self.tools.hands.map(|hand| match (hand.hold, hand.hover) {
             (tools::Hold::Node(at), _) | (_, Hover::Node { at, .. }) => Some(at),
             _ => None,
@@ -633,10 +599,25 @@ impl World {
             Hover::Node { along, .. }
             | Hover::Rim { along }
             | Hover::Model { along, .. }
+            | Hover::End { along, .. }
             | Hover::Handle { along, .. } => (along, palette.ray_hit),
             Hover::Panel(on) => (on.along, palette.ray_hit),
             Hover::Nothing => (stage.ray_length, palette.ray),
         };
+        if let Hover::Model {
+            at,
+            spot: Some(spot),
+            ..
+        } = state.hover
+            && self.tools.is_marking()
+            && let Some(place) = self.tools.on_stage(at, spot.point)
+        {
+            scene.balls.push(Ball {
+                center: place,
+                radius: stage.node_radius,
+                color: palette.ghost,
+            });
+        }
         if length > 0.0 {
             let from = sample.aim.position;
             scene.rods.push(Rod {

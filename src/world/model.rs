@@ -4,15 +4,18 @@
 //! longest side there, so that a neuron of a tenth of a millimetre and a tree of thirty metres lie on the same grid, whatever unit their files are in.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, DVec3, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::document::{PLACEMENT_BOUNDS, Placement};
-use super::scene::{ModelLook, SurfaceLook};
+use super::scene::{ModelLook, SurfaceLook, new_revision};
 use crate::mesh::display::Display;
+use crate::mesh::endpoints::{Endpoint, NAME_MOST};
 use crate::mesh::mend::Mend;
 use crate::mesh::problem::Problem;
+use crate::mesh::surface::Surface;
 use crate::mesh::unit::Unit;
 
 /// Most models of a project.
@@ -21,6 +24,8 @@ pub const MOST_MODELS: usize = 8;
 const MOST_MENDS: usize = 32;
 /// Longest name of a file, bytes.
 const LONGEST_NAME: usize = 1024;
+/// Most endpoints of a model: each edit of a model keeps them all.
+pub const MOST_ENDPOINTS: usize = 4096;
 /// Smallest and largest longest side on the stage, metres: a model in the palm, and one to walk in.
 pub const SIDE_BOUNDS: [f32; 2] = [0.01, 500.0];
 
@@ -35,6 +40,20 @@ pub enum Colouring {
     Parts,
     /// By what is wrong with them.
     Problems,
+    /// By how much the surface bends.
+    Curvature,
+    /// By the radius of the largest ball inside.
+    Radius,
+    /// By how thick what it encloses is.
+    Thickness,
+}
+
+impl Colouring {
+    /// Whether it shows a number at each vertex, which is worked out when somebody wants to see it.
+    #[must_use]
+    pub fn is_numbers(self) -> bool {
+        matches!(self, Self::Curvature | Self::Radius | Self::Thickness)
+    }
 }
 
 /// A scanned model as the project keeps it.
@@ -62,6 +81,13 @@ pub struct Model {
     pub boxed: bool,
     /// By what it is coloured.
     pub colouring: Colouring,
+    /// Where its paths begin and end, in the file's coordinates.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub endpoints: Arc<Vec<Endpoint>>,
+}
+
+fn is_none(endpoints: &Arc<Vec<Endpoint>>) -> bool {
+    endpoints.is_empty()
 }
 
 /// Why a project cannot have a model.
@@ -81,6 +107,14 @@ pub enum ModelError {
         "a model is mended at most {MOST_MENDS} times: undo some, or write the mended one with `ramus inspect --repair` and bring that"
     )]
     TooManyMends,
+    /// More than 4096 endpoints.
+    #[error("a model has at most {MOST_ENDPOINTS} endpoints: take some away first")]
+    TooManyEndpoints,
+    /// An endpoint that no file can hold.
+    #[error(
+        "an endpoint needs a name of at most {NAME_MOST} bytes in one line, and finite coordinates"
+    )]
+    Endpoint,
     /// More than [`MOST_MODELS`].
     #[error("a project has at most {MOST_MODELS} models: remove one first")]
     TooMany,
@@ -107,6 +141,7 @@ impl Model {
             vertices: false,
             boxed: false,
             colouring: Colouring::default(),
+            endpoints: Arc::default(),
         }
     }
 
@@ -128,6 +163,12 @@ impl Model {
         }
         if self.mends.len() > MOST_MENDS {
             return Err(ModelError::TooManyMends);
+        }
+        if self.endpoints.len() > MOST_ENDPOINTS {
+            return Err(ModelError::TooManyEndpoints);
+        }
+        if !self.endpoints.iter().all(Endpoint::is_sound) {
+            return Err(ModelError::Endpoint);
         }
         let Placement {
             position,
@@ -182,21 +223,41 @@ pub struct LoadedModel {
     pub faults: Vec<Problem>,
     /// What each mend changed, a line each.
     pub accounts: Vec<String>,
+    /// Where it is pointed at and measured.
+    pub surface: Arc<Surface>,
 }
 
 impl LoadedModel {
+    /// A model in one colour, with no word on what is wrong with it; `None` when somebody asked to stop.
+    #[must_use]
+    pub fn new(surface: Surface, cancel: &AtomicBool) -> Option<Self> {
+        let plain = Arc::new(Display::new(Arc::clone(surface.mesh()), cancel)?);
+        let revision = new_revision();
+        Some(Self {
+            parts: Arc::clone(&plain),
+            problems: Arc::clone(&plain),
+            plain,
+            revisions: [revision; 3],
+            faults: Vec::new(),
+            accounts: Vec::new(),
+            surface: Arc::new(surface),
+        })
+    }
+
     /// The longest side of its box in the file's unit.
     #[must_use]
     pub fn side(&self) -> f32 {
         self.plain.size().max_element()
     }
 
-    /// What is drawn with such a colouring, and its number.
+    /// What is drawn with such a colouring, and its number; plain where it shows numbers, which are worked out elsewhere.
     #[must_use]
     pub fn coloured(&self, by: Colouring) -> (&Arc<Display>, u64) {
         let [plain, parts, problems] = self.revisions;
         match by {
-            Colouring::Plain => (&self.plain, plain),
+            Colouring::Plain | Colouring::Curvature | Colouring::Radius | Colouring::Thickness => {
+                (&self.plain, plain)
+            }
             Colouring::Parts => (&self.parts, parts),
             Colouring::Problems => (&self.problems, problems),
         }
@@ -215,9 +276,8 @@ impl LoadedModel {
         let (low, high) = self.upright(model.z_up);
         let middle = (low + high) * 0.5;
         let foot = Vec3::new(middle.x, low.y, middle.z);
-        let scale = model.place.scale / self.side().max(f32::MIN_POSITIVE);
         Affine3A::from_scale_rotation_translation(
-            Vec3::splat(scale),
+            Vec3::splat(self.scale(model)),
             Quat::from_rotation_y(model.place.yaw()),
             model.place.position,
         ) * Affine3A::from_translation(-foot)
@@ -256,6 +316,24 @@ impl LoadedModel {
         Some((length, on_stage))
     }
 
+    /// How many metres of the stage a length of 1 in the file's unit has.
+    #[must_use]
+    pub fn scale(&self, model: &Model) -> f32 {
+        model.place.scale / self.side().max(f32::MIN_POSITIVE)
+    }
+
+    /// A place in the file's coordinates, from the mesh's origin.
+    #[must_use]
+    pub fn from_origin(&self, place: DVec3) -> Vec3 {
+        (place - self.plain.mesh.origin).as_vec3()
+    }
+
+    /// A place from the mesh's origin, in the file's coordinates.
+    #[must_use]
+    pub fn in_file(&self, place: Vec3) -> DVec3 {
+        self.plain.mesh.origin + place.as_dvec3()
+    }
+
     /// How many metres of the stage stand for a real one.
     #[must_use]
     pub fn magnification(&self, model: &Model) -> f64 {
@@ -281,23 +359,15 @@ mod tests {
         clippy::missing_assert_message,
         reason = "a test that fails shows the line"
     )]
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
     use crate::mesh::made;
+    use crate::mesh::pick::Picker;
 
     fn tube() -> LoadedModel {
         let mesh = made::placed(made::tube(12, 4), 10.0, Vec3::new(500.0, 0.0, 70.0));
-        let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
-        let display = Arc::new(display);
-        LoadedModel {
-            plain: Arc::clone(&display),
-            parts: Arc::clone(&display),
-            problems: display,
-            revisions: [1, 2, 3],
-            faults: Vec::new(),
-            accounts: Vec::new(),
-        }
+        let (mesh, never) = (Arc::new(mesh), AtomicBool::new(false));
+        let picker = Picker::new(mesh, &never, &mut |_, _| ()).unwrap();
+        LoadedModel::new(Surface::new(picker, &never).unwrap(), &never).unwrap()
     }
 
     #[test]

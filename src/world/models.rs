@@ -12,12 +12,16 @@ use super::grip::{GripParams, PlatformGrip};
 use super::history::History;
 use super::hover::{self, Pointer};
 use super::input::Pose;
-use super::model::{LoadedModel, Model, SIDE_BOUNDS};
+use super::marks::Marks;
+use super::model::{Colouring, LoadedModel, Model, SIDE_BOUNDS};
 use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene};
+use super::signs;
 use super::stage::{Palette, StageParams, furniture, rim};
 use super::tools::{Hand, Hold, Hover, Tools};
 use crate::mesh::display::Display;
 use crate::mesh::mend::Mend;
+use crate::mesh::pick::Hit;
+use crate::mesh::unit::{Rounded, Unit};
 
 /// How far a model may be carried and how large it may be pulled: farther than the platform, since people walk in it.
 pub(super) const GRIP: GripParams = GripParams {
@@ -45,10 +49,21 @@ fn pedestal(stage: &StageParams) -> StageParams {
 }
 
 /// A file and what is mended on it.
-type Source = (String, Vec<Mend>);
+pub(super) type Source = (String, Vec<Mend>);
 
-fn is_of((file, mends): &Source, model: &Model) -> bool {
+pub(super) fn is_of((file, mends): &Source, model: &Model) -> bool {
     *file == model.file && *mends == model.mends
+}
+
+/// A model's colours by numbers, and what they mean.
+#[derive(Clone, Debug)]
+pub struct Painting {
+    /// What is drawn.
+    pub display: Arc<Display>,
+    /// Its number for the renderer.
+    pub revision: u64,
+    /// The numbers at both ends of the scale, in the file's unit, curvature in one over it; none where no vertex has a number.
+    pub range: Option<[f32; 2]>,
 }
 
 /// What became of a model's file.
@@ -83,9 +98,12 @@ pub(super) struct Models {
     pub(super) changes: u64,
     pub(super) looking: Looking,
     /// The plane of the cut: its normal, towards the person, and how far along it lies.
-    plane: Option<Vec4>,
+    pub(super) plane: Option<Vec4>,
     /// Where the light is.
     lamp: Option<Vec3>,
+    pub(super) marks: Marks,
+    /// Colours by numbers that were worked out.
+    painted: Vec<(Source, Colouring, Painting)>,
     grip: Option<(usize, PlatformGrip)>,
 }
 
@@ -128,6 +146,33 @@ impl Models {
             wanted.as_ref() == Some(&source.0) || models.any(|model| is_of(source, model))
         };
         self.found.retain(|(source, _)| kept(source));
+        self.marks.keep(document);
+        self.painted.retain(|(source, by, _)| {
+            let mut models = document.models.iter();
+            models.any(|model| is_of(source, model) && model.colouring == *by)
+        });
+    }
+
+    /// A model that is to be coloured by numbers that nobody has worked out.
+    pub(super) fn unpainted<'a>(&self, document: &'a Document) -> Option<&'a Model> {
+        let mut models = document.models.iter();
+        models.find(|model| {
+            let is_read = matches!(self.get(model), Some(Ok(_)));
+            model.colouring.is_numbers() && is_read && self.painting(model).is_none()
+        })
+    }
+
+    pub(super) fn paint(&mut self, model: &Model, painting: Painting) {
+        let source = (model.file.clone(), model.mends.clone());
+        self.painted.push((source, model.colouring, painting));
+        self.changes += 1;
+    }
+
+    /// A model's colours by numbers, if they were worked out.
+    pub(super) fn painting(&self, model: &Model) -> Option<&Painting> {
+        let mut painted = self.painted.iter();
+        let found = painted.find(|(source, by, _)| is_of(source, model) && *by == model.colouring);
+        found.map(|(_, _, painting)| painting)
     }
 
     /// Describes pedestals, models and boxes.
@@ -137,6 +182,7 @@ impl Models {
         meant: impl Fn(usize) -> bool,
         stage: &StageParams,
         palette: &Palette,
+        head: Vec3,
         scene: &mut Scene,
     ) {
         let pedestal = pedestal(stage);
@@ -147,14 +193,20 @@ impl Models {
                 continue;
             };
             let world_from_model = loaded.stage_from_model(model);
-            let (display, revision) = loaded.coloured(model.colouring);
+            let (display, revision) = match self.painting(model) {
+                Some(painting) => (&painting.display, painting.revision),
+                None => loaded.coloured(model.colouring),
+            };
             if model.boxed {
                 let [least, most] = BOX_RADII;
                 let radius = (place.scale * BOX_RADIUS).clamp(least, most);
                 box_rods(display, &world_from_model, radius, &mut scene.rods);
+                box_signs(display, &world_from_model, model.unit, head, scene);
             }
-            if let Some((_, length)) = loaded.scale_bar(model) {
-                bar(place, length, &mut scene.rods);
+            if let Some((length, on_stage)) = loaded.scale_bar(model) {
+                let at = bar(place, on_stage, &mut scene.rods);
+                let symbol = model.unit.symbol();
+                signs::write(format_args!("{length} {symbol}"), at, head, scene);
             }
             scene.models.push(PlacedModel {
                 display: Arc::clone(display),
@@ -177,8 +229,8 @@ const BAR_COLORS: [Color; 2] = [[0.02, 0.02, 0.02, 1.0], [0.8, 0.8, 0.8, 1.0]];
 /// How far before the pedestal's middle it lies, metres, and how far below the top.
 const BAR_PLACE: [f32; 2] = [0.165, 0.03];
 
-/// A bar before the pedestal that is as long as it says, in two halves.
-fn bar(place: &Placement, length: f32, rods: &mut Vec<Rod>) {
+/// A bar before the pedestal that is as long as it says, in two halves; gives its middle.
+fn bar(place: &Placement, length: f32, rods: &mut Vec<Rod>) -> Vec3 {
     let [before, below] = BAR_PLACE;
     let [radius, ends] = BAR.map(|part| part * length);
     let middle = place.position + Vec3::new(0.0, -below, before);
@@ -196,6 +248,31 @@ fn bar(place: &Placement, length: f32, rods: &mut Vec<Rod>) {
     rod(middle, middle + half, light);
     for end in [middle - half, middle + half] {
         rod(end - Vec3::Y * ends, end + Vec3::Y * ends, dark);
+    }
+    middle
+}
+
+/// How long a model's box is along each axis, at the middle of the edge that is nearest to the person.
+pub fn box_signs(
+    display: &Display,
+    world_from_model: &Affine3A,
+    unit: Unit,
+    head: Vec3,
+    scene: &mut Scene,
+) {
+    let corners = display
+        .corners()
+        .map(|corner| world_from_model.transform_point3(corner));
+    let middle = |corner: usize, axis: usize| corners[corner].midpoint(corners[corner | 1 << axis]);
+    for (axis, length) in display.size().to_array().into_iter().enumerate() {
+        let edges = (0..corners.len()).filter(|corner| corner & 1 << axis == 0);
+        let far = |corner: &usize| middle(*corner, axis).distance(head);
+        if let Some(nearest) = edges.min_by(|a, b| far(a).total_cmp(&far(b))) {
+            let length = Rounded(f64::from(length));
+            let symbol = unit.symbol();
+            let at = middle(nearest, axis);
+            signs::write(format_args!("{length} {symbol}"), at, head, scene);
+        }
     }
 }
 
@@ -272,16 +349,22 @@ impl Tools {
         met.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The model whose box is meant, if one is.
-    pub(super) fn model_at(&self, pointer: &Pointer) -> Option<(usize, f32)> {
-        let models = self.shown.models.iter().enumerate();
-        let met = models.filter_map(|(at, model)| {
+    /// The model whose surface is meant, and where from its mesh's origin; else the one whose box is, if one is.
+    pub(super) fn model_at(&self, pointer: &Pointer) -> Option<(usize, f32, Option<Hit>)> {
+        let params = &self.params.hover;
+        let models = || self.shown.models.iter().enumerate();
+        let spots = models().filter_map(|(at, model)| {
+            let (along, hit) = self.models.spot(model, pointer, params)?;
+            Some((at, along, Some(hit)))
+        });
+        let boxes = models().filter_map(|(at, model)| {
             let loaded = self.models.loaded(model)?;
             let map = loaded.stage_from_model(model);
             let along = met_box(&loaded.plain, &map, pointer.origin, pointer.direction)?;
-            (along <= self.params.hover.reach).then_some((at, along))
+            (along <= params.reach).then_some((at, along, None))
         });
-        met.min_by(|a, b| a.1.total_cmp(&b.1))
+        let nearer = |a: &(usize, f32, _), b: &(usize, f32, _)| a.1.total_cmp(&b.1);
+        spots.min_by(nearer).or_else(|| boxes.min_by(nearer))
     }
 
     /// Takes hold of a model; while one is held, the other hand takes no other.
@@ -339,7 +422,7 @@ impl Tools {
             self.models.grip = None;
         }
         for hand in &mut self.hands {
-            if let Hold::Model(at) = hand.hold
+            if let Hold::Model(at) | Hold::End { model: at, .. } = hand.hold
                 && of(at)
             {
                 hand.hold = Hold::Nothing;
@@ -355,6 +438,7 @@ impl Tools {
     ) -> (Arc<Vec<Model>>, Placement) {
         let mut place = platform.unwrap_or(committed.platform);
         let mut models = Arc::clone(&committed.models);
+        self.arrange_ends(committed, &mut models);
         let mut turned = place.yaw_deg - committed.platform.yaw_deg;
         let mut held = None;
         if let Some((at, grip)) = &self.models.grip

@@ -5,7 +5,9 @@
 
 use crate::sketch::{FreehandParams, Symmetry};
 
+use super::marks::Measuring;
 use super::tools::DrawParams;
+use crate::mesh::endpoints::Kind;
 
 /// What the trigger does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,6 +17,10 @@ pub enum DrawTool {
     Draw,
     /// It deletes the node that it is pulled at, and each that the tip touches while it is held.
     Erase,
+    /// It sets endpoints on scanned models.
+    Mark,
+    /// It measures on scanned models.
+    Measure(Measuring),
 }
 
 /// How drawing acts. Lengths are metres in the hand, on the stage: a larger platform draws more finely.
@@ -37,6 +43,10 @@ pub struct DrawSettings {
     pub symmetry: u32,
     /// Whether a branch is drawn with its mirror image in the plane x = 0 of the sketch.
     pub mirror_symmetry: bool,
+    /// What the next endpoint on a scanned model is.
+    pub next_end: Kind,
+    /// Whether endpoints snap to the middle of the tube that they are on.
+    pub snap_ends: bool,
 }
 
 impl Default for DrawSettings {
@@ -50,6 +60,8 @@ impl Default for DrawSettings {
             snap_mirror: false,
             symmetry: 1,
             mirror_symmetry: false,
+            next_end: Kind::Source,
+            snap_ends: true,
         }
     }
 }

@@ -17,6 +17,7 @@
 
 use glam::Vec3;
 
+use crate::mesh::pick::Hit;
 use crate::sketch::{BOUNDS, MAX_SEGMENTS, NodeRef, Predictor, SketchError, point};
 
 pub use super::haptics::{Haptic, HapticParams};
@@ -106,8 +107,14 @@ pub(super) enum Hover {
     Node { at: NodeRef, along: f32 },
     /// The platform's rim, so many metres along the ray (0: touched).
     Rim { along: f32 },
-    /// A scanned model or its pedestal, so many metres along the ray (0: touched).
-    Model { at: usize, along: f32 },
+    /// A scanned model or its pedestal, so many metres along the ray (0: touched), and the place of its surface, from the mesh's origin.
+    Model {
+        at: usize,
+        along: f32,
+        spot: Option<Hit>,
+    },
+    /// An endpoint of a scanned model, so many metres along the ray (0: touched).
+    End { model: usize, at: usize, along: f32 },
     /// A panel.
     Panel(OnPanel),
     /// The lever, the wheel or the stump, so many metres along the ray (0: touched).
@@ -123,6 +130,11 @@ pub(super) enum Hold {
     Platform,
     /// A scanned model, by its number.
     Model(usize),
+    /// An endpoint of one.
+    End {
+        model: usize,
+        at: usize,
+    },
     /// A panel, pressed by the trigger or by the tip.
     Panel {
         id: PanelId,
@@ -191,6 +203,7 @@ impl Hover {
             Self::Node { along, .. }
             | Self::Rim { along }
             | Self::Model { along, .. }
+            | Self::End { along, .. }
             | Self::Handle { along, .. } => Some(along),
             Self::Panel(on) => Some(on.along),
         }
@@ -234,6 +247,8 @@ pub(super) struct Tools {
     /// How large trees would be; asked before each wish for one.
     pub(super) predictor: Predictor,
     message: Option<String>,
+    /// Where the person's head was last, metres on the stage: signs turn there.
+    pub(super) head: Vec3,
 }
 
 impl Tools {
@@ -266,6 +281,7 @@ impl Tools {
             haptics: Vec::new(),
             predictor: Predictor::default(),
             message: None,
+            head: stage.board_faces,
         }
     }
 
@@ -321,7 +337,11 @@ impl Tools {
             self.tick(hand, before);
         }
         self.own_panels(before);
-        self.place_label(head_of(input, &self.params.hands));
+        let head = head_of(input, &self.params.hands);
+        self.place_label(head);
+        if let Some(head) = head {
+            self.head = head.position;
+        }
     }
 
     /// Takes in a hand's pose; a hand that is lost drops what it holds where it was last seen.
@@ -358,6 +378,9 @@ impl Tools {
             }
             Hover::Handle { id, .. } => {
                 !matches!(before, Hover::Handle { id: before, .. } if before == id)
+            }
+            Hover::End { model, at, .. } => {
+                !matches!(before, Hover::End { model: other, at: before, .. } if (other, before) == (model, at))
             }
             // Panels tick by themselves.
             Hover::Panel(_) | Hover::Rim { .. } | Hover::Model { .. } | Hover::Nothing => false,
@@ -421,15 +444,36 @@ impl Tools {
                 let haptic = self.params.haptics.delete;
                 self.apply(hand, Edit::DeleteNode { at }, haptic, history);
             }
+            (Hold::End { model, at }, _) => self.delete_end(hand, model, at, history),
+            (Hold::Nothing, Hover::End { model, at, .. })
+                if self.params.settings.tool == DrawTool::Erase =>
+            {
+                self.delete_end(hand, model, at, history);
+            }
+            (Hold::Nothing, hover) if self.is_marking() => self.pull_at(hand, hover, history),
             (Hold::Nothing, _) if self.params.settings.tool == DrawTool::Erase => {
                 self.begin_erasing(hand, history);
             }
             (Hold::Nothing, Hover::Node { at, along }) => {
                 self.choose(hand, at, along <= 0.0, history);
             }
-            (Hold::Nothing, Hover::Nothing | Hover::Rim { .. } | Hover::Model { .. }) => {
-                self.draw(hand, history);
-            }
+            (
+                Hold::Nothing,
+                Hover::Nothing | Hover::Rim { .. } | Hover::Model { .. } | Hover::End { .. },
+            ) => self.draw(hand, history),
+        }
+    }
+
+    /// The trigger of a hand that marks places of models.
+    fn pull_at(&mut self, hand: usize, hover: Hover, history: &mut History) {
+        let measures = matches!(self.params.settings.tool, DrawTool::Measure(_));
+        match hover {
+            Hover::Model { at, spot: Some(place), .. } => self.mark(hand, at, &place, history),
+            Hover::End { model, at, .. } if !measures => self.turn_end(hand, model, at, history),
+            _ => self.refuse(
+                hand,
+                "The trigger marks places on scanned models: point at one, or take the pen on the bench to draw.".into(),
+            ),
         }
     }
 
@@ -616,14 +660,14 @@ impl Tools {
         else {
             return None;
         };
-        if self.params.settings.tool == DrawTool::Erase {
+        if self.params.settings.tool != DrawTool::Draw {
             return None;
         }
         let selected = self.shown.selected;
         let refused = selected == NodeRef::ROOT && !self.shown.sketch.is_apex(selected);
         let draws = matches!(
             hover,
-            Hover::Nothing | Hover::Rim { .. } | Hover::Model { .. }
+            Hover::Nothing | Hover::Rim { .. } | Hover::Model { .. } | Hover::End { .. }
         );
         if refused || !draws {
             return None;

@@ -15,6 +15,8 @@ use ramus::app::portrait::{self, PAPER};
 use ramus::app::store::Store;
 use ramus::app::workshop::{Workshop, WorkshopParams};
 use ramus::mesh::display::Display;
+use ramus::mesh::endpoints::Kind;
+use ramus::mesh::unit::Unit;
 use ramus::mesh::{ReadLimits, read};
 use ramus::world::model::Colouring;
 use ramus::world::panels::PanelId;
@@ -129,6 +131,87 @@ fn a_model_is_brought_from_the_bench_shown_otherwise_and_taken_away() {
 }
 
 #[test]
+fn endpoints_are_proposed_listed_named_written_and_read_on_the_bench() {
+    let folder = tempfile::tempdir().unwrap();
+    vessel(folder.path());
+    let mut visitor = visitor(folder.path());
+    for text in ["Models", "vessel.obj", "Places", "Propose ends"] {
+        press(&mut visitor, text);
+    }
+    let ends = |visitor: &Visitor| visitor.document().models[0].endpoints.to_vec();
+    let model = visitor.document().models[0].clone();
+    let proposed = visitor.workshop.world().proposals(&model).len();
+    assert!(proposed >= 3 && ends(&visitor).is_empty(), "{proposed}");
+    press(&mut visitor, "refuse");
+    press(&mut visitor, "take");
+    assert_eq!(ends(&visitor).len(), 1);
+    press(&mut visitor, "take all");
+    let taken = ends(&visitor);
+    assert_eq!(taken.len(), proposed - 1);
+    assert_eq!(visitor.workshop.world().proposals(&model), []);
+    // The list: the first is turned, then taken away.
+    let first = |visitor: &Visitor| ends(visitor)[0].clone();
+    let name = first(&visitor).name;
+    press(&mut visitor, &name);
+    press(&mut visitor, "Cancel");
+    press(&mut visitor, "×");
+    let listed = ends(&visitor);
+    assert_eq!(listed.len(), proposed - 2);
+    assert!(listed.iter().all(|end| end.name != name));
+    // Out of a file and into one.
+    press(&mut visitor, "CSV");
+    press(&mut visitor, "JSON");
+    press(&mut visitor, "Take all endpoints away");
+    assert!(ends(&visitor).is_empty());
+    for file in ["vessel-ends-1.csv", "vessel-ends-1.json"] {
+        press(&mut visitor, file);
+        assert_eq!(ends(&visitor), listed, "{file}");
+        press(&mut visitor, "Take all endpoints away");
+    }
+    std::fs::write(folder.path().join("vessel-ends-1.csv"), "x,y\n1,2\n").unwrap();
+    press(&mut visitor, "vessel-ends-1.csv");
+    assert!(ends(&visitor).is_empty() && visitor.workshop.world().has_message());
+}
+
+#[test]
+fn a_model_is_coloured_by_numbers_and_the_bench_says_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    vessel(folder.path());
+    let mut visitor = visitor(folder.path());
+    press(&mut visitor, "Models");
+    press(&mut visitor, "vessel.obj");
+    let plain = visitor.workshop.scene().models[0].revision;
+    for (text, by) in [
+        ("radius", Colouring::Radius),
+        ("thickness", Colouring::Thickness),
+        ("curvature", Colouring::Curvature),
+    ] {
+        press(&mut visitor, text);
+        let model = visitor.document().models[0].clone();
+        assert_eq!(model.colouring, by);
+        let painting = visitor.workshop.world().painting(&model).unwrap();
+        let [low, high] = painting.range.unwrap();
+        // Radii of the vessel are 4 to 12 mm.
+        let expected = match by {
+            Colouring::Radius => 2.0..13.0,
+            Colouring::Thickness => 4.0..40.0,
+            _ => -1.0..1.0,
+        };
+        assert!(
+            expected.contains(&low) && expected.contains(&high) && low < high,
+            "{text} {low} {high}"
+        );
+        assert_ne!(
+            visitor.workshop.scene().models[0].revision,
+            plain,
+            "drawn in colours"
+        );
+    }
+    press(&mut visitor, "nothing");
+    assert_eq!(visitor.workshop.scene().models[0].revision, plain);
+}
+
+#[test]
 fn the_guide_shows_the_tab_and_a_model_in_five_ways() {
     let folder = tempfile::tempdir().unwrap();
     let path = vessel(folder.path());
@@ -159,6 +242,8 @@ fn the_guide_shows_the_tab_and_a_model_in_five_ways() {
         let how = ModelPortrait {
             look,
             boxed,
+            unit: Unit::Millimetres,
+            endpoints: Vec::new(),
             z_up: false,
             turn: 0.5,
             backdrop: PAPER,

@@ -2,9 +2,21 @@
 
 use glam::Vec2;
 use proptest::prelude::*;
+use ramus::world::marks::Measuring;
 use ramus::world::{DrawSettings, DrawTool};
 
 use super::super::*;
+use super::marks::{before_the_tube, front};
+
+/// What the trigger may do with models.
+fn marking() -> impl Strategy<Value = DrawTool> {
+    prop_oneof![
+        Just(DrawTool::Mark),
+        Just(DrawTool::Erase),
+        Just(DrawTool::Measure(Measuring::Distance)),
+        Just(DrawTool::Measure(Measuring::Along)),
+    ]
+}
 
 /// One change of what a person does; a frame follows.
 #[derive(Clone, Debug)]
@@ -60,6 +72,7 @@ fn settings() -> impl Strategy<Value = DrawSettings> {
             snap_mirror,
             symmetry,
             mirror_symmetry,
+            ..DrawSettings::default()
         }
     })
 }
@@ -181,5 +194,36 @@ proptest! {
             prop_assert!(person.world.redo());
         }
         prop_assert!(person.bytes() == bytes, "undone and redone is the same");
+    }
+
+    #[test]
+    fn marks_on_a_model_are_edits_that_can_be_undone_and_repeated(
+        events in prop::collection::vec((event(), prop::option::of((0..2_usize, 0.0_f32..10.0)), marking()), 1..120),
+    ) {
+        let mut person = before_the_tube(DrawTool::Mark);
+        let heights = [0.0, 10.0].map(|height| front(&person, height));
+        for (event, at, tool) in &events {
+            if let Some((hand, height)) = *at {
+                // Also where it was before it was carried away or undone.
+                let place = heights[0].lerp(heights[1], height / 10.0);
+                person.point(hand, place);
+                let settings = DrawSettings { tool: *tool, ..person.world.settings() };
+                person.world.set_settings(settings);
+            }
+            take_in(&mut person, event);
+            person.frame();
+            check(&person.world);
+        }
+        person.input.focused = false;
+        person.frame();
+        prop_assert!(person.world.shown() == person.world.document());
+        let mut history = History::default();
+        for action in person.world.take_edits() {
+            history.repeat(action).unwrap();
+        }
+        prop_assert!(history.committed() == person.world.document(), "the journal gives the same");
+        while person.world.undo() {}
+        prop_assert_eq!(person.world.document(), &Document::default());
+        check(&person.world);
     }
 }

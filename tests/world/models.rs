@@ -4,30 +4,28 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use ramus::mesh::Mesh;
-use ramus::mesh::display::Display;
+use ramus::mesh::pick::Picker;
+use ramus::mesh::surface::Surface;
 use ramus::mesh::unit::Unit;
 use ramus::world::model::{LoadedModel, MOST_MODELS, Model};
-use ramus::world::scene::new_revision;
+use ramus::world::models::BOX_COLOR;
 
 use super::super::*;
 
 /// A tetrahedron of ten units.
-fn loaded() -> LoadedModel {
-    let mesh = Mesh {
+fn tetrahedron() -> Mesh {
+    Mesh {
         positions: vec![Vec3::ZERO, Vec3::X * 10.0, Vec3::Y * 10.0, Vec3::Z * 10.0],
         triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
         ..Mesh::default()
-    };
-    let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
-    let display = Arc::new(display);
-    LoadedModel {
-        plain: Arc::clone(&display),
-        parts: Arc::clone(&display),
-        problems: display,
-        revisions: [new_revision(), new_revision(), new_revision()],
-        faults: Vec::new(),
-        accounts: Vec::new(),
     }
+}
+
+/// What reading a file with such a mesh gives.
+pub(super) fn loaded(mesh: Mesh) -> LoadedModel {
+    let never = AtomicBool::new(false);
+    let picker = Picker::new(Arc::new(mesh), &never, &mut |_, _| ()).unwrap();
+    LoadedModel::new(Surface::new(picker, &never).unwrap(), &never).unwrap()
 }
 
 fn arrange(person: &Person, models: Vec<Model>, linked: bool) -> Edit {
@@ -48,7 +46,7 @@ fn with_models(count: usize, linked: bool) -> Person {
     let edit = arrange(&person, models, linked);
     person.world.apply(edit).unwrap();
     while let Some(model) = person.world.wanted_model().cloned() {
-        person.world.give_model(&model, Ok(loaded()));
+        person.world.give_model(&model, Ok(loaded(tetrahedron())));
     }
     person.frame();
     person
@@ -281,20 +279,32 @@ fn projects_keep_models_and_older_programs_read_those_without() {
 #[test]
 fn the_scale_bar_and_the_box_are_drawn_with_it() {
     let mut person = with_models(1, false);
-    let rods = |person: &Person| person.scene().rods.len();
-    let before = rods(&person);
+    let rods = |person: &Person| person.scene().rods;
+    let edges = |person: &Person| {
+        rods(person)
+            .iter()
+            .filter(|rod| rod.color == BOX_COLOR)
+            .count()
+    };
+    let (before, signs) = (edges(&person), rods(&person).len());
     let mut models = person.world.document().models.to_vec();
     models[0].boxed = true;
     let edit = arrange(&person, models, false);
     person.world.apply(edit).unwrap();
-    assert_eq!(rods(&person), before + 12);
+    assert_eq!(edges(&person), before + 12);
+    // Three sides of 10.0 mm: of each the digits and letters have more strokes than one.
+    assert!(rods(&person).len() > signs + 12 + 3 * 20);
     // The bar: 2 of 10 units, so a fifth of the model's 0.4 m.
     let place = place(&person, 0);
     let bar = person
         .scene()
         .rods
         .iter()
-        .filter(|rod| rod.from.y == rod.to.y && (rod.from.z - place.z - 0.165).abs() < 1e-4)
+        .filter(|rod| {
+            rod.color[0] == rod.color[2]
+                && rod.from.y == rod.to.y
+                && (rod.from.z - place.z - 0.165).abs() < 1e-4
+        })
         .map(|rod| rod.from.distance(rod.to))
         .sum::<f32>();
     assert!((bar - 0.08).abs() < 1e-4, "{bar}");

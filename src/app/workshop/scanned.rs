@@ -3,9 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::Workshop;
-use crate::app::scans::{Done, Read, Scan, named, offered};
+use crate::app::ends;
+use crate::app::scans::{Done, ENDINGS, Read, Scan, named, offered};
+use crate::app::takeaway::free_name;
 use crate::world::document::Edit;
 use crate::world::model::Model;
+
+/// The folder beside a project that holds what can be worked out again.
+const CACHE: &str = ".ramus-cache";
 
 impl Workshop {
     /// Has a model read and brings it onto the stage; what is wrong with it is told on the board.
@@ -34,6 +39,7 @@ impl Workshop {
             file,
             path,
             mends: Vec::new(),
+            cache: self.cache(),
             comes: true,
         };
         if !self.scans.ask(scan) {
@@ -45,7 +51,9 @@ impl Workshop {
     /// Offers the models that lie beside the project.
     pub fn offer_models(&mut self) {
         let folder = self.folder().unwrap_or_else(|| PathBuf::from("."));
-        self.panels.offer_models(offered(&folder));
+        self.panels.offer_models(offered(&folder, &ENDINGS));
+        self.panels
+            .offer_endpoints(offered(&folder, &["csv", "json"]));
     }
 
     /// Looks for models in this folder and not in the project's, waits for them in the frame that wants them, and offers those that lie there: so a
@@ -64,6 +72,12 @@ impl Workshop {
         }
         let project = std::path::absolute(self.project()?).ok()?;
         project.parent().map(Path::to_owned)
+    }
+
+    /// Where what takes long to work out of models is kept: beside the project, if there is one.
+    fn cache(&self) -> Option<PathBuf> {
+        let project = self.project()?;
+        Some(project.with_file_name(CACHE))
     }
 
     fn path_of(&self, file: &str) -> PathBuf {
@@ -89,6 +103,15 @@ impl Workshop {
         } {
             self.take_scan(done);
         }
+        while self.studies.follow(&self.world)
+            && let Some(done) = if waits {
+                self.studies.wait()
+            } else {
+                self.studies.poll()
+            }
+        {
+            done.give(&mut self.world);
+        }
     }
 
     /// Waits until all models are there or are told to be unreadable.
@@ -97,6 +120,11 @@ impl Workshop {
         while let Some(done) = self.scans.wait() {
             self.take_scan(done);
             self.want_scans();
+        }
+        while self.studies.follow(&self.world)
+            && let Some(done) = self.studies.wait()
+        {
+            done.give(&mut self.world);
         }
         self.keep_journal();
     }
@@ -110,9 +138,39 @@ impl Workshop {
                 file: model.file.clone(),
                 path: self.path_of(&model.file),
                 mends: model.mends.clone(),
+                cache: self.cache(),
                 comes: false,
             };
             self.scans.ask(scan);
+        }
+    }
+
+    /// Writes a model's endpoints beside it, as `csv` or `json`, under a name that is free.
+    pub(super) fn write_ends(&mut self, at: usize, ending: &str) {
+        let Some(model) = self.document().models.get(at) else {
+            return;
+        };
+        let file = self.path_of(&model.file);
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+        let name = file.with_file_name(format!("{stem}-ends"));
+        let path = free_name(&name, ending, |_| false);
+        let told = match ends::write(&path, &model.endpoints) {
+            Ok(()) => format!("Written: {}.", path.display()),
+            Err(why) => why,
+        };
+        self.world.show_message(told);
+        self.offer_models();
+    }
+
+    /// Takes a model's endpoints from a file, in the place of those that it has.
+    pub(super) fn read_ends(&mut self, at: usize, file: &str) {
+        let read = ends::read(&self.path_of(file));
+        let taken = read.and_then(|endpoints| {
+            let taken = self.world.set_endpoints(at, endpoints);
+            taken.map_err(|error| error.to_string())
+        });
+        if let Err(why) = taken {
+            self.world.show_message(why);
         }
     }
 

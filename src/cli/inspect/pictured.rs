@@ -9,12 +9,17 @@ use clap::ValueEnum;
 
 use super::super::progress::Progress;
 use crate::app::model_portrait::{ModelPortrait, of_model};
+use crate::app::studies::coloured;
 use crate::app::{export, portrait};
 use crate::mesh::Mesh;
 use crate::mesh::colour::{Colour, by_parts, by_problems};
 use crate::mesh::display::Display;
+use crate::mesh::endpoints::Endpoint;
 use crate::mesh::intersect::Intersections;
 use crate::mesh::report::Report;
+use crate::mesh::surface::Surface;
+use crate::mesh::unit::Unit;
+use crate::world::model::Colouring;
 use crate::world::scene::{ModelLook, SurfaceLook};
 
 /// What a picture of a model shows; several go together.
@@ -36,6 +41,33 @@ pub(super) enum Look {
     Parts,
     /// What is wrong, in the colour of the fault
     Problems,
+    /// How much the surface bends: blue hollow, red bulging
+    Curvature,
+    /// The largest ball inside at each place: blue thin, yellow thick
+    Radius,
+    /// How thick it is at each place: blue thin, yellow thick
+    Thickness,
+}
+
+impl Look {
+    /// What it colours by, where that is a number at each vertex.
+    fn numbers(self) -> Option<Colouring> {
+        match self {
+            Self::Curvature => Some(Colouring::Curvature),
+            Self::Radius => Some(Colouring::Radius),
+            Self::Thickness => Some(Colouring::Thickness),
+            _ => None,
+        }
+    }
+}
+
+/// What of a model is drawn, and how.
+pub(super) struct Subject<'a> {
+    pub(super) looks: &'a [Look],
+    pub(super) z_up: bool,
+    pub(super) pixels: u32,
+    pub(super) unit: Unit,
+    pub(super) endpoints: Vec<Endpoint>,
 }
 
 /// An axis of a file.
@@ -51,9 +83,11 @@ pub(super) enum Up {
 const TURN: f32 = 0.5;
 
 /// How a list of looks shows a model; nothing asked for: shaded.
-fn portrait(looks: &[Look], z_up: bool, pixels: u32) -> ModelPortrait {
+fn portrait(subject: Subject<'_>) -> ModelPortrait {
+    let looks = subject.looks;
     let has = |look| looks.contains(&look);
-    let coloured = has(Look::Parts) || has(Look::Problems);
+    let numbers = looks.iter().any(|look| look.numbers().is_some());
+    let coloured = has(Look::Parts) || has(Look::Problems) || numbers;
     let alone = (has(Look::Edges) || has(Look::Vertices)) && !coloured;
     let surface = if has(Look::XRay) {
         Some(SurfaceLook::XRay)
@@ -72,10 +106,12 @@ fn portrait(looks: &[Look], z_up: bool, pixels: u32) -> ModelPortrait {
             ..ModelLook::default()
         },
         boxed: has(Look::Box),
-        z_up,
+        unit: subject.unit,
+        endpoints: subject.endpoints,
+        z_up: subject.z_up,
         turn: TURN,
         backdrop: portrait::PAPER,
-        pixels,
+        pixels: subject.pixels,
     }
 }
 
@@ -95,23 +131,30 @@ pub(super) fn colours(
     }
 }
 
-/// Draws a model into a file.
+/// Draws a model into a file; gives the numbers between which the colours run, where they show numbers.
 pub(super) fn draw(
-    mesh: Mesh,
+    surface: impl FnOnce() -> Result<Surface>,
+    mesh: &Arc<Mesh>,
     colours: Vec<Colour>,
-    looks: &[Look],
-    z_up: bool,
-    pixels: u32,
+    subject: Subject<'_>,
     path: &Path,
-) -> Result<()> {
+) -> Result<Option<[f32; 2]>> {
     let never = AtomicBool::new(false);
-    let picture = Progress::during("drawing", || {
-        let display = Display::new(Arc::new(mesh), &never)
-            .ok_or_else(|| anyhow!("the drawing of the model was cancelled"))?;
-        of_model(display.coloured(colours), &portrait(looks, z_up, pixels))
+    let stopped = || anyhow!("the drawing of the model was cancelled");
+    let numbers = subject.looks.iter().find_map(|look| look.numbers());
+    let (picture, range) = Progress::during("drawing", || {
+        let display = Display::new(Arc::clone(mesh), &never).ok_or_else(stopped)?;
+        let (display, range) = match numbers {
+            Some(by) => {
+                let (colours, range) = coloured(&surface()?, by, &never).ok_or_else(stopped)?;
+                (display.painted(colours), range)
+            }
+            None => (display.coloured(colours), None),
+        };
+        anyhow::Ok((of_model(display, &portrait(subject))?, range))
     })?;
     Progress::during("writing", || export::png(&picture, path))?;
-    Ok(())
+    Ok(range)
 }
 
 #[cfg(test)]
@@ -122,7 +165,13 @@ mod tests {
     #[test]
     fn looks_go_together() {
         let look = |looks: &[Look]| {
-            let how = portrait(looks, true, 64);
+            let how = portrait(Subject {
+                looks,
+                z_up: true,
+                pixels: 64,
+                unit: Unit::Metres,
+                endpoints: Vec::new(),
+            });
             (how.look.surface, how.look.wireframe, how.boxed)
         };
         let shaded = Some(SurfaceLook::Shaded);
@@ -132,6 +181,7 @@ mod tests {
             (&[Look::Vertices, Look::Box], (None, false, true)),
             (&[Look::Shaded, Look::Edges], (shaded, true, false)),
             (&[Look::Parts, Look::Edges], (shaded, true, false)),
+            (&[Look::Thickness, Look::Vertices], (shaded, false, false)),
             (&[Look::Matte], (Some(SurfaceLook::Matte), false, false)),
             (
                 &[Look::XRay, Look::Edges],

@@ -206,6 +206,8 @@ fn what_cannot_be_read_is_an_error_and_what_can_is_printed() {
         repair: None,
         out: None,
         png: None,
+        propose: None,
+        endpoints: None,
         look: Vec::new(),
         up: None,
         size: 64,

@@ -6,8 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    BYTES_MOST, COORDINATE_MOST, ENDPOINTS_MOST, Endpoint, EndpointError, Endpoints, Kind,
-    NAME_MOST, Snapped,
+    BYTES_MOST, COORDINATE_MOST, ENDPOINTS_MOST, Endpoint, EndpointError, Kind, NAME_MOST, Snapped,
 };
 
 /// What JSON files of endpoints say that they are.
@@ -25,7 +24,7 @@ struct File {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Entry {
+pub(super) struct Entry {
     #[serde(default)]
     name: String,
     #[serde(default)]
@@ -37,104 +36,104 @@ struct Entry {
     radius: Option<f64>,
 }
 
-impl Endpoints {
-    /// A table with the columns name, kind, x, y, z, and centre_x, centre_y, centre_z, radius, which are empty where an endpoint is not snapped.
-    pub fn to_csv(&self) -> String {
-        let mut out = csv::Writer::from_writer(Vec::new());
-        // Writing to memory does not fail.
-        let _ = out.write_record(COLUMNS);
-        for (_, one) in self.iter() {
-            let snapped = one.snapped.map(|snapped| {
-                let [x, y, z] = snapped.centre.to_array();
-                [x, y, z, snapped.radius].map(|number| number.to_string())
-            });
-            let fields = [one.name.clone(), one.kind.as_str().to_owned()];
-            let point = one.point.to_array().map(|number| number.to_string());
-            let all = fields.into_iter().chain(point);
-            let _ = out.write_record(all.chain(snapped.unwrap_or_default()));
-        }
-        let bytes = out.into_inner().unwrap_or_default();
-        String::from_utf8(bytes).unwrap_or_default()
+/// A table with the columns name, kind, x, y, z, and centre_x, centre_y, centre_z, radius, which are empty where an endpoint is not snapped.
+#[must_use]
+pub fn to_csv(endpoints: &[Endpoint]) -> String {
+    let mut out = csv::Writer::from_writer(Vec::new());
+    // Writing to memory does not fail.
+    let _ = out.write_record(COLUMNS);
+    for one in endpoints {
+        let snapped = one.snapped.map(|snapped| {
+            let [x, y, z] = snapped.centre.to_array();
+            [x, y, z, snapped.radius].map(|number| number.to_string())
+        });
+        let fields = [one.name.clone(), one.kind.as_str().to_owned()];
+        let point = one.point.to_array().map(|number| number.to_string());
+        let all = fields.into_iter().chain(point);
+        let _ = out.write_record(all.chain(snapped.unwrap_or_default()));
     }
+    let bytes = out.into_inner().unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
 
-    /// Reads such a table. Columns may stand in any order; x, y and z must be there, others may be missing, and those of other names are passed over.
-    ///
-    /// # Errors
-    /// [`EndpointError`] with the line.
-    pub fn from_csv(bytes: &[u8]) -> Result<Self, EndpointError> {
-        let text = text(bytes)?;
-        let mut rows = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
-        let header = rows.headers().map_err(|error| damaged(&error))?.clone();
-        let column = |name: &str| {
-            header
-                .iter()
-                .position(|other| other.eq_ignore_ascii_case(name))
-        };
-        for name in ["x", "y", "z"] {
-            column(name).ok_or(EndpointError::NoColumn(name))?;
-        }
-        let columns = COLUMNS.map(column);
-        let mut list = Self::default();
-        for row in rows.records() {
-            let row = row.map_err(|error| damaged(&error))?;
-            let line = row.position().map_or(0, csv::Position::line);
-            if list.len() == ENDPOINTS_MOST {
-                return Err(EndpointError::TooMany {
-                    line,
-                    number: ENDPOINTS_MOST + 1,
-                });
-            }
-            let entry = Entry::from_row(&row, &columns)
-                .and_then(Entry::endpoint)
-                .map_err(|problem| EndpointError::Damaged { line, problem })?;
-            list.add(entry);
-        }
-        Ok(list)
+/// Reads such a table. Columns may stand in any order; x, y and z must be there, others may be missing, and those of other names are passed over.
+///
+/// # Errors
+/// [`EndpointError`] with the line.
+pub fn from_csv(bytes: &[u8]) -> Result<Vec<Endpoint>, EndpointError> {
+    let text = text(bytes)?;
+    let mut rows = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let header = rows.headers().map_err(|error| damaged(&error))?.clone();
+    let column = |name: &str| {
+        header
+            .iter()
+            .position(|other| other.eq_ignore_ascii_case(name))
+    };
+    for name in ["x", "y", "z"] {
+        column(name).ok_or(EndpointError::NoColumn(name))?;
     }
-
-    /// The same as JSON.
-    pub fn to_json(&self) -> String {
-        let file = File {
-            format: FORMAT.to_owned(),
-            endpoints: self.iter().map(|(_, one)| Entry::new(one)).collect(),
-        };
-        serde_json::to_string_pretty(&file).unwrap_or_default()
-    }
-
-    /// Reads such JSON.
-    ///
-    /// # Errors
-    /// [`EndpointError`] with the line, or the endpoint's number.
-    pub fn from_json(bytes: &[u8]) -> Result<Self, EndpointError> {
-        let file: File = serde_json::from_str(text(bytes)?).map_err(|error| {
-            let told = error.to_string();
-            let problem = told.split(" at line ").next().unwrap_or_default();
-            EndpointError::Damaged {
-                line: u64::try_from(error.line()).unwrap_or(0),
-                problem: format!("is not as JSON of endpoints must be ({problem}): mend it there"),
-            }
-        })?;
-        if file.format != FORMAT {
-            return Err(EndpointError::Format(shown(&file.format)));
-        }
-        if file.endpoints.len() > ENDPOINTS_MOST {
-            return Err(EndpointError::Wrong {
+    let columns = COLUMNS.map(column);
+    let mut list = Vec::new();
+    for row in rows.records() {
+        let row = row.map_err(|error| damaged(&error))?;
+        let line = row.position().map_or(0, csv::Position::line);
+        if list.len() == ENDPOINTS_MOST {
+            return Err(EndpointError::TooMany {
+                line,
                 number: ENDPOINTS_MOST + 1,
-                problem: "is more than are read: split the file".to_owned(),
             });
         }
-        let entries = file.endpoints.into_iter().enumerate();
-        entries
-            .map(|(place, entry)| {
-                entry.endpoint().map_err(|problem| EndpointError::Wrong {
-                    number: place + 1,
-                    problem,
-                })
-            })
-            .collect()
+        let entry = Entry::from_row(&row, &columns)
+            .and_then(Entry::endpoint)
+            .map_err(|problem| EndpointError::Damaged { line, problem })?;
+        list.push(entry);
     }
+    Ok(list)
+}
+
+/// The same as JSON.
+#[must_use]
+pub fn to_json(endpoints: &[Endpoint]) -> String {
+    let file = File {
+        format: FORMAT.to_owned(),
+        endpoints: endpoints.iter().cloned().map(Entry::from).collect(),
+    };
+    serde_json::to_string_pretty(&file).unwrap_or_default()
+}
+
+/// Reads such JSON.
+///
+/// # Errors
+/// [`EndpointError`] with the line, or the endpoint's number.
+pub fn from_json(bytes: &[u8]) -> Result<Vec<Endpoint>, EndpointError> {
+    let file: File = serde_json::from_str(text(bytes)?).map_err(|error| {
+        let told = error.to_string();
+        let problem = told.split(" at line ").next().unwrap_or_default();
+        EndpointError::Damaged {
+            line: u64::try_from(error.line()).unwrap_or(0),
+            problem: format!("is not as JSON of endpoints must be ({problem}): mend it there"),
+        }
+    })?;
+    if file.format != FORMAT {
+        return Err(EndpointError::Format(shown(&file.format)));
+    }
+    if file.endpoints.len() > ENDPOINTS_MOST {
+        return Err(EndpointError::Wrong {
+            number: ENDPOINTS_MOST + 1,
+            problem: "is more than are read: split the file".to_owned(),
+        });
+    }
+    let entries = file.endpoints.into_iter().enumerate();
+    entries
+        .map(|(place, entry)| {
+            entry.endpoint().map_err(|problem| EndpointError::Wrong {
+                number: place + 1,
+                problem,
+            })
+        })
+        .collect()
 }
 
 fn text(bytes: &[u8]) -> Result<&str, EndpointError> {
@@ -173,17 +172,27 @@ fn shown(what: &str) -> String {
     format!("{short:?}")
 }
 
-impl Entry {
-    fn new(one: &Endpoint) -> Self {
+impl From<Endpoint> for Entry {
+    fn from(one: Endpoint) -> Self {
         Self {
-            name: one.name.clone(),
+            name: one.name,
             kind: one.kind.as_str().to_owned(),
             point: one.point.to_array(),
             centre: one.snapped.map(|snapped| snapped.centre.to_array()),
             radius: one.snapped.map(|snapped| snapped.radius),
         }
     }
+}
 
+impl TryFrom<Entry> for Endpoint {
+    type Error = String;
+
+    fn try_from(entry: Entry) -> Result<Self, String> {
+        entry.endpoint()
+    }
+}
+
+impl Entry {
     fn from_row(row: &csv::StringRecord, columns: &[Option<usize>; 9]) -> Result<Self, String> {
         let field = |column: usize| columns[column].and_then(|at| row.get(at)).unwrap_or("");
         let number = |column: usize| {
@@ -215,6 +224,9 @@ impl Entry {
                 "has a name of {} bytes, more than the {NAME_MOST} that are read: shorten it",
                 self.name.len()
             ));
+        }
+        if self.name.contains(char::is_control) {
+            return Err("has a name with a line break or another sign that is not shown: write it in one line".to_owned());
         }
         let kind = match self.kind.to_ascii_lowercase().as_str() {
             "source" => Kind::Source,

@@ -75,6 +75,13 @@ impl Picker {
         Some((picker, told))
     }
 
+    /// What a file that keeps a mesh's hierarchy may be called: the same for the same mesh, whatever it is called.
+    #[must_use]
+    pub fn name_of(mesh: &Mesh) -> String {
+        let [one, other] = hash(mesh);
+        format!("{one:016x}{other:016x}")
+    }
+
     fn load(mesh: &Arc<Mesh>, hash: [u64; 2], path: &Path, cancel: &AtomicBool) -> Option<Self> {
         // What is no plain file may never end, or never begin.
         if !path.metadata().ok()?.is_file() {

@@ -105,6 +105,8 @@ macro_rules! words {
 }
 
 words! {
+    part_look, part_mend, part_places, the_trigger, trigger_draws, trigger_marks, trigger_measures, next_end, snap_ends, source, target, sources, targets, endpoints, no_endpoints, propose, take, take_all, refuse, refuse_all, open_end, tip, write_endpoints, read_endpoints,
+    distance, along, angle, thickness, curvature, radius, measured, no_measures, places, opposite_side, by_rays, no_way, no_numbers,
     cut, cut_none, cut_in_hand, cut_stays, lamp,
     mend, mend_weld, mend_debris, mend_largest, mend_orient, mend_close, mend_close_smooth, mend_smooth, mend_decimate, mend_remesh, unmend,
     tab_models, models_here, no_models_here, look_again, linked, model_is_not_there, take_away, triangles, vertices, unit, stands_on, shown_at, bar_is, one_to_one, reset_view, shaded, matte, x_ray, no_faces, edges, box_and_size, colour_by, nothing, parts, problems, no_problems,
@@ -198,6 +200,8 @@ mod tests {
             include_str!("../../world/play.rs"),
             include_str!("../../world/stroke.rs"),
             include_str!("../../world/mod.rs"),
+            include_str!("../../world/marking.rs"),
+            include_str!("../../world/scanned.rs"),
         ];
         let mut found = 0;
         for source in sources {

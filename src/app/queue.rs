@@ -1,0 +1,108 @@
+//! Work that waits in line for a thread, none of it dropped: first come, first served.
+
+use std::collections::VecDeque;
+use std::sync::atomic::AtomicBool;
+
+use super::worker::Worker;
+
+/// Most that waits at a time: a person who presses on and on does not fill the memory.
+pub(super) const MOST_WAITING: usize = 16;
+
+/// A line of work, and the thread that does it.
+pub(super) struct Queue<Input, Output> {
+    worker: Worker<Input, Output>,
+    waiting: VecDeque<Input>,
+    /// What the thread is at.
+    at: Option<Input>,
+}
+
+impl<Input: Clone + Send + 'static, Output: Send + 'static> Queue<Input, Output> {
+    /// A thread of this name that does such work; the work looks at its flag often and gives up when it is set.
+    ///
+    /// # Errors
+    /// Where the system gives no thread.
+    pub(super) fn start(
+        name: &str,
+        job: impl FnMut(&Input, &AtomicBool) -> Output + Send + 'static,
+    ) -> std::io::Result<Self> {
+        Ok(Self {
+            worker: Worker::start(name, job)?,
+            waiting: VecDeque::new(),
+            at: None,
+        })
+    }
+
+    /// Puts something into the line. False: too much waits already.
+    #[must_use]
+    pub(super) fn ask(&mut self, input: Input) -> bool {
+        let room = self.waiting.len() < MOST_WAITING;
+        if room {
+            self.waiting.push_back(input);
+        }
+        room
+    }
+
+    /// All that is not done, what the thread is at first.
+    pub(super) fn open(&self) -> impl Iterator<Item = &Input> {
+        self.at.iter().chain(&self.waiting)
+    }
+
+    /// Goes on; gives what was done since.
+    pub(super) fn poll(&mut self) -> Option<Output> {
+        let done = self.at.as_ref().and_then(|_| self.worker.poll());
+        self.go_on(done.is_some());
+        done
+    }
+
+    /// Waits for the next that is not done, if there is one.
+    pub(super) fn wait(&mut self) -> Option<Output> {
+        self.go_on(false);
+        let done = self.at.as_ref().and_then(|_| self.worker.wait());
+        self.go_on(true);
+        done
+    }
+
+    fn go_on(&mut self, is_done: bool) {
+        if is_done {
+            self.at = None;
+        }
+        if self.at.is_none()
+            && let Some(next) = self.waiting.pop_front()
+        {
+            self.at = Some(next.clone());
+            self.worker.ask(next);
+        }
+    }
+
+    /// Whether something is not done.
+    pub(super) fn is_busy(&self) -> bool {
+        self.at.is_some() || !self.waiting.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+
+    #[test]
+    fn all_is_done_in_order_and_the_line_has_an_end() {
+        let mut queue = Queue::start("test", |number: &usize, _: &AtomicBool| number * 2).unwrap();
+        assert!(queue.wait().is_none() && queue.poll().is_none() && !queue.is_busy());
+        for number in 0..MOST_WAITING {
+            assert!(queue.ask(number));
+        }
+        assert!(!queue.ask(99), "the line is full");
+        assert!(queue.open().copied().eq(0..MOST_WAITING));
+        let done: Vec<usize> = std::iter::from_fn(|| queue.wait()).collect();
+        assert!(
+            done.into_iter()
+                .eq((0..MOST_WAITING).map(|number| number * 2))
+        );
+        assert!(!queue.is_busy());
+    }
+}
