@@ -88,11 +88,6 @@ impl Models {
         model: &mut Model,
         wishes: &mut Vec<Wish>,
     ) -> bool {
-        ui.label(
-            RichText::new(file_name(&model.file))
-                .color(TITLE)
-                .size(TITLE_SIZE),
-        );
         let Some(loaded) = view.world.loaded_model(model) else {
             ui.label(RichText::new(words.model_is_not_there).color(MESSAGE));
             return !ui.button(words.take_away).clicked();

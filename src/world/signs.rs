@@ -12,10 +12,12 @@ use super::scene::{Color, Rod, Scene};
 const HEIGHT: f32 = 0.0227;
 /// Nobody is nearer to a sign than this, metres.
 const NEAREST: f32 = 0.3;
-/// Colour of all signs, linear: dark, as the scale bars are.
-const COLOR: Color = [0.02, 0.03, 0.06, 1.0];
-/// Thickness of strokes, in heights.
-const STROKE: f32 = 0.055;
+/// Colours, linear: dark strokes on light ones that stand a little behind them, so that a sign is read before anything.
+const COLORS: [Color; 2] = [[0.02, 0.03, 0.06, 1.0], [0.85, 0.85, 0.80, 1.0]];
+/// Thickness of the dark strokes and the light ones, in heights.
+const STROKES: [f32; 2] = [0.055, 0.11];
+/// How far the light ones stand behind, in heights.
+const BEHIND: f32 = 0.12;
 
 /// A sign's strokes as lines through places of a grid, 0 to 4 to the right and 0 to 6 upwards: two digits a place, a space between lines; and how far on
 /// the next sign begins.
@@ -94,15 +96,72 @@ pub(super) fn write(text: Arguments<'_>, above: Vec3, head: Vec3, scene: &mut Sc
             let pairs = line.as_bytes().chunks_exact(2);
             for (from, to) in pairs.clone().zip(pairs.skip(1)) {
                 if let (Some(from), Some(to)) = (place(from), place(to)) {
-                    scene.rods.push(Rod {
-                        from,
-                        to,
-                        radius: height * STROKE,
-                        color: COLOR,
-                    });
+                    for ((color, stroke), back) in
+                        COLORS.into_iter().zip(STROKES).zip([0.0, BEHIND])
+                    {
+                        let back = level * (back * height);
+                        scene.rods.push(Rod {
+                            from: from - back,
+                            to: to - back,
+                            radius: height * stroke,
+                            color,
+                        });
+                    }
                 }
             }
         }
         at += right * step;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::missing_assert_message,
+        reason = "a test that fails shows the line"
+    )]
+    use super::*;
+
+    fn written(text: &str, above: Vec3, head: Vec3) -> Vec<Rod> {
+        let mut scene = Scene::default();
+        write(format_args!("{text}"), above, head, &mut scene);
+        scene.rods
+    }
+
+    #[test]
+    fn every_sign_that_lengths_and_angles_need_has_strokes() {
+        for sign in "0123456789.-e°mcnµ".chars() {
+            let rods = written(&sign.to_string(), Vec3::ZERO, Vec3::Z);
+            assert!(!rods.is_empty(), "{sign}");
+        }
+        assert!(written(" ", Vec3::ZERO, Vec3::Z).is_empty());
+    }
+
+    #[test]
+    fn a_sign_is_read_from_left_to_right_and_large_enough() {
+        // From before it, and from its right side.
+        for (head, right) in [(Vec3::Z * 2.0, Vec3::X), (Vec3::X * 2.0, Vec3::NEG_Z)] {
+            let rods = written("1 8", Vec3::ZERO, head);
+            let at = |rod: &Rod| rod.from.dot(right);
+            let first = rods.first().map_or(0.0, at);
+            let last = rods.last().map_or(0.0, at);
+            assert!(first < 0.0 && last > 0.0, "{first} {last}");
+            let heights = rods.iter().map(|rod| rod.from.y.max(rod.to.y));
+            let (low, high) = (
+                rods.iter().map(|rod| rod.from.y).fold(f32::MAX, f32::min),
+                heights.fold(0.0, f32::max),
+            );
+            let angle = ((high - low) / 2.0).atan().to_degrees();
+            assert!((1.0..1.5).contains(&angle), "{angle}");
+        }
+    }
+
+    #[test]
+    fn what_is_too_long_or_nowhere_is_no_trouble() {
+        let long = "8".repeat(500);
+        assert!(written(&long, Vec3::ZERO, Vec3::Z).len() <= 48 * 40);
+        assert!(written("8", Vec3::NAN, Vec3::Z).is_empty());
+        let above = written("8", Vec3::ZERO, Vec3::Y);
+        assert!(above.iter().all(|rod| rod.from.is_finite()));
     }
 }

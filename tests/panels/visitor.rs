@@ -204,6 +204,24 @@ impl Visitor {
         self.click_nth(hand, id, text, 1);
     }
 
+    /// Scrolls a panel by the stick, down and then up, until a text is seen on it.
+    pub(crate) fn scroll_to(&mut self, hand: usize, id: PanelId, text: &str) {
+        let resting = self.frame.hands[hand];
+        for stick in [-1.0, 1.0] {
+            for _ in 0..200 {
+                if self.workshop.find_text(id, text, 1).is_some() {
+                    self.frame.hands[hand] = resting;
+                    return self.frame();
+                }
+                let (_, size) = self.place(id);
+                self.point_on(hand, id, size * 0.5);
+                self.frame.hands[hand].stick.y = stick;
+                self.frame();
+            }
+        }
+        panic!("no {text} on {id:?}, however far it is scrolled");
+    }
+
     pub(crate) fn click_nth(&mut self, hand: usize, id: PanelId, text: &str, nth: usize) {
         let at = self.find_nth(id, text, nth);
         let resting = self.frame.hands[hand];
