@@ -17,6 +17,7 @@ mod panels {
     mod room;
     mod tools;
     pub(crate) mod visitor;
+    mod with_models;
 }
 
 use glam::{Quat, Vec2, Vec3};

@@ -261,6 +261,13 @@ impl GpuInner {
         self.pipelines.load(Ordering::Relaxed)
     }
 
+    /// How many bytes of the device's memory buffers and images take, and how many it has given for them.
+    #[must_use]
+    pub fn memory(&self) -> [u64; 2] {
+        let report = self.allocator().generate_report();
+        [report.total_allocated_bytes, report.total_capacity_bytes]
+    }
+
     pub(crate) fn pipeline_was_made(&self) {
         self.pipelines.fetch_add(1, Ordering::Relaxed);
     }

@@ -15,7 +15,6 @@ use ramus::app::portrait::{self, PAPER};
 use ramus::app::store::Store;
 use ramus::app::workshop::{Workshop, WorkshopParams};
 use ramus::mesh::display::Display;
-use ramus::mesh::endpoints::Kind;
 use ramus::mesh::unit::Unit;
 use ramus::mesh::{ReadLimits, read};
 use ramus::world::model::Colouring;
