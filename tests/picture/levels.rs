@@ -199,17 +199,29 @@ fn a_large_model_is_drawn_with_few_triangles_and_looks_the_same() {
         likeness(&levelled, &full),
         mean_difference(&levelled, &full)
     );
-    if std::env::var_os("RAMUS_PICTURES").is_some() {
-        levelled.save("target/levelled.png").unwrap();
-        full.save("target/full.png").unwrap();
+    if let Some(folder) = std::env::var_os("RAMUS_PICTURES") {
+        let folder = std::path::Path::new(&folder);
+        levelled.save(folder.join("levelled.png")).unwrap();
+        full.save(folder.join("full.png")).unwrap();
     }
     assert!((a / b - 1.0).abs() < 0.002, "{a} {b}");
     assert!(likeness(&levelled, &full) > 0.985);
     assert!(mean_difference(&levelled, &full) < 0.6);
-    // No hole: wherever there is a surface, there is one, as far away.
-    for (there, full) in depth[0].iter().zip(&full_depth[0]) {
-        let rim = (there == &0.0) != (full == &0.0);
-        assert!(rim || (there - full).abs() <= 0.02 * full, "{there} {full}");
+    // No hole: each pixel shows what all triangles show there or beside it.
+    let at = |x: i32, y: i32| {
+        let inside = |v: i32| usize::try_from(v.clamp(0, FINE as i32 - 1)).unwrap();
+        full_depth[0][inside(y) * FINE as usize + inside(x)]
+    };
+    for (number, there) in (0..).zip(&depth[0]) {
+        let (x, y) = (number % FINE as i32, number / FINE as i32);
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
+        let (low, high) = around
+            .map(|(x, y)| at(x, y))
+            .fold((f32::MAX, 0.0_f32), |(low, high), d| {
+                (low.min(d), high.max(d))
+            });
+        let fits = (0.99 * low..=1.01 * high).contains(there);
+        assert!(fits, "{x} {y}: {there} of {low} to {high}");
     }
     silent(&gpu);
 }
@@ -321,29 +333,27 @@ fn coming_nearer_slowly_shows_no_step() {
     let full = scene([placed(&whole(small()), |_| ())]);
     // Both stay on the device in turn: two renderers, so that nothing is uploaded again.
     let mut other = Stage::new(&gpu, &params(mode(&gpu)));
-    let mut last: Option<[RgbaImage; 2]> = None;
-    let mut counts = Vec::new();
     let mut worst: f64 = 0.0;
-    for step in 0..24 {
-        // A thousandth nearer each frame: 9 cm a second.
-        let eyes = ahead(1.4 * 0.999_f32.powi(step));
-        let here = [stage.picture(&levelled, &eyes), other.picture(&full, &eyes)];
-        counts.push(stage.renderer.chosen().unwrap().triangles);
-        if let Some([before, full_before]) = &last {
-            let [now, full_now] = &here;
-            let step_of = mean_difference(now, before);
-            let whole_step = mean_difference(full_now, full_before);
-            worst = worst.max(step_of - whole_step);
-            assert!(
-                step_of < whole_step + 0.05,
-                "{step}: {step_of} {whole_step}"
-            );
-        }
-        last = Some(here);
+    let mut changes = 0;
+    // From afar to close by, here and there a step that only somebody who runs makes in a frame.
+    for stop in 0..16 {
+        let distance = 6.0 * 0.84_f32.powi(stop);
+        let mut at = |distance: f32| {
+            let eyes = ahead(distance);
+            let pictures = [stage.picture(&levelled, &eyes), other.picture(&full, &eyes)];
+            (pictures, stage.renderer.chosen().unwrap().triangles)
+        };
+        let ([before, full_before], count_before) = at(distance);
+        let ([now, full_now], count) = at(0.97 * distance);
+        changes += usize::from(count != count_before);
+        let step = mean_difference(&now, &before);
+        let whole_step = mean_difference(&full_now, &full_before);
+        eprintln!("{distance}: {count_before} → {count}: {step:.3} {whole_step:.3}");
+        worst = worst.max(step - whole_step);
+        assert!(step < whole_step + 0.06, "{distance}: {step} {whole_step}");
     }
-    eprintln!("worst step over that of all triangles: {worst:.4}; triangles {counts:?}");
-    let changes = counts.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    assert!(changes >= 6, "the choice changes on the way: {counts:?}");
+    eprintln!("worst step over that of all triangles: {worst:.4}; {changes} changes");
+    assert!(changes >= 4, "the choice changes on the way: {changes}");
     silent(&gpu);
 }
 
@@ -422,7 +432,8 @@ fn what_neither_eye_sees_or_is_cut_away_is_not_handed_over() {
         let model = placed(&whole(small()), |look| look.cut = cut);
         stage.draw(&scene([model]), &eyes).0.triangles
     };
-    let all = small().mesh.triangles.len() as u64;
+    // Those at the poles are points, which nobody sees.
+    let all = whole(small()).levels.triangles.len() as u64;
     assert_eq!(count(None, ahead(2.0)), all);
     let half = count(Some(Vec4::new(0.0, 0.0, 1.0, 0.0)), ahead(2.0));
     assert!((45..60).contains(&(100 * half / all)), "{half}");
@@ -465,17 +476,16 @@ fn another_colouring_goes_up_alone_and_the_last_one_stays_until_it_is_there() {
     assert_eq!(report.model, Some(painted.revision));
     assert!(stage.renderer.has_shape(&painted) && !stage.renderer.has_models(&other));
     let [meanwhile, _] = stage.offscreen.read_color().unwrap();
-    assert!(
-        likeness(&meanwhile, &plain_picture) > 0.98,
-        "it does not go away"
-    );
+    // It does not go away, though it is drawn in the detail that its new colours want.
+    assert!(mean_difference(&meanwhile, &plain_picture) < 0.5);
+    assert!(covered(&meanwhile).abs_diff(covered(&plain_picture)) < 100);
     stage
         .renderer
         .set_model(ModelUpload::colours(&gpu, &painted).unwrap());
     let picture = stage.picture(&other, &eyes);
     let vertices = small().mesh.positions.len() as u64;
     let bytes = stage.renderer.colour_bytes();
-    assert!((4 * vertices..12 * vertices).contains(&bytes), "{bytes}");
+    assert!((3 * vertices..6 * vertices).contains(&bytes), "{bytes}");
     let red = |x: u32| {
         let [red, green, ..] = picture.get_pixel(x, FINE / 2).0;
         i32::from(red) - i32::from(green)
