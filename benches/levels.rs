@@ -27,22 +27,25 @@ use ramus::world::scene::{ModelLook, PlacedModel, Scene};
 
 mod torus;
 
-use torus::torus;
+use torus::{soup, torus};
 
 fn display(mesh: &Arc<Mesh>) -> Display {
     Display::new(Arc::clone(mesh), &AtomicBool::new(false)).unwrap()
 }
 
 fn build(criterion: &mut Criterion) {
-    let mesh = Arc::new(torus(1300, 500));
+    let mesh = torus(1300, 500);
+    let (soup, mesh) = (Arc::new(soup(&mesh)), Arc::new(mesh));
     let mut group = criterion.benchmark_group("levels");
     group
         .throughput(Throughput::Elements(mesh.triangles.len() as u64))
         .sample_size(10)
         .measurement_time(Duration::from_secs(10));
-    group.bench_function("build/1.3M", |bencher| {
-        bencher.iter_with_large_drop(|| display(black_box(&mesh)));
-    });
+    for (name, mesh) in [("build/1.3M", &mesh), ("build/1.3M_of_soup", &soup)] {
+        group.bench_function(name, |bencher| {
+            bencher.iter_with_large_drop(|| display(black_box(mesh)));
+        });
+    }
     group.finish();
 }
 

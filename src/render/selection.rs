@@ -87,7 +87,7 @@ struct Room {
 }
 
 /// What must live until the frames before are done.
-pub(crate) struct OldRoom(#[allow(dead_code, reason = "kept to be dropped later")] Room);
+pub(crate) struct OldRoom(#[allow(dead_code, reason = "kept to be dropped later")] Box<Room>);
 
 pub(crate) struct Selection {
     /// Set 0: everything; set 1: a chunk's clusters.
@@ -222,7 +222,8 @@ impl Selection {
         let shared = [&self.state, &self.list];
         let room = Room::new(&self.gpu, &self.layout, &self.views, shared, wanted)?;
         self.told = [0; SLOTS];
-        Ok(Some(OldRoom(std::mem::replace(&mut self.room, room))))
+        let old = std::mem::replace(&mut self.room, room);
+        Ok(Some(OldRoom(Box::new(old))))
     }
 
     fn groups(&self) -> u32 {
