@@ -501,3 +501,30 @@ fn another_colouring_goes_up_alone_and_the_last_one_stays_until_it_is_there() {
     assert_eq!(stage.renderer.colour_bytes(), 0);
     silent(&gpu);
 }
+
+#[test]
+fn vertices_and_their_colours_are_the_same_in_many_chunks() {
+    let Some(gpu) = device() else { return };
+    let plain = display(lumpy(60));
+    let colours = |part: f32| (127.0 + 120.0 * (30.0 * part).sin()) as u8;
+    let painted = plain.mesh.positions.iter();
+    let painted = painted.map(|at| [colours(at.x), colours(at.y), colours(at.z), 255]);
+    let painted = Arc::new(plain.painted(painted.collect()));
+    let model = placed(&painted, |look| look.vertices = true);
+    let shown = scene([model.clone()]);
+    let eyes = ahead(DISTANCE);
+    let mut one = Stage::new(&gpu, &params(mode(&gpu)));
+    let whole = one.picture(&shown, &eyes);
+    let points = one.draw(&shown, &eyes).1;
+    let mut many = Stage::new(&gpu, &params(mode(&gpu)));
+    let upload = ModelUpload::in_chunks(&gpu, &model, 16_384).unwrap();
+    many.renderer.set_model(upload);
+    assert!(whole == many.picture(&shown, &eyes));
+    // Each vertex is one point, in whichever chunk: two triangles each, and the sky.
+    let vertices = plain.levels.triangles.as_flattened();
+    let vertices: std::collections::BTreeSet<u32> = vertices.iter().copied().collect();
+    let others = points - 2 * vertices.len() as u64;
+    assert!(others < 10, "{others}");
+    assert_eq!(many.draw(&shown, &eyes).1, points);
+    silent(&gpu);
+}

@@ -257,19 +257,21 @@ fn is_worth_it(now: &[u32], before: &[u32]) -> bool {
     now > 0.0 && now <= before * WORTH_IT
 }
 
-/// How long triangles' longest edges are, square mean.
+/// How long triangles' longest edges are, square mean. In double precision, since squares of large coordinates are none in single.
 fn grain(local: &Local, indices: &[u32]) -> f32 {
     let (triangles, _) = indices.as_chunks::<3>();
     let longest = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|vertex| local.position(vertex));
+        let [a, b, c] = triangle.map(|vertex| local.position(vertex).as_dvec3());
         a.distance_squared(b)
             .max(b.distance_squared(c))
             .max(c.distance_squared(a))
     };
-    let sum: f32 = triangles.iter().map(longest).sum();
+    let sum: f64 = triangles.iter().map(longest).sum();
     #[expect(clippy::cast_precision_loss, reason = "a few thousand")]
-    let count = triangles.len().max(1) as f32;
-    (sum / count).sqrt()
+    let count = triangles.len().max(1) as f64;
+    #[expect(clippy::cast_possible_truncation, reason = "a length of the mesh")]
+    let grain = (sum / count).sqrt() as f32;
+    grain
 }
 
 /// For each coarse triangle, what the fine one that shares a corner with it and lies nearest stands for.
