@@ -55,6 +55,7 @@ debian_family() {
     local wanted=() missing=() mesa updated=
     wanted=(libvulkan1 libopenxr-loader1)
     has cc || wanted+=(gcc libc6-dev)
+    has c++ || wanted+=(g++)
     has pkg-config || wanted+=(pkg-config)
     if [ "$goal" = test ]; then
         wanted+=(vulkan-validationlayers)
@@ -91,10 +92,10 @@ debian_family() {
 }
 
 other_system() {
-    say "this is ${PRETTY_NAME:-an unknown system}; Ramus needs a Vulkan driver, the Vulkan and OpenXR loaders and a C compiler:"
-    say "  Fedora:   sudo dnf install vulkan-loader mesa-vulkan-drivers openxr-libs gcc vulkan-validation-layers nodejs npm"
+    say "this is ${PRETTY_NAME:-an unknown system}; Ramus needs a Vulkan driver, the Vulkan and OpenXR loaders and a C++ compiler:"
+    say "  Fedora:   sudo dnf install vulkan-loader mesa-vulkan-drivers openxr-libs gcc-c++ vulkan-validation-layers nodejs npm"
     say "  Arch:     sudo pacman -S --needed vulkan-icd-loader vulkan-swrast openxr gcc vulkan-validation-layers nodejs npm"
-    say "  openSUSE: sudo zypper install libvulkan1 libvulkan_lvp libopenxr_loader1 gcc vulkan-validationlayers nodejs npm"
+    say "  openSUSE: sudo zypper install libvulkan1 libvulkan_lvp libopenxr_loader1 gcc-c++ vulkan-validationlayers nodejs npm"
 }
 
 # A cargo tool of our own under target/tools, where the machine has none.

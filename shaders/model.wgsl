@@ -1,5 +1,5 @@
-// Scanned models: faces, edges, vertices, what is seen through, what is cut away. One draw a chunk, a vertex for each corner of each triangle, so
-// that a pixel knows how far it is from its triangle's edges.
+// Scanned models: faces, edges, vertices, what is seen through, what is cut away. One draw a chunk, of the triangles that select.wgsl listed; a vertex
+// for each corner of each triangle, so that a pixel knows how far it is from its triangle's edges.
 // Twin: src/render/model_upload.rs.
 #include "shared/light.wgsl"
 #include "shared/octahedral.wgsl"
@@ -29,6 +29,7 @@ const MATTE = 1u;
 const WIRE = 2u;
 const COLOURED = 4u;
 const FLAT = 8u;
+const PAINTED = 16u;
 // Width of a line and of a point in pixels.
 const LINE = 1.3;
 const POINT = 3.0;
@@ -42,8 +43,10 @@ var<immediate> model: Model;
 @group(1) @binding(0) var<storage, read> vertices: array<Vertex>;
 // Three vertices each.
 @group(1) @binding(1) var<storage, read> triangles: array<u32>;
-// sRGB with alpha; 0: the model's colour.
+// Of triangles or of vertices: sRGB with alpha; 0: the model's colour.
 @group(1) @binding(2) var<storage, read> colours: array<u32>;
+// Which triangles are drawn, chunk after chunk.
+@group(2) @binding(0) var<storage, read> list: array<u32>;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -53,6 +56,8 @@ struct Corner {
     @location(2) near: vec3f,
     @location(3) @interpolate(flat) color: vec4f,
     @location(4) @interpolate(flat) eye: vec3f,
+    // The vertices' colour: how much of it there is, and so much of it.
+    @location(5) tint: vec4f,
 }
 
 fn placed(place: vec3f) -> vec3f {
@@ -82,11 +87,21 @@ fn color_of(triangle: u32) -> vec4f {
     return select(model.color, vec4f(linear_from_srgb(packed), OWN), (packed >> 24u) != 0u);
 }
 
+fn tint_of(vertex: u32) -> vec4f {
+    if (model.flags & PAINTED) == 0u {
+        return vec4f(0.0);
+    }
+    let packed = colours[vertex];
+    let alpha = f32(packed >> 24u) / 255.0;
+    return vec4f(linear_from_srgb(packed) * alpha, alpha);
+}
+
 @vertex
 fn model_vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u32) -> Corner {
-    let triangle = index / 3u;
+    let triangle = list[index / 3u];
     let corner = index % 3u;
-    let vertex = vertices[triangles[index]];
+    let number = triangles[triangle * 3u + corner];
+    let vertex = vertices[number];
     let v = frame.views[view];
     var out: Corner;
     out.world = placed(vertex.place);
@@ -95,6 +110,7 @@ fn model_vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u3
     out.near = vec3f(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
     out.color = color_of(triangle);
     out.eye = v.eye.xyz;
+    out.tint = tint_of(number);
     return out;
 }
 
@@ -133,9 +149,17 @@ fn facing(corner: Corner, front: bool) -> Facing {
     return out;
 }
 
+// A surface's colour, seen from this side.
+fn own_color(corner: Corner, front: bool) -> vec3f {
+    if (model.flags & PAINTED) != 0u {
+        return corner.tint.rgb + select(INSIDE, corner.color.rgb, front) * (1.0 - corner.tint.a);
+    }
+    return select(INSIDE, corner.color.rgb, front || corner.color.a >= OWN);
+}
+
 fn shade(corner: Corner, front: bool) -> vec3f {
     let f = facing(corner, front);
-    let own = select(INSIDE, corner.color.rgb, front || corner.color.a >= OWN);
+    let own = own_color(corner, front);
     var color: vec3f;
     if (model.flags & MATTE) != 0u {
         color = own * (ambient(f.normal) * 1.25 + 0.10);
@@ -186,7 +210,7 @@ fn x_ray_fragment(corner: Corner, @builtin(front_facing) front: bool) -> @locati
     var alpha = 0.14 + 0.74 * aslant * aslant * aslant;
     alpha = max(alpha, select(0.0, line * 0.6, (model.flags & WIRE) != 0u));
     // Bluer and darker than the surface would be: it is to be seen before a bright sky and before paper.
-    return vec4f(air(corner.color.rgb * vec3f(0.30, 0.42, 0.62), f.offset), alpha);
+    return vec4f(air(own_color(corner, true) * vec3f(0.30, 0.42, 0.62), f.offset), alpha);
 }
 
 struct Point {

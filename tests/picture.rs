@@ -16,6 +16,7 @@ mod picture {
     mod eyes;
     mod faults;
     mod hidden;
+    mod levels;
     mod models;
     mod older;
     mod organs;

@@ -93,14 +93,26 @@ fn scene() -> Scene {
     scene
 }
 
-/// Of one triangle.
+/// A wavy sheet that has levels of detail.
 fn display() -> Arc<Display> {
+    const SIDE: u16 = 80;
+    let point = |number: u16| {
+        let (x, y) = (f32::from(number % SIDE), f32::from(number / SIDE));
+        Vec3::new(x, y, (0.3 * x).sin() * (0.2 * y).cos()) / f32::from(SIDE)
+    };
+    let squares = (0..SIDE - 1).flat_map(|row| (0..SIDE - 1).map(move |at| row * SIDE + at));
+    let triangles = squares.flat_map(|at| {
+        let [a, b, c, d] = [at, at + 1, at + SIDE, at + SIDE + 1].map(u32::from);
+        [[a, b, d], [a, d, c]]
+    });
     let mesh = Mesh {
-        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
-        triangles: vec![[0, 1, 2]],
+        positions: (0..SIDE * SIDE).map(point).collect(),
+        triangles: triangles.collect(),
         ..Mesh::default()
     };
-    Arc::new(Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap())
+    let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
+    assert!(display.levels.clusters.len() > display.levels.finest);
+    Arc::new(display)
 }
 
 #[test]

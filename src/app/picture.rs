@@ -39,6 +39,9 @@ const SMALLEST: vk::Extent2D = vk::Extent2D {
 type Upload = (u64, Result<TreeUpload, RenderError>);
 type PreparedModel = (u64, Result<ModelUpload, RenderError>);
 
+/// A model to prepare, and whether its colours alone.
+type ModelWish = (Gpu, PlacedModel, bool);
+
 /// Draws the workshop for both eyes.
 pub struct Picture {
     // Images before the device that they belong to.
@@ -52,7 +55,7 @@ pub struct Picture {
     preparing: Option<u64>,
     /// Revision of the tree that could not be prepared: it is not tried again.
     refused: Option<u64>,
-    models: Worker<(Gpu, PlacedModel), PreparedModel>,
+    models: Worker<ModelWish, PreparedModel>,
     /// Revision of the model that is being prepared, and those of models that could not be.
     preparing_model: Option<u64>,
     refused_models: Vec<u64>,
@@ -191,8 +194,14 @@ impl Picture {
             (placed.revision, TreeUpload::new(gpu, placed))
         })
         .map_err(no_thread)?;
-        let models = Worker::start("ramus-models", |(gpu, placed): &(Gpu, PlacedModel), _| {
-            (placed.revision, ModelUpload::new(gpu, placed))
+        let models = Worker::start("ramus-models", |wish: &ModelWish, _| {
+            let (gpu, placed, has_shape) = wish;
+            let upload = if *has_shape {
+                ModelUpload::colours(gpu, placed)
+            } else {
+                ModelUpload::new(gpu, placed)
+            };
+            (placed.revision, upload)
         })
         .map_err(no_thread)?;
         Ok(Self {
@@ -322,7 +331,9 @@ impl Picture {
             && let Some(placed) = scene.models.iter().find(|model| model.revision == revision)
         {
             self.preparing_model = Some(revision);
-            self.models.ask((self.gpu.clone(), placed.clone()));
+            let has_shape = self.renderer.has_shape(placed);
+            self.models
+                .ask((self.gpu.clone(), placed.clone(), has_shape));
         }
     }
 

@@ -1,4 +1,4 @@
-//! A mesh as it is drawn: its box, a normal for each vertex and, where one is wanted, a colour for each triangle.
+//! A mesh as it is drawn: its box, its [levels of detail](super::levels), a normal for each vertex and, where they are wanted, colours.
 //!
 //! A vertex's normal is the sum of its triangles' normals, each as long as its triangle is large: what voxels stepped and scanners left uneven
 //! is shaded as one surface. Vertices of equal coordinates share it, since files part vertices at seams and STL files everywhere.
@@ -12,6 +12,7 @@ use glam::{BVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Mesh;
+use super::levels::Levels;
 use super::report::representatives;
 
 /// Triangles worked on between two looks at whether to go on.
@@ -24,8 +25,13 @@ pub struct Display {
     pub mesh: Arc<Mesh>,
     /// The vertices' normals, as [`octahedral`] packs them; up where a vertex has no triangle with an area.
     pub normals: Arc<Vec<u32>>,
+    /// The mesh in all levels of detail. Two displays that share these (by [`Arc`]) differ in nothing but colours.
+    pub levels: Arc<Levels>,
     /// The triangles' colours: sRGB with alpha, or empty.
     pub colours: Vec<[u8; 4]>,
+    /// The vertices' colours: sRGB with alpha, or empty; where there are some, those of triangles are not looked at. Between vertices they run into
+    /// each other; alpha 0 is the model's own colour.
+    pub vertex_colours: Vec<[u8; 4]>,
     /// Smallest corner of the box around all vertices of triangles, from the mesh's origin.
     pub low: Vec3,
     /// Its largest corner.
@@ -35,7 +41,10 @@ pub struct Display {
 impl Display {
     /// Prepares a mesh; `None` when somebody asked to stop.
     pub fn new(mesh: Arc<Mesh>, cancel: &AtomicBool) -> Option<Self> {
-        let normals = normals(&mesh, cancel)?;
+        let used = vec![true; mesh.positions.len()];
+        let joined = representatives(&mesh.positions, &used);
+        let normals = normals(&mesh, &joined, cancel)?;
+        let levels = Levels::new(&mesh, &joined, &normals, cancel)?;
         let corners = || mesh.triangles.par_iter().flatten_iter();
         let position = |vertex: &u32| mesh.positions.get(*vertex as usize).copied();
         let bound = |start: f32, of: fn(Vec3, Vec3) -> Vec3| {
@@ -55,33 +64,42 @@ impl Display {
         Some(Self {
             mesh,
             normals: Arc::new(normals),
+            levels: Arc::new(levels),
             colours: Vec::new(),
+            vertex_colours: Vec::new(),
             low,
             high,
         })
     }
 
-    /// The same with colours.
+    /// The same with a colour for each triangle, and none for vertices.
     #[must_use]
     pub fn coloured(&self, colours: Vec<[u8; 4]>) -> Self {
+        self.with(colours, Vec::new())
+    }
+
+    /// The same with a colour for each vertex, and none for triangles.
+    #[must_use]
+    pub fn painted(&self, vertex_colours: Vec<[u8; 4]>) -> Self {
+        self.with(Vec::new(), vertex_colours)
+    }
+
+    fn with(&self, colours: Vec<[u8; 4]>, vertex_colours: Vec<[u8; 4]>) -> Self {
         Self {
+            mesh: Arc::clone(&self.mesh),
+            normals: Arc::clone(&self.normals),
+            levels: Arc::clone(&self.levels),
             colours,
-            ..self.clone()
+            vertex_colours,
+            low: self.low,
+            high: self.high,
         }
     }
 
-    /// The same with the colours of its vertices, mixed on each triangle.
+    /// Whether it has colours of its own.
     #[must_use]
-    pub fn painted(&self, vertices: Vec<[u8; 4]>) -> Self {
-        let mixed = |corners: &[u32; 3]| {
-            let of = |vertex: u32| vertices.get(vertex as usize).copied().unwrap_or_default();
-            let three = corners.map(of);
-            [0, 1, 2, 3].map(|channel| {
-                let sum: u16 = three.iter().map(|colour| u16::from(colour[channel])).sum();
-                u8::try_from(sum / 3).unwrap_or(u8::MAX)
-            })
-        };
-        self.coloured(self.mesh.triangles.par_iter().map(mixed).collect())
+    pub fn has_colours(&self) -> bool {
+        !(self.colours.is_empty() && self.vertex_colours.is_empty())
     }
 
     /// The box's corners: the bits of a corner's number say on which axes it is at the larger end.
@@ -100,9 +118,7 @@ impl Display {
     }
 }
 
-fn normals(mesh: &Mesh, cancel: &AtomicBool) -> Option<Vec<u32>> {
-    let used = vec![true; mesh.positions.len()];
-    let shared = representatives(&mesh.positions, &used);
+fn normals(mesh: &Mesh, shared: &[u32], cancel: &AtomicBool) -> Option<Vec<u32>> {
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
     for part in mesh.triangles.chunks(BETWEEN_CHECKS) {
         if cancel.load(Ordering::Relaxed) {
@@ -152,6 +168,22 @@ pub fn octahedral(normal: Vec3) -> u32 {
     u32::from(x.cast_unsigned()) | u32::from(y.cast_unsigned()) << 16
 }
 
+/// The unit vector that [`octahedral`] packed.
+#[must_use]
+pub fn direction(packed: u32) -> Vec3 {
+    let [low, high, further, highest] = packed.to_le_bytes();
+    let [x, y] = [[low, high], [further, highest]]
+        .map(|part| f32::from(i16::from_le_bytes(part)) / f32::from(i16::MAX));
+    let z = 1.0 - x.abs() - y.abs();
+    let side = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
+    let [x, y] = if z >= 0.0 {
+        [x, y]
+    } else {
+        [(1.0 - y.abs()) * side(x), (1.0 - x.abs()) * side(y)]
+    };
+    Vec3::new(x, y, z).normalize_or(Vec3::Y)
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(
@@ -166,26 +198,13 @@ mod tests {
         Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap()
     }
 
-    fn unpacked(normal: u32) -> Vec3 {
-        let [x, y] = [normal & 0xFFFF, normal >> 16].map(|part| {
-            f32::from(u16::try_from(part).unwrap().cast_signed()) / f32::from(i16::MAX)
-        });
-        let z = 1.0 - x.abs() - y.abs();
-        let side = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
-        if z >= 0.0 {
-            Vec3::new(x, y, z).normalize()
-        } else {
-            Vec3::new((1.0 - y.abs()) * side(x), (1.0 - x.abs()) * side(y), z).normalize()
-        }
-    }
-
     #[test]
     fn a_balls_normals_point_away_from_its_middle() {
         let ball = display(made::sphere(4));
         let middle = (ball.low + ball.high) / 2.0;
         for (position, normal) in ball.mesh.positions.iter().zip(&*ball.normals) {
             let away = (*position - middle).normalize();
-            assert!(unpacked(*normal).dot(away) > 0.99, "{position}");
+            assert!(direction(*normal).dot(away) > 0.99, "{position}");
         }
     }
 
@@ -195,8 +214,8 @@ mod tests {
         let soup = made::soup(&ball);
         let (whole, parted) = (display(ball), display(soup));
         for (corner, vertex) in whole.mesh.triangles.iter().flatten().enumerate() {
-            let difference = unpacked(whole.normals[*vertex as usize])
-                .distance(unpacked(parted.normals[corner]));
+            let difference = direction(whole.normals[*vertex as usize])
+                .distance(direction(parted.normals[corner]));
             assert!(difference < 1e-3, "{corner}");
         }
         assert_eq!((whole.low, whole.high), (parted.low, parted.high));
@@ -210,7 +229,7 @@ mod tests {
             ..Mesh::default()
         };
         let point = display(point);
-        assert_eq!(unpacked(point.normals[0]), Vec3::Y);
+        assert_eq!(direction(point.normals[0]), Vec3::Y);
         assert_eq!(point.size(), Vec3::ZERO);
         let nothing = display(Mesh::default());
         assert_eq!((nothing.low, nothing.high), (Vec3::ZERO, Vec3::ZERO));
@@ -222,19 +241,19 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        assert!(unpacked(display(small).normals[0]).distance(Vec3::Z) < 1e-3);
+        assert!(direction(display(small).normals[0]).distance(Vec3::Z) < 1e-3);
     }
 
     #[test]
     fn packing_keeps_directions() {
-        for direction in [
+        for towards in [
             Vec3::X,
             Vec3::NEG_Z,
             Vec3::new(1.0, -2.0, 3.0),
             Vec3::new(-1.0, -0.1, -0.2),
         ] {
-            let direction = direction.normalize();
-            assert!(unpacked(octahedral(direction)).distance(direction) < 1e-3);
+            let towards = towards.normalize();
+            assert!(direction(octahedral(towards)).distance(towards) < 1e-3);
         }
     }
 }

@@ -6,6 +6,7 @@ pub mod endpoints;
 mod error;
 pub mod field;
 pub mod intersect;
+pub mod levels;
 #[cfg(test)]
 pub(crate) mod made;
 pub mod measure;

@@ -439,7 +439,10 @@ fn open_device(
     let families = unsafe { instance.get_physical_device_queue_family_properties(physical_device) };
     let family = families
         .iter()
-        .position(|family| family.queue_flags.contains(vk::QueueFlags::GRAPHICS))
+        .position(|family| {
+            let both = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+            family.queue_flags.contains(both)
+        })
         .and_then(|index| u32::try_from(index).ok())
         .ok_or_else(|| too_old("a graphics queue"))?;
 

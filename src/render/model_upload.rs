@@ -1,35 +1,31 @@
-//! Scanned models on their way to the device and there: triangles in chunks, each with its own vertices.
+//! Scanned models on their way to the device and there: clusters of all levels in chunks, each chunk with its own vertices.
 //!
-//! A storage buffer may be limited to 128 MiB, so a large model is cut into runs of triangles, each with the vertices that it has, in the order in
-//! which its triangles meet them: neighbours in a file are mostly neighbours in space, and few vertices stand in two chunks.
-//! A vertex takes 16 bytes, a triangle 12, and 4 more where triangles have colours of their own.
+//! A storage buffer may be limited to 128 MiB, so a large model is cut into runs of clusters, each with the vertices that it has, in the order in
+//! which its triangles meet them. A vertex takes 16 bytes, a triangle 12 in each level, which is 24 in all, a cluster 80. Colours are apart, 4 bytes a
+//! triangle or a vertex: the shape of a model goes up once, whatever it is coloured by. Whether two displays are of one shape is told by their levels
+//! being the same in memory; a weak reference holds that place, so that nothing else can come to stand there.
+
+mod cutter;
+
+use std::sync::{Arc, Weak};
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec4};
 use gpu_allocator::MemoryLocation;
 
+use self::cutter::{Cutter, Vertex};
 use super::{
     data::rows, error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, staging::Staging,
     tree_upload::CHUNK_BYTES,
 };
 use crate::{
-    mesh::display::Display,
+    mesh::{
+        display::Display,
+        levels::{Cluster, Levels},
+    },
     world::scene::{ModelLook, PlacedModel, SurfaceLook},
 };
-
-/// `Vertex` of shaders/model.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-struct Vertex {
-    place: [f32; 3],
-    normal: u32,
-}
-
-const _: () = assert!(
-    size_of::<Vertex>() == 16,
-    "shaders/model.wgsl reads 16 bytes"
-);
 
 /// `Model` of shaders/model.wgsl: a draw's immediates.
 #[repr(C)]
@@ -54,64 +50,155 @@ const MATTE: u32 = 1;
 const WIRE: u32 = 2;
 const COLOURED: u32 = 4;
 const FLAT: u32 = 8;
+const PAINTED: u32 = 16;
 
 /// How bright a lamp in a hand is: as the sun at this distance squared, square metres.
 const LAMP: f32 = 0.12;
 
-/// A frame shows so many vertices as points, of larger models each second, third and so on.
-const MOST_POINTS: u32 = 250_000;
+/// What has a colour of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Coloured {
+    Nothing,
+    Triangles,
+    Vertices,
+}
+
+impl Coloured {
+    fn of(display: &Display) -> Self {
+        if !display.vertex_colours.is_empty() {
+            Self::Vertices
+        } else if display.colours.is_empty() {
+            Self::Nothing
+        } else {
+            Self::Triangles
+        }
+    }
+}
+
+/// The plane before which a model is cut away; all zero: nothing is.
+pub(crate) fn cut_of(look: &ModelLook) -> Vec4 {
+    look.cut.filter(|cut| cut.is_finite()).unwrap_or(Vec4::ZERO)
+}
 
 impl ModelData {
-    /// What the shader is told of a model; `vertices`: of all its chunks.
+    /// What the shader is told of a model; each how many vertices one is shown.
     pub(crate) fn new(
         world_from_model: &Affine3A,
         look: &ModelLook,
-        coloured: bool,
-        vertices: u32,
+        coloured: Coloured,
+        stride: u32,
     ) -> Self {
         let flag = |on: bool, bit: u32| if on { bit } else { 0 };
         Self {
             rows: rows(world_from_model),
             color: look.color,
-            cut: look.cut.filter(|cut| cut.is_finite()).unwrap_or(Vec4::ZERO),
+            cut: cut_of(look),
             lamp: look
                 .lamp
                 .filter(|at| at.is_finite())
                 .map_or(Vec4::ZERO, |at| at.extend(LAMP)),
             flags: flag(look.surface == Some(SurfaceLook::Matte), MATTE)
                 | flag(look.wireframe, WIRE)
-                | flag(coloured, COLOURED)
+                | flag(coloured == Coloured::Triangles, COLOURED)
+                | flag(coloured == Coloured::Vertices, PAINTED)
                 | flag(look.flat, FLAT),
-            stride: vertices.div_ceil(MOST_POINTS).max(1),
+            stride,
             pad: [0; 2],
         }
     }
+}
 
-    /// Points that are drawn of so many vertices.
-    pub(crate) fn points(&self, vertices: u32) -> u32 {
-        vertices / self.stride.max(1)
+/// A buffer on the device with what is on its way there.
+struct Arriving<const PARTS: usize> {
+    parts: [Buffer; PARTS],
+    sizes: [u64; PARTS],
+    staging: Staging,
+}
+
+impl<const PARTS: usize> Arriving<PARTS> {
+    fn new(gpu: &Gpu, parts: [(&'static str, &[u8]); PARTS]) -> Result<Self, RenderError> {
+        let sizes = parts.map(|(_, bytes)| bytes.len() as u64);
+        let mut staging = Staging::new(gpu, "the model on its way", sizes.iter().sum())?;
+        let mut at = 0;
+        let mut buffers = Vec::with_capacity(PARTS);
+        for (name, bytes) in parts {
+            staging.write(at, bytes);
+            at += bytes.len() as u64;
+            let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+            let size = bytes.len() as u64;
+            buffers.push(Buffer::new(
+                gpu,
+                name,
+                size,
+                usage,
+                MemoryLocation::GpuOnly,
+            )?);
+        }
+        let parts = buffers.try_into();
+        Ok(Self {
+            parts: parts
+                .map_err(|_| RenderError::Unsupported("a model has no such parts".to_owned()))?,
+            sizes,
+            staging,
+        })
+    }
+
+    fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, budget: &mut u64) -> bool {
+        let mut parts = [(vk::Buffer::null(), 0); PARTS];
+        for ((part, buffer), size) in parts.iter_mut().zip(&self.parts).zip(self.sizes) {
+            *part = (buffer.handle, size);
+        }
+        self.staging.copy(gpu, commands, &parts, budget)
     }
 }
 
-/// Triangles that one draw shows.
+/// Clusters that one draw shows.
 pub(crate) struct ModelChunk {
-    parts: [Buffer; 3],
-    pub(crate) triangles: u32,
-    pub(crate) vertices: u32,
-    /// Bytes of each part.
-    sizes: [u64; 3],
-    staging: Staging,
+    /// Vertices, triangles, clusters.
+    arriving: Arriving<3>,
+    pub(crate) clusters: u32,
+    /// Of the model's vertices those that no chunk before has; they come first.
+    pub(crate) points: u32,
+    /// Number of its first triangle among the model's, in all levels.
+    pub(crate) first_triangle: u32,
+    /// Its clusters for shaders/select.wgsl.
     pub(crate) set: vk::DescriptorSet,
 }
 
-/// A model that is ready to be copied to the device, or there.
-pub struct ModelUpload {
-    pub(crate) revision: u64,
+/// A model's shape.
+pub(crate) struct Geometry {
+    levels: Weak<Levels>,
     pub(crate) chunks: Vec<ModelChunk>,
-    pub(crate) coloured: bool,
-    pub(crate) vertices: u32,
+    /// Vertices of all chunks that are shown as points.
+    pub(crate) points: u32,
     /// The chunks' sets, once all is there.
     pool: Option<Pool>,
+}
+
+/// A model's colours, and what of it is drawn together with them.
+pub(crate) struct Colours {
+    pub(crate) revision: u64,
+    levels: Weak<Levels>,
+    pub(crate) coloured: Coloured,
+    /// By chunk; none where the model has no colours.
+    chunks: Vec<Arriving<1>>,
+    /// By chunk: vertices, triangles, colours; once all is there.
+    pub(crate) sets: Vec<vk::DescriptorSet>,
+    pool: Option<Pool>,
+}
+
+/// A model that is ready to be copied to the device.
+pub struct ModelUpload {
+    /// None where only colours changed.
+    pub(crate) geometry: Option<Geometry>,
+    pub(crate) colours: Colours,
+}
+
+/// Layouts of a chunk's sets.
+#[derive(Clone, Copy)]
+pub(crate) struct ModelLayouts {
+    pub(crate) drawn: vk::DescriptorSetLayout,
+    pub(crate) chosen: vk::DescriptorSetLayout,
 }
 
 impl ModelUpload {
@@ -123,7 +210,8 @@ impl ModelUpload {
         Self::in_chunks(gpu, placed, CHUNK_BYTES)
     }
 
-    /// The same in chunks of at most so many bytes a buffer (and no more than the device allows).
+    /// The same in chunks of about so many bytes a buffer (and no more than the device allows); a cluster is never cut. Colours must come in the same
+    /// chunks.
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`].
@@ -132,31 +220,58 @@ impl ModelUpload {
         placed: &PlacedModel,
         chunk_bytes: u64,
     ) -> Result<Self, RenderError> {
-        let display = &*placed.display;
-        let range = chunk_bytes.min(u64::from(gpu.limits.max_storage_buffer_range));
-        // No more vertices than three a triangle.
-        let most = usize::try_from(range / (3 * size_of::<Vertex>() as u64)).unwrap_or(usize::MAX);
-        let mut cutter = Cutter::new(display);
-        let mut chunks = Vec::new();
-        let mut first = 0;
-        for part in display.mesh.triangles.chunks(most.max(1)) {
-            cutter.cut(part);
-            let colours = display.colours.get(first..first + part.len());
-            chunks.push(ModelChunk::new(gpu, &cutter, colours.unwrap_or_default())?);
-            first += part.len();
-        }
         Ok(Self {
-            revision: placed.revision,
-            vertices: chunks.iter().map(|chunk| chunk.vertices).sum(),
-            coloured: !display.colours.is_empty(),
-            chunks,
-            pool: None,
+            geometry: Some(Geometry::new(gpu, &placed.display, chunk_bytes)?),
+            colours: Colours::new(gpu, placed, chunk_bytes)?,
+        })
+    }
+
+    /// Only a model's colours, where the device has its shape already (see `Renderer::has_shape`).
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`].
+    pub fn colours(gpu: &Gpu, placed: &PlacedModel) -> Result<Self, RenderError> {
+        Ok(Self {
+            geometry: None,
+            colours: Colours::new(gpu, placed, CHUNK_BYTES)?,
         })
     }
 
     /// The model's number, as its [`PlacedModel::revision`].
     pub fn revision(&self) -> u64 {
-        self.revision
+        self.colours.revision
+    }
+}
+
+fn is_of(levels: &Weak<Levels>, display: &Display) -> bool {
+    std::ptr::eq(levels.as_ptr(), Arc::as_ptr(&display.levels))
+}
+
+impl Geometry {
+    fn new(gpu: &Gpu, display: &Display, chunk_bytes: u64) -> Result<Self, RenderError> {
+        let mut cutter = Cutter::new(display, gpu, chunk_bytes);
+        let mut chunks = Vec::new();
+        while cutter.advance() {
+            chunks.push(ModelChunk::new(gpu, &cutter)?);
+        }
+        Ok(Self {
+            levels: Arc::downgrade(&display.levels),
+            points: chunks.iter().map(|chunk| chunk.points).sum(),
+            chunks,
+            pool: None,
+        })
+    }
+
+    pub(crate) fn is_of(&self, display: &Display) -> bool {
+        is_of(&self.levels, display)
+    }
+
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.levels.ptr_eq(&other.levels)
+    }
+
+    pub(crate) fn is_of_same(&self, colours: &Colours) -> bool {
+        self.levels.ptr_eq(&colours.levels)
     }
 
     pub(crate) fn is_there(&self) -> bool {
@@ -168,129 +283,146 @@ impl ModelUpload {
         &mut self,
         gpu: &Gpu,
         commands: vk::CommandBuffer,
-        layout: vk::DescriptorSetLayout,
+        layouts: ModelLayouts,
+        budget: &mut u64,
+    ) -> Result<Option<Vec<Buffer>>, RenderError> {
+        let mut all = self.chunks.iter_mut();
+        if !all.all(|chunk| chunk.arriving.copy(gpu, commands, budget)) {
+            return Ok(None);
+        }
+        let pool = storage_pool(gpu, self.chunks.len(), 1)?;
+        for chunk in &mut self.chunks {
+            chunk.set = pool.set(layouts.chosen)?;
+            write_set(gpu, chunk.set, &[&chunk.arriving.parts[2]]);
+        }
+        self.pool = Some(pool);
+        let staging = self.chunks.iter_mut();
+        Ok(Some(
+            staging
+                .filter_map(|chunk| chunk.arriving.staging.take())
+                .collect(),
+        ))
+    }
+}
+
+impl ModelChunk {
+    fn new(gpu: &Gpu, run: &Cutter<'_>) -> Result<Self, RenderError> {
+        let vertices: Vec<Vertex> = run.vertices().collect();
+        let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        Ok(Self {
+            arriving: Arriving::new(
+                gpu,
+                [
+                    ("the model's vertices", bytemuck::cast_slice(&vertices)),
+                    (
+                        "the model's triangles",
+                        bytemuck::cast_slice(&run.triangles),
+                    ),
+                    ("the model's clusters", bytemuck::cast_slice(&run.clusters)),
+                ],
+            )?,
+            clusters: count(run.clusters.len()),
+            points: count(run.fresh),
+            first_triangle: count(run.first_triangle),
+            set: vk::DescriptorSet::null(),
+        })
+    }
+}
+
+impl Colours {
+    fn new(gpu: &Gpu, placed: &PlacedModel, chunk_bytes: u64) -> Result<Self, RenderError> {
+        let display = &*placed.display;
+        let coloured = Coloured::of(display);
+        let mut chunks = Vec::new();
+        let mut cutter = Cutter::new(display, gpu, chunk_bytes);
+        while coloured != Coloured::Nothing && cutter.advance() {
+            let colours: Vec<[u8; 4]> = match coloured {
+                Coloured::Vertices => cutter.vertex_colours().collect(),
+                _ => cutter.triangle_colours().collect(),
+            };
+            let part = ("the model's colours", bytemuck::cast_slice(&colours));
+            chunks.push(Arriving::new(gpu, [part])?);
+        }
+        Ok(Self {
+            revision: placed.revision,
+            levels: Arc::downgrade(&display.levels),
+            coloured,
+            chunks,
+            sets: Vec::new(),
+            pool: None,
+        })
+    }
+
+    pub(crate) fn is_of(&self, display: &Display) -> bool {
+        is_of(&self.levels, display)
+    }
+
+    pub(crate) fn is_there(&self) -> bool {
+        self.pool.is_some()
+    }
+
+    /// The same as [`Geometry::copy`], once the shape is there.
+    pub(crate) fn copy(
+        &mut self,
+        gpu: &Gpu,
+        commands: vk::CommandBuffer,
+        geometry: &Geometry,
+        layouts: ModelLayouts,
         budget: &mut u64,
     ) -> Result<Option<Vec<Buffer>>, RenderError> {
         let mut all = self.chunks.iter_mut();
         if !all.all(|chunk| chunk.copy(gpu, commands, budget)) {
             return Ok(None);
         }
-        let count = u32::try_from(self.chunks.len()).unwrap_or(u32::MAX).max(1);
-        let pool = Pool::new(
-            gpu,
-            count,
-            &[(vk::DescriptorType::STORAGE_BUFFER, 3 * count)],
-        )?;
-        for chunk in &mut self.chunks {
-            chunk.set = pool.set(layout)?;
-            chunk.write_set(gpu);
+        let pool = storage_pool(gpu, geometry.chunks.len(), 3)?;
+        self.sets.clear();
+        for (at, chunk) in geometry.chunks.iter().enumerate() {
+            let set = pool.set(layouts.drawn)?;
+            let [vertices, triangles, _] = &chunk.arriving.parts;
+            // Where there are no colours none are read, but something must be there.
+            let colours = self.chunks.get(at).map_or(vertices, |of| &of.parts[0]);
+            write_set(gpu, set, &[vertices, triangles, colours]);
+            self.sets.push(set);
         }
         self.pool = Some(pool);
-        let staging = self.chunks.iter_mut().map(|chunk| chunk.staging.take());
-        Ok(Some(staging.flatten().collect()))
+        let staging = self.chunks.iter_mut();
+        Ok(Some(
+            staging.filter_map(|chunk| chunk.staging.take()).collect(),
+        ))
+    }
+
+    /// Bytes that went up, or go.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.chunks.iter().map(|chunk| chunk.sizes[0]).sum()
     }
 }
 
-/// Numbers a run's vertices anew.
-struct Cutter<'a> {
-    display: &'a Display,
-    /// By the model's vertex: the run that met it last, and its number there.
-    seen: Vec<(u32, u32)>,
-    run: u32,
-    vertices: Vec<Vertex>,
-    triangles: Vec<[u32; 3]>,
+fn storage_pool(gpu: &Gpu, sets: usize, each: u32) -> Result<Pool, RenderError> {
+    let count = u32::try_from(sets).unwrap_or(u32::MAX).max(1);
+    let sizes = [(
+        vk::DescriptorType::STORAGE_BUFFER,
+        count.saturating_mul(each),
+    )];
+    Pool::new(gpu, count, &sizes)
 }
 
-impl<'a> Cutter<'a> {
-    fn new(display: &'a Display) -> Self {
-        Self {
-            display,
-            seen: vec![(0, 0); display.mesh.positions.len()],
-            run: 0,
-            vertices: Vec::new(),
-            triangles: Vec::new(),
-        }
-    }
-
-    /// Takes a run; a triangle with a vertex that is not there becomes a point.
-    fn cut(&mut self, part: &[[u32; 3]]) {
-        self.run += 1;
-        self.vertices.clear();
-        self.triangles.clear();
-        for triangle in part {
-            let numbers = triangle.map(|vertex| self.number(vertex).unwrap_or(0));
-            self.triangles.push(numbers);
-        }
-    }
-
-    fn number(&mut self, vertex: u32) -> Option<u32> {
-        let at = vertex as usize;
-        let (run, number) = *self.seen.get(at)?;
-        if run == self.run {
-            return Some(number);
-        }
-        let number = u32::try_from(self.vertices.len()).ok()?;
-        self.vertices.push(Vertex {
-            place: self.display.mesh.positions.get(at)?.to_array(),
-            normal: self.display.normals.get(at).copied().unwrap_or(0),
-        });
-        *self.seen.get_mut(at)? = (self.run, number);
-        Some(number)
-    }
-}
-
-impl ModelChunk {
-    fn new(gpu: &Gpu, run: &Cutter<'_>, colours: &[[u8; 4]]) -> Result<Self, RenderError> {
-        let sizes = [
-            size_of_val(&*run.vertices),
-            size_of_val(&*run.triangles),
-            size_of_val(colours),
-        ]
-        .map(|size| size as u64);
-        let mut staging = Staging::new(gpu, "the model on its way", sizes.iter().sum())?;
-        staging.write(0, &run.vertices);
-        staging.write(sizes[0], &run.triangles);
-        staging.write(sizes[0] + sizes[1], colours);
-        let there = |name, size| {
-            let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-            Buffer::new(gpu, name, size, usage, MemoryLocation::GpuOnly)
-        };
-        let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-        Ok(Self {
-            parts: [
-                there("the model's vertices", sizes[0])?,
-                there("the model's triangles", sizes[1])?,
-                there("the model's colours", sizes[2])?,
-            ],
-            triangles: count(run.triangles.len()),
-            vertices: count(run.vertices.len()),
-            sizes,
-            staging,
-            set: vk::DescriptorSet::null(),
-        })
-    }
-
-    fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, budget: &mut u64) -> bool {
-        let [vertices, triangles, colours] = self.parts.each_ref().map(|part| part.handle);
-        let [a, b, c] = self.sizes;
-        let parts = [(vertices, a), (triangles, b), (colours, c)];
-        self.staging.copy(gpu, commands, &parts, budget)
-    }
-
-    fn write_set(&self, gpu: &Gpu) {
-        let buffers = self.parts.each_ref().map(|part| {
-            vk::DescriptorBufferInfo::default()
-                .buffer(part.handle)
-                .range(vk::WHOLE_SIZE)
-        });
-        let writes = [0, 1, 2].map(|binding: u32| {
-            vk::WriteDescriptorSet::default()
-                .dst_set(self.set)
-                .dst_binding(binding)
-                .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
-                .buffer_info(std::slice::from_ref(&buffers[binding as usize]))
-        });
+/// Binds storage buffers from 0 on.
+pub(crate) fn write_set(gpu: &Gpu, set: vk::DescriptorSet, buffers: &[&Buffer]) {
+    for (binding, buffer) in (0..).zip(buffers) {
+        let info = [vk::DescriptorBufferInfo::default()
+            .buffer(buffer.handle)
+            .range(vk::WHOLE_SIZE)];
+        let write = [vk::WriteDescriptorSet::default()
+            .dst_set(set)
+            .dst_binding(binding)
+            .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+            .buffer_info(&info)];
         // SAFETY: the set is new, the buffers live as long as it.
-        unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
+        unsafe { gpu.device.update_descriptor_sets(&write, &[]) };
     }
 }
+
+const _: () = assert!(
+    size_of::<Vertex>() == 16 && size_of::<Cluster>() == 80,
+    "shaders/model.wgsl and select.wgsl read these"
+);

@@ -22,11 +22,22 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// `sets`: for each set its bindings' types; `immediates`: bytes of push constants.
+    /// For drawing. `sets`: for each set its bindings' types; `immediates`: bytes of push constants.
     pub(crate) fn new(
         gpu: &Gpu,
         sets: &[&[vk::DescriptorType]],
         immediates: u32,
+    ) -> Result<Self, RenderError> {
+        let drawing = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+        Self::staged(gpu, sets, immediates, drawing)
+    }
+
+    /// For other stages.
+    pub(crate) fn staged(
+        gpu: &Gpu,
+        sets: &[&[vk::DescriptorType]],
+        immediates: u32,
+        stages: vk::ShaderStageFlags,
     ) -> Result<Self, RenderError> {
         let mut layout = Self {
             handle: vk::PipelineLayout::null(),
@@ -41,7 +52,7 @@ impl Layout {
                         .binding(binding)
                         .descriptor_type(*kind)
                         .descriptor_count(1)
-                        .stage_flags(vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT)
+                        .stage_flags(stages)
                 })
                 .collect();
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
@@ -51,7 +62,7 @@ impl Layout {
             layout.sets.push(set);
         }
         let ranges = [vk::PushConstantRange::default()
-            .stage_flags(vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT)
+            .stage_flags(stages)
             .size(immediates)];
         let info = vk::PipelineLayoutCreateInfo::default()
             .set_layouts(&layout.sets)
@@ -116,6 +127,39 @@ impl Pipeline {
         // SAFETY: pipelines do not need their module once they are made.
         unsafe { gpu.device.destroy_shader_module(module, None) };
         made
+    }
+
+    /// One that computes.
+    pub(crate) fn compute(
+        gpu: &Gpu,
+        layout: &Layout,
+        name: &'static str,
+        spirv: &[u32],
+        entry: &CStr,
+    ) -> Result<Self, RenderError> {
+        let code = vk::ShaderModuleCreateInfo::default().code(spirv);
+        // SAFETY: naga made and validated the code.
+        let module = unsafe { gpu.device.create_shader_module(&code, None) }.trying(name)?;
+        let stage = vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .module(module)
+            .name(entry);
+        let info = vk::ComputePipelineCreateInfo::default()
+            .stage(stage)
+            .layout(layout.handle);
+        let cache = vk::PipelineCache::null();
+        // SAFETY: everything `info` points to lives until the call returns; pipelines do not need their module once they are made.
+        let made = unsafe {
+            let made = gpu.device.create_compute_pipelines(cache, &[info], None);
+            gpu.device.destroy_shader_module(module, None);
+            made
+        };
+        let made = made.map_err(|(_, result)| RenderError::from_vulkan(name, result))?;
+        gpu.pipeline_was_made();
+        Ok(Self {
+            handle: made.first().copied().unwrap_or_default(),
+            gpu: gpu.clone(),
+        })
     }
 
     fn with_module(
@@ -250,7 +294,7 @@ pub(crate) struct Pipelines {
     pub(crate) tree_layout: Layout,
     /// Set 0: the frame. Set 1: the panel's picture.
     pub(crate) board_layout: Layout,
-    /// Set 0: the frame. Set 1: a chunk of a model.
+    /// Set 0: the frame. Set 1: a chunk of a model. Set 2: the triangles to draw.
     pub(crate) model_layout: Layout,
     pub(crate) faces: Pipeline,
     pub(crate) wire: Pipeline,
@@ -286,7 +330,11 @@ impl Pipelines {
         let board_layout = Layout::new(gpu, &[&frame, &[Kind::SAMPLED_IMAGE, Kind::SAMPLER]], 0)?;
 
         let immediates = u32::try_from(size_of::<ModelData>()).unwrap_or(0);
-        let model_layout = Layout::new(gpu, &[&frame, &[Kind::STORAGE_BUFFER; 3]], immediates)?;
+        let model_layout = Layout::new(
+            gpu,
+            &[&frame, &[Kind::STORAGE_BUFFER; 3], &[Kind::STORAGE_BUFFER]],
+            immediates,
+        )?;
 
         let plain = PipelineDesc {
             name: "the sky's pipeline",

@@ -5,6 +5,7 @@
 //! (multiview; or one pass an eye), submit. Nothing is allocated and no pipeline made once
 //! the buffers have grown to the scene.
 
+mod choice;
 mod models;
 mod record;
 
@@ -21,10 +22,11 @@ use super::{
     hidden::{Hidden, HiddenEyes},
     memory::Buffer,
     meshes::Meshes,
-    model_upload::ModelUpload,
+    model_upload::{Colours, Geometry, ModelLayouts},
     offscreen::{COLOR_FORMAT, DEPTH_FORMAT, check_extent},
     panel::{LayerImage, Panel},
     pipelines::{Formats, Pipelines},
+    selection::{Chosen, OldRoom, Selection},
     shadow::{self, Shadow, ShadowKey},
     target::{Attachments, Target},
     tree_upload::{COPY_BYTES, Scratch, TreeUpload, upload_size},
@@ -82,6 +84,8 @@ pub struct RendererParams {
     /// A new tree of up to so many segments, or a model of so many triangles, is built and shown within the frame that brings it; larger ones must
     /// come through [`Renderer::set_tree`] and [`Renderer::set_model`].
     pub direct_segments: usize,
+    /// Triangles and points of all models together that a frame hands over at most.
+    pub model_primitives: u32,
 }
 
 impl RendererParams {
@@ -96,6 +100,8 @@ impl RendererParams {
             sun: Vec3::new(0.62, 0.70, 0.36),
             shadows: true,
             direct_segments: 100_000,
+            // With what else stands on the stage 1.5 million.
+            model_primitives: 1_400_000,
         }
     }
 }
@@ -115,24 +121,29 @@ pub enum TreeState {
 }
 
 /// What a frame did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawReport {
     /// Draw calls.
     pub draws: u32,
-    /// Triangles handed over, each counted once for both eyes.
+    /// Triangles handed over but for those of models' faces, each counted once for both eyes.
     pub triangles: u64,
+    /// What the device chose of models' faces in the last frame that is known to be done: two frames ago. See [`Renderer::chosen`].
+    pub chosen: Chosen,
     /// Segments of the tree that was shown.
     pub segments: u32,
     /// The tree.
     pub tree: TreeState,
-    /// The first model that is too large to prepare within a frame: give [`Renderer::set_model`] a [`ModelUpload`] of this revision made on a worker.
+    /// The first model that is too large to prepare within a frame: give [`Renderer::set_model`] a [`ModelUpload`](super::ModelUpload) of this revision
+    /// made on a worker; of its colours alone, where [`Renderer::has_shape`] says so.
     pub model: Option<u64>,
 }
 
 /// What waits until the frames that use it are done.
 enum Garbage {
     Tree(#[allow(dead_code, reason = "kept to be dropped later")] TreeUpload),
-    Model(#[allow(dead_code, reason = "kept to be dropped later")] ModelUpload),
+    Shape(#[allow(dead_code, reason = "kept to be dropped later")] Geometry),
+    Colours(#[allow(dead_code, reason = "kept to be dropped later")] Colours),
+    Room(#[allow(dead_code, reason = "kept to be dropped later")] OldRoom),
     Buffer(#[allow(dead_code, reason = "kept to be dropped later")] Buffer),
 }
 
@@ -149,7 +160,9 @@ pub struct Renderer {
     hidden: Hidden,
     tree: Option<TreeUpload>,
     coming: Option<TreeUpload>,
-    models: Vec<ModelUpload>,
+    shapes: Vec<Geometry>,
+    colours: Vec<Colours>,
+    selection: Selection,
     scratch: Scratch,
     garbage: Vec<(u64, Garbage)>,
     frame: u64,
@@ -198,6 +211,9 @@ impl Renderer {
             Ok::<_, RenderError>(slot)
         };
         let slots = [slot()?, slot()?];
+        let list = pipelines.model_layout.sets.get(2).copied();
+        let most = params.model_primitives;
+        let selection = Selection::new(gpu, list.unwrap_or_default(), most)?;
         Ok(Self {
             meshes: Meshes::new(gpu)?,
             attachments: Attachments::new(
@@ -215,7 +231,9 @@ impl Renderer {
             shadow,
             tree: None,
             coming: None,
-            models: Vec::new(),
+            shapes: Vec::new(),
+            colours: Vec::new(),
+            selection,
             scratch: Scratch::default(),
             garbage: Vec::new(),
             frame: 0,
@@ -340,6 +358,9 @@ impl Renderer {
             state = TreeState::Shown;
         }
         let (models, model) = self.update_models(scene, commands)?;
+        let chosen = self.gather(scene, at)?;
+        let points = self.points_each(scene);
+        self.choose(scene, eyes, commands, at, points);
         let mut painted = false;
         for panel in &mut self.panels {
             painted |= panel.record(&self.gpu, commands, at, self.frame, done)?;
@@ -372,6 +393,7 @@ impl Renderer {
             hidden: HiddenEyes::new(eyes),
             tree: self.tree.as_ref().filter(|_| placed.is_some()),
             models: &scene.models,
+            points,
         };
         let key = self.shadow_key(placed, &numbers);
         if copied || painted || models {
@@ -380,6 +402,7 @@ impl Renderer {
         let mut report = DrawReport {
             draws: 0,
             triangles: 0,
+            chosen,
             segments: pass.tree.map_or(0, |tree| tree.segments),
             tree: state,
             model,
@@ -399,6 +422,14 @@ impl Renderer {
         }
         self.slots[at].commands.submit()?;
         Ok(report)
+    }
+
+    fn model_layouts(&self) -> ModelLayouts {
+        let set = |layout: &super::pipelines::Layout| layout.sets.get(1).copied();
+        ModelLayouts {
+            drawn: set(&self.pipelines.model_layout).unwrap_or_default(),
+            chosen: set(&self.selection.layout).unwrap_or_default(),
+        }
     }
 
     fn check_target(&self, target: &Target<'_>) -> Result<(), RenderError> {

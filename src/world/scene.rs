@@ -113,7 +113,7 @@ pub struct ModelLook {
     pub vertices: bool,
     /// Each triangle with one normal of its own.
     pub flat: bool,
-    /// Colour where [`Display::colours`] says none.
+    /// Colour where [`Display::colours`] and [`Display::vertex_colours`] say none.
     pub color: Color,
     /// What lies in front of this plane of the stage (normal and distance along it) is cut away.
     pub cut: Option<Vec4>,
@@ -141,7 +141,8 @@ impl Default for ModelLook {
 pub struct PlacedModel {
     /// What is drawn.
     pub display: Arc<Display>,
-    /// Changes whenever `display` does ([`new_revision`]).
+    /// Changes whenever `display` does ([`new_revision`]). Displays that share their [levels](Display::levels) differ in colours alone, and only those are
+    /// uploaded anew.
     pub revision: u64,
     /// Model, from its mesh's origin, to stage: a similarity.
     pub world_from_model: Affine3A,

@@ -4,10 +4,12 @@ use ash::vk;
 
 use super::record::Pass;
 use super::{DrawReport, Garbage, Renderer};
+use crate::mesh::display::Display;
 use crate::render::{
     error::RenderError,
     memory::Buffer,
-    model_upload::{ModelData, ModelUpload},
+    model_upload::{Colours, Geometry, ModelData, ModelUpload},
+    selection::{DRAW_BYTES, has_faces},
     tree_upload::COPY_BYTES,
 };
 use crate::world::scene::{PlacedModel, Scene, SurfaceLook};
@@ -15,10 +17,32 @@ use crate::world::scene::{PlacedModel, Scene, SurfaceLook};
 impl Renderer {
     /// Takes a model that was prepared elsewhere; it is shown when it has been copied, some frames later.
     pub fn set_model(&mut self, upload: ModelUpload) {
-        let same = |known: &ModelUpload| known.revision == upload.revision;
-        if !self.models.iter().any(same) {
-            self.models.push(upload);
+        let ModelUpload { geometry, colours } = upload;
+        if let Some(shape) = geometry
+            && !self.shapes.iter().any(|known| known.is_same(&shape))
+        {
+            self.shapes.push(shape);
         }
+        let known = |known: &Colours| known.revision == colours.revision;
+        if !self.colours.iter().any(known) {
+            self.colours.push(colours);
+        }
+    }
+
+    /// Whether the device has a model's shape, or it is on its way, so that only colours need to be prepared.
+    #[must_use]
+    pub fn has_shape(&self, placed: &PlacedModel) -> bool {
+        self.shape(&placed.display).is_some()
+    }
+
+    fn shape(&self, display: &Display) -> Option<&Geometry> {
+        self.shapes.iter().find(|shape| shape.is_of(display))
+    }
+
+    /// Bytes of models' colours that are on the device or on their way.
+    #[must_use]
+    pub fn colour_bytes(&self) -> u64 {
+        self.colours.iter().map(Colours::bytes).sum()
     }
 
     /// Lets go of models that the scene has no more, takes small new ones, and copies what is due. Says whether anything was copied, and the first model
@@ -28,64 +52,107 @@ impl Renderer {
         scene: &Scene,
         commands: vk::CommandBuffer,
     ) -> Result<(bool, Option<u64>), RenderError> {
-        let wanted = |upload: &mut ModelUpload| {
-            let revision = upload.revision;
-            !scene
-                .models
-                .iter()
-                .any(|placed| placed.revision == revision)
-        };
-        let gone = self.models.extract_if(.., wanted);
-        let frame = self.frame;
-        self.garbage
-            .extend(gone.map(|upload| (frame, Garbage::Model(upload))));
+        self.let_go(scene);
         let mut missing = None;
         for placed in &scene.models {
-            if self
-                .models
-                .iter()
-                .any(|known| known.revision == placed.revision)
-            {
+            let has_shape = self.has_shape(placed);
+            let has_colours = self.colours_of(placed).is_some();
+            if has_shape && has_colours {
                 continue;
             }
             if placed.display.mesh.triangles.len() > self.params.direct_segments {
                 missing = missing.or(Some(placed.revision));
                 continue;
             }
-            let upload = ModelUpload::new(&self.gpu, placed)?;
+            let upload = if has_shape {
+                ModelUpload::colours(&self.gpu, placed)?
+            } else {
+                ModelUpload::new(&self.gpu, placed)?
+            };
             self.set_model(upload);
         }
-        let mut copied = false;
-        let mut budget = COPY_BYTES;
-        let layout = self.pipelines.model_layout.sets.get(1);
-        let layout = layout.copied().unwrap_or_default();
-        for model in &mut self.models {
-            if model.is_there() {
-                continue;
-            }
-            copied = true;
-            if let Some(staging) = model.copy(&self.gpu, commands, layout, &mut budget)? {
-                let staging = staging
-                    .into_iter()
-                    .map(|buffer: Buffer| (frame, Garbage::Buffer(buffer)));
-                self.garbage.extend(staging);
+        Ok((self.copy_models(commands)?, missing))
+    }
+
+    fn let_go(&mut self, scene: &Scene) {
+        let frame = self.frame;
+        let unused = |shape: &mut Geometry| {
+            let mut models = scene.models.iter();
+            !models.any(|placed| shape.is_of(&placed.display))
+        };
+        let gone = self.shapes.extract_if(.., unused);
+        self.garbage
+            .extend(gone.map(|shape| (frame, Garbage::Shape(shape))));
+        let mut at = 0;
+        while let Some(colours) = self.colours.get(at) {
+            let stays = scene.models.iter().any(|placed| {
+                // Others of the same shape stand in until its own are there.
+                let stands_in = || {
+                    colours.is_there()
+                        && colours.is_of(&placed.display)
+                        && !self.colours_of(placed).is_some_and(Colours::is_there)
+                };
+                colours.revision == placed.revision || stands_in()
+            });
+            if stays {
+                at += 1;
+            } else {
+                let gone = self.colours.remove(at);
+                self.garbage.push((frame, Garbage::Colours(gone)));
             }
         }
-        Ok((copied, missing))
     }
 
-    /// Whether all models of the scene are on the device.
+    /// Copies shapes, then the colours whose shapes are there; whether anything was.
+    fn copy_models(&mut self, commands: vk::CommandBuffer) -> Result<bool, RenderError> {
+        let layouts = self.model_layouts();
+        let (gpu, frame) = (&self.gpu, self.frame);
+        let mut copied = false;
+        let mut budget = COPY_BYTES;
+        let garbage = &mut self.garbage;
+        let mut done = |staging: Option<Vec<Buffer>>| {
+            let staging = staging.into_iter().flatten();
+            garbage.extend(staging.map(|buffer| (frame, Garbage::Buffer(buffer))));
+        };
+        for shape in self.shapes.iter_mut().filter(|shape| !shape.is_there()) {
+            copied = true;
+            done(shape.copy(gpu, commands, layouts, &mut budget)?);
+        }
+        for colours in self.colours.iter_mut().filter(|of| !of.is_there()) {
+            let mut shapes = self.shapes.iter();
+            let Some(shape) = shapes.find(|shape| shape.is_there() && shape.is_of_same(colours))
+            else {
+                continue;
+            };
+            copied = true;
+            done(colours.copy(gpu, commands, shape, layouts, &mut budget)?);
+        }
+        Ok(copied)
+    }
+
+    /// Whether all models of the scene are on the device, each in its own colours.
     #[must_use]
     pub fn has_models(&self, scene: &Scene) -> bool {
-        scene
-            .models
-            .iter()
-            .all(|placed| self.there(placed).is_some())
+        scene.models.iter().all(|placed| {
+            let shown = self.shown(placed);
+            shown.is_some_and(|(_, colours)| colours.revision == placed.revision)
+        })
     }
 
-    fn there(&self, placed: &PlacedModel) -> Option<&ModelUpload> {
-        let known = |model: &&ModelUpload| model.revision == placed.revision && model.is_there();
-        self.models.iter().find(known)
+    fn colours_of(&self, placed: &PlacedModel) -> Option<&Colours> {
+        let own = |colours: &&Colours| colours.revision == placed.revision;
+        self.colours.iter().find(own)
+    }
+
+    /// A model's shape with its colours, or with others that it had before as long as its own are on their way.
+    pub(super) fn shown(&self, placed: &PlacedModel) -> Option<(&Geometry, &Colours)> {
+        let shape = self
+            .shape(&placed.display)
+            .filter(|shape| shape.is_there())?;
+        let there = |colours: &&Colours| colours.is_there() && colours.is_of(&placed.display);
+        let mut others = self.colours.iter();
+        let colours = self.colours_of(placed).filter(there);
+        Some((shape, colours.or_else(|| others.find(there))?))
     }
 
     /// Faces, edges and vertices: everything that hides what is behind it.
@@ -124,8 +191,8 @@ impl Renderer {
     ) {
         let layout = self.pipelines.model_layout.handle;
         let mut bound = false;
-        for placed in pass.models {
-            let Some(model) = self.there(placed) else {
+        for (number, placed) in pass.models.iter().enumerate() {
+            let Some((shape, colours)) = self.shown(placed) else {
                 continue;
             };
             if !placed.world_from_model.is_finite() {
@@ -134,24 +201,20 @@ impl Renderer {
             let data = ModelData::new(
                 &placed.world_from_model,
                 &placed.look,
-                model.coloured,
-                model.vertices,
+                colours.coloured,
+                pass.points,
             );
             for (pipeline, of) in draws(placed).into_iter().flatten() {
                 if !bound {
                     self.bind_frame(pass, layout, block);
+                    self.bind_model(pass, 2, self.selection.list_set);
                     bound = true;
                 }
                 self.bind(pass, pipeline);
                 self.tell(pass, &data);
-                for chunk in &model.chunks {
-                    let corners = match of {
-                        Of::Triangles => chunk.triangles.saturating_mul(3),
-                        Of::Vertices => data.points(chunk.vertices).saturating_mul(6),
-                    };
-                    self.draw_chunk(pass, layout, chunk.set, corners);
-                    report.draws += 1;
-                    report.triangles += u64::from(corners / 3);
+                match of {
+                    Of::Triangles => self.draw_faces(pass, number, colours, report),
+                    Of::Vertices => self.draw_points(pass, shape, colours, report),
                 }
             }
         }
@@ -173,31 +236,81 @@ impl Renderer {
         }
     }
 
-    fn draw_chunk(
-        &self,
-        pass: &Pass<'_>,
-        layout: vk::PipelineLayout,
-        set: vk::DescriptorSet,
-        corners: u32,
-    ) {
-        if corners == 0 {
-            return;
-        }
-        // SAFETY: the set's layout is the second of the pipeline layout; its buffers hold what these corners name.
+    fn bind_model(&self, pass: &Pass<'_>, number: u32, set: vk::DescriptorSet) {
+        // SAFETY: the set is of the layout that has this number in the models' pipeline layout.
         unsafe {
-            let device = &self.gpu.device;
-            device.cmd_bind_descriptor_sets(
+            self.gpu.device.cmd_bind_descriptor_sets(
                 pass.commands,
                 vk::PipelineBindPoint::GRAPHICS,
-                layout,
-                1,
+                self.pipelines.model_layout.handle,
+                number,
                 &[set],
                 &[],
             );
-            device.cmd_draw(pass.commands, corners, 1, 0, 0);
         }
     }
+
+    /// The triangles that were chosen of a model.
+    fn draw_faces(
+        &self,
+        pass: &Pass<'_>,
+        number: usize,
+        colours: &Colours,
+        report: &mut DrawReport,
+    ) {
+        let draws = self.selection.draws();
+        for (item, offset) in self.selection.items.iter().zip((0..).step_by(DRAW)) {
+            let Some(set) = colours.sets.get(item.chunk).copied() else {
+                continue;
+            };
+            if item.model != number {
+                continue;
+            }
+            self.bind_model(pass, 1, set);
+            // SAFETY: the choice wrote this draw, whose triangles are in the list.
+            unsafe {
+                self.gpu
+                    .device
+                    .cmd_draw_indirect(pass.commands, draws, offset, 1, 0);
+            }
+            report.draws += 1;
+        }
+    }
+
+    /// Of a model's vertices as many as a frame has room for.
+    fn draw_points(
+        &self,
+        pass: &Pass<'_>,
+        shape: &Geometry,
+        colours: &Colours,
+        report: &mut DrawReport,
+    ) {
+        for (chunk, set) in shape.chunks.iter().zip(&colours.sets) {
+            let points = chunk.points / pass.points.max(1);
+            if points == 0 {
+                continue;
+            }
+            self.bind_model(pass, 1, *set);
+            let corners = points.saturating_mul(6);
+            // SAFETY: the chunk has these vertices.
+            unsafe {
+                self.gpu.device.cmd_draw(pass.commands, corners, 1, 0, 0);
+            }
+            report.draws += 1;
+            report.triangles += 2 * u64::from(points);
+        }
+    }
+
+    /// Whether a model's faces are chosen in this frame.
+    pub(super) fn is_chosen(&self, placed: &PlacedModel) -> Option<&Geometry> {
+        let drawn = has_faces(&placed.look) && placed.world_from_model.is_finite();
+        self.shown(placed).filter(|_| drawn).map(|(shape, _)| shape)
+    }
 }
+
+/// From one draw to the next.
+#[expect(clippy::cast_possible_truncation, reason = "16 bytes")]
+const DRAW: usize = DRAW_BYTES as usize;
 
 /// What a draw makes of a model.
 #[derive(Clone, Copy)]

@@ -22,6 +22,8 @@ pub(super) struct Pass<'a> {
     pub(super) hidden: HiddenEyes,
     pub(super) tree: Option<&'a TreeUpload>,
     pub(super) models: &'a [PlacedModel],
+    /// Of so many vertices of a model one is shown as a point.
+    pub(super) points: u32,
 }
 
 impl Renderer {

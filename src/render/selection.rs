@@ -1,0 +1,549 @@
+//! Which triangles of models are drawn in a frame: worked out on the device by shaders/select.wgsl, before the stage is drawn.
+//!
+//! Everything stays on the device: a list of triangles, and for each chunk of each model a draw that says which part of the list is its own. The
+//! processor hands over a few numbers a chunk and asks nothing back; what was chosen is told two frames later, when the slot's fence says that it is
+//! there anyway.
+
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec3, Vec4};
+use gpu_allocator::MemoryLocation;
+
+use super::{
+    data::rows,
+    error::RenderError,
+    eye::{Eye, NEAR},
+    frame::{Pool, SLOTS, full_barrier, run_now},
+    gpu::Gpu,
+    memory::Buffer,
+    model_upload::{Geometry, cut_of, write_set},
+    pipelines::{Layout, Pipeline},
+    shaders::select,
+};
+use crate::mesh::levels::cut::{BINS, Standing, Views, pixels, side};
+use crate::world::scene::{ModelLook, PlacedModel};
+
+/// Clusters that a workgroup looks at.
+const GROUP: u32 = 64;
+
+/// `Item` of shaders/select.wgsl: a dispatch's immediates.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+struct ItemData {
+    rows: [Vec4; 3],
+    cut: Vec4,
+    scale: f32,
+    near: f32,
+    flags: u32,
+    clusters: u32,
+    first_group: u32,
+    groups: u32,
+    draw: u32,
+    budget: u32,
+}
+
+const _: () = assert!(
+    size_of::<ItemData>() == 96,
+    "shaders/select.wgsl reads 96 bytes"
+);
+
+const BY_GRAIN: u32 = 1;
+
+/// Bytes of `State` of shaders/select.wgsl.
+const STATE_BYTES: u64 = BINS as u64 * 4 + 4;
+/// Bytes of a draw.
+pub(crate) const DRAW_BYTES: u64 = size_of::<vk::DrawIndirectCommand>() as u64;
+
+/// What the device chose of all models in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Chosen {
+    /// Triangles, each counted once for both eyes.
+    pub triangles: u64,
+    /// What they may be off by, pixels: 1 where everything fits the frame.
+    pub error_px: f32,
+}
+
+/// A chunk of a model that is drawn in this frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Item {
+    /// The model's number in the scene, and the chunk's in the model.
+    pub(crate) model: usize,
+    pub(crate) chunk: usize,
+    set: vk::DescriptorSet,
+    data: ItemData,
+}
+
+/// What grows with the models.
+struct Room {
+    groups: u32,
+    draws: u32,
+    _marks: Buffer,
+    _sums: Buffer,
+    chosen: Buffer,
+    /// By slot: what was chosen, where the processor sees it.
+    told: [Buffer; SLOTS],
+    sets: [vk::DescriptorSet; SLOTS],
+    _pool: Pool,
+}
+
+/// What must live until the frames before are done.
+pub(crate) struct OldRoom(#[allow(dead_code, reason = "kept to be dropped later")] Box<Room>);
+
+pub(crate) struct Selection {
+    /// Set 0: everything; set 1: a chunk's clusters.
+    pub(crate) layout: Layout,
+    kernels: [Pipeline; 5],
+    views: [Buffer; SLOTS],
+    state: Buffer,
+    list: Buffer,
+    room: Room,
+    /// The list for whoever draws from it.
+    pub(crate) list_set: vk::DescriptorSet,
+    _pool: Pool,
+    pub(crate) items: Vec<Item>,
+    /// By slot: how many draws were told of.
+    told: [usize; SLOTS],
+    gpu: Gpu,
+}
+
+impl Selection {
+    /// `list_layout`: of one storage buffer, for the list; `most`: triangles of all models.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        list_layout: vk::DescriptorSetLayout,
+        most: u32,
+    ) -> Result<Self, RenderError> {
+        use vk::DescriptorType as Kind;
+        let first = [
+            Kind::UNIFORM_BUFFER,
+            Kind::STORAGE_BUFFER,
+            Kind::STORAGE_BUFFER,
+            Kind::STORAGE_BUFFER,
+            Kind::STORAGE_BUFFER,
+            Kind::STORAGE_BUFFER,
+        ];
+        let immediates = u32::try_from(size_of::<ItemData>()).unwrap_or(0);
+        let layout = Layout::staged(
+            gpu,
+            &[&first, &[Kind::STORAGE_BUFFER]],
+            immediates,
+            vk::ShaderStageFlags::COMPUTE,
+        )?;
+        let kernel = |entry| {
+            Pipeline::compute(
+                gpu,
+                &layout,
+                "choosing levels of detail",
+                select::SPIRV,
+                entry,
+            )
+        };
+        let kernels = [
+            kernel(select::WEIGH)?,
+            kernel(select::SETTLE)?,
+            kernel(select::COUNT)?,
+            kernel(select::PLACE)?,
+            kernel(select::WRITE)?,
+        ];
+        let views = || {
+            Buffer::new(
+                gpu,
+                "where both eyes are",
+                size_of::<Views>() as u64,
+                vk::BufferUsageFlags::UNIFORM_BUFFER,
+                MemoryLocation::CpuToGpu,
+            )
+        };
+        let views = [views()?, views()?];
+        let state = buffer(gpu, "the threshold of detail", STATE_BYTES)?;
+        let list = buffer(gpu, "the triangles to draw", u64::from(most.max(1)) * 4)?;
+        let pool = Pool::new(gpu, 1, &[(Kind::STORAGE_BUFFER, 1)])?;
+        let list_set = pool.set(list_layout)?;
+        write_set(gpu, list_set, &[&list]);
+        let room = Room::new(gpu, &layout, &views, [&state, &list], [64, 16])?;
+        Ok(Self {
+            layout,
+            kernels,
+            views,
+            state,
+            list,
+            room,
+            list_set,
+            _pool: pool,
+            items: Vec::with_capacity(16),
+            told: [0; SLOTS],
+            gpu: gpu.clone(),
+        })
+    }
+
+    /// Begins a frame's list of chunks; of what the slot's last frame chose.
+    pub(crate) fn begin(&mut self, slot: usize) -> Chosen {
+        self.items.clear();
+        let draws = self.told[slot];
+        chosen(self.room.told[slot].bytes(), draws)
+    }
+
+    /// Adds a model.
+    pub(crate) fn add(&mut self, model: usize, placed: &PlacedModel, geometry: &Geometry) {
+        let standing = standing(placed);
+        for (chunk, part) in geometry.chunks.iter().enumerate() {
+            let last = self.items.last().map(|item| item.data);
+            let first_group = last.map_or(0, |data| data.first_group + data.groups);
+            self.items.push(Item {
+                model,
+                chunk,
+                set: part.set,
+                data: ItemData {
+                    rows: rows(&standing.world_from_model),
+                    cut: standing.cut,
+                    scale: standing.scale,
+                    near: standing.near,
+                    flags: if standing.by_grain { BY_GRAIN } else { 0 },
+                    clusters: part.clusters,
+                    first_group,
+                    groups: part.clusters.div_ceil(GROUP),
+                    draw: u32::try_from(self.items.len()).unwrap_or(u32::MAX),
+                    budget: 0,
+                },
+            });
+        }
+    }
+
+    /// Makes room for what was added; what held it before, where that had to change.
+    pub(crate) fn make_room(&mut self) -> Result<Option<OldRoom>, RenderError> {
+        let draws = u32::try_from(self.items.len()).unwrap_or(u32::MAX);
+        if self.groups() <= self.room.groups && draws <= self.room.draws {
+            return Ok(None);
+        }
+        let wanted = [
+            self.groups().max(self.room.groups).next_power_of_two(),
+            draws.max(self.room.draws).next_power_of_two(),
+        ];
+        let shared = [&self.state, &self.list];
+        let room = Room::new(&self.gpu, &self.layout, &self.views, shared, wanted)?;
+        self.told = [0; SLOTS];
+        let old = std::mem::replace(&mut self.room, room);
+        Ok(Some(OldRoom(Box::new(old))))
+    }
+
+    fn groups(&self) -> u32 {
+        let last = self.items.last().map(|item| item.data);
+        last.map_or(0, |data| data.first_group + data.groups)
+    }
+
+    /// Records the choice of at most `budget` triangles as these eyes see them, `pixel` being a pixel's width at a metre.
+    pub(crate) fn record(
+        &mut self,
+        commands: vk::CommandBuffer,
+        slot: usize,
+        eyes: &[Eye; 2],
+        width_px: u32,
+        budget: u32,
+    ) {
+        self.told[slot] = self.items.len();
+        if self.items.is_empty() {
+            return;
+        }
+        self.views[slot].write(0, &[views(eyes, width_px)]);
+        let gpu = &self.gpu;
+        full_barrier(gpu, commands, &[]);
+        // SAFETY: the buffer has so many bytes.
+        unsafe {
+            gpu.device
+                .cmd_fill_buffer(commands, self.state.handle, 0, STATE_BYTES, 0);
+        }
+        full_barrier(gpu, commands, &[]);
+        let all = ItemData {
+            groups: self.groups(),
+            budget,
+            ..ItemData::default()
+        };
+        let [weigh, settle, count, place, write] = &self.kernels;
+        self.each(commands, slot, weigh);
+        self.once(commands, slot, settle, &all);
+        self.each(commands, slot, count);
+        self.once(commands, slot, place, &all);
+        self.each(commands, slot, write);
+        self.tell(commands, slot);
+    }
+
+    fn each(&self, commands: vk::CommandBuffer, slot: usize, kernel: &Pipeline) {
+        self.bind(commands, slot, kernel);
+        for item in &self.items {
+            // SAFETY: the set's layout is the second of the pipeline layout; its buffer lives until the frame is done.
+            unsafe {
+                self.gpu.device.cmd_bind_descriptor_sets(
+                    commands,
+                    vk::PipelineBindPoint::COMPUTE,
+                    self.layout.handle,
+                    1,
+                    &[item.set],
+                    &[],
+                );
+            }
+            self.run(commands, &item.data, item.data.groups);
+        }
+        full_barrier(&self.gpu, commands, &[]);
+    }
+
+    fn once(&self, commands: vk::CommandBuffer, slot: usize, kernel: &Pipeline, data: &ItemData) {
+        self.bind(commands, slot, kernel);
+        self.run(commands, data, 1);
+        full_barrier(&self.gpu, commands, &[]);
+    }
+
+    fn bind(&self, commands: vk::CommandBuffer, slot: usize, kernel: &Pipeline) {
+        let compute = vk::PipelineBindPoint::COMPUTE;
+        // SAFETY: pipeline and set are of this layout.
+        unsafe {
+            let device = &self.gpu.device;
+            device.cmd_bind_pipeline(commands, compute, kernel.handle);
+            device.cmd_bind_descriptor_sets(
+                commands,
+                compute,
+                self.layout.handle,
+                0,
+                &[self.room.sets[slot]],
+                &[],
+            );
+        }
+    }
+
+    fn run(&self, commands: vk::CommandBuffer, data: &ItemData, groups: u32) {
+        // SAFETY: the layout takes immediates of this size; there was room made for these groups.
+        unsafe {
+            let device = &self.gpu.device;
+            device.cmd_push_constants(
+                commands,
+                self.layout.handle,
+                vk::ShaderStageFlags::COMPUTE,
+                0,
+                bytemuck::bytes_of(data),
+            );
+            device.cmd_dispatch(commands, groups, 1, 1);
+        }
+    }
+
+    /// Copies what was chosen to where the processor sees it when the frame is done.
+    fn tell(&self, commands: vk::CommandBuffer, slot: usize) {
+        let told = self.room.told[slot].handle;
+        let copy = |src_offset, dst_offset, size| {
+            [vk::BufferCopy {
+                src_offset,
+                dst_offset,
+                size,
+            }]
+        };
+        let draws = self.items.len() as u64 * DRAW_BYTES;
+        let memory = [vk::MemoryBarrier2::default()
+            .src_stage_mask(vk::PipelineStageFlags2::TRANSFER)
+            .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+            .dst_stage_mask(vk::PipelineStageFlags2::HOST)
+            .dst_access_mask(vk::AccessFlags2::HOST_READ)];
+        let info = vk::DependencyInfo::default().memory_barriers(&memory);
+        // SAFETY: all buffers have these ranges and live until the frame is done.
+        unsafe {
+            let device = &self.gpu.device;
+            let threshold = copy(STATE_BYTES - 4, 0, 4);
+            device.cmd_copy_buffer(commands, self.state.handle, told, &threshold);
+            let draws = copy(0, DRAW_BYTES, draws);
+            device.cmd_copy_buffer(commands, self.room.chosen.handle, told, &draws);
+            (self.gpu.newer.barrier)(commands, &raw const info);
+        }
+    }
+
+    /// The buffer of draws, in the order of [`Self::items`].
+    pub(crate) fn draws(&self) -> vk::Buffer {
+        self.room.chosen.handle
+    }
+
+    /// What the last frame in a slot chose; only when that is done.
+    pub(crate) fn chosen(&mut self, slot: usize) -> Chosen {
+        let draws = self.told[slot];
+        chosen(self.room.told[slot].bytes(), draws)
+    }
+
+    /// The last frame's list for each item: triangles by their numbers in the chunk. Only when all frames are done.
+    pub(crate) fn read(&mut self, slot: usize) -> Result<Vec<Vec<u32>>, RenderError> {
+        let mut copy = Buffer::new(
+            &self.gpu,
+            "reading back",
+            self.list.size,
+            vk::BufferUsageFlags::TRANSFER_DST,
+            MemoryLocation::GpuToCpu,
+        )?;
+        run_now(&self.gpu, |commands| {
+            let region = [vk::BufferCopy::default().size(self.list.size)];
+            // SAFETY: both buffers have this size.
+            unsafe {
+                self.gpu
+                    .device
+                    .cmd_copy_buffer(commands, self.list.handle, copy.handle, &region);
+            }
+            full_barrier(&self.gpu, commands, &[]);
+        })?;
+        let count = self.told[slot];
+        let draws: Vec<[u32; 4]> = draws(self.room.told[slot].bytes(), count).collect();
+        let bytes = copy.bytes();
+        let part = |[vertices, _, first, _]: [u32; 4]| {
+            let range = first as usize / 3 * 4..(first + vertices) as usize / 3 * 4;
+            let words = bytes.get(range).unwrap_or_default().as_chunks::<4>().0;
+            words.iter().map(|word| u32::from_le_bytes(*word)).collect()
+        };
+        Ok(draws.into_iter().map(part).collect())
+    }
+}
+
+impl Room {
+    fn new(
+        gpu: &Gpu,
+        layout: &Layout,
+        views: &[Buffer; SLOTS],
+        [state, list]: [&Buffer; 2],
+        [groups, draws]: [u32; 2],
+    ) -> Result<Self, RenderError> {
+        let marks = buffer(gpu, "the clusters' marks", u64::from(groups * GROUP) * 4)?;
+        let sums = buffer(gpu, "the groups' triangles", u64::from(groups + 1) * 4)?;
+        let chosen = buffer(gpu, "the models' draws", u64::from(draws) * DRAW_BYTES)?;
+        let told = || {
+            Buffer::new(
+                gpu,
+                "what was chosen",
+                (u64::from(draws) + 1) * DRAW_BYTES,
+                vk::BufferUsageFlags::TRANSFER_DST,
+                MemoryLocation::GpuToCpu,
+            )
+        };
+        let told = [told()?, told()?];
+        let count = u32::try_from(SLOTS).unwrap_or(2);
+        let pool = Pool::new(
+            gpu,
+            count,
+            &[
+                (vk::DescriptorType::UNIFORM_BUFFER, count),
+                (vk::DescriptorType::STORAGE_BUFFER, 5 * count),
+            ],
+        )?;
+        let first = layout.sets.first().copied().unwrap_or_default();
+        let set = |views: &Buffer| {
+            let set = pool.set(first)?;
+            write_uniform(gpu, set, views);
+            let storage = [state, &marks, &sums, list, &chosen];
+            write_storage(gpu, set, &storage);
+            Ok::<_, RenderError>(set)
+        };
+        let [one, other] = views;
+        Ok(Self {
+            groups,
+            draws,
+            sets: [set(one)?, set(other)?],
+            told,
+            _marks: marks,
+            _sums: sums,
+            chosen,
+            _pool: pool,
+        })
+    }
+}
+
+fn buffer(gpu: &Gpu, name: &'static str, size: u64) -> Result<Buffer, RenderError> {
+    let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+        | vk::BufferUsageFlags::INDIRECT_BUFFER
+        | vk::BufferUsageFlags::TRANSFER_SRC
+        | vk::BufferUsageFlags::TRANSFER_DST;
+    Buffer::new(gpu, name, size, usage, MemoryLocation::GpuOnly)
+}
+
+fn write_uniform(gpu: &Gpu, set: vk::DescriptorSet, buffer: &Buffer) {
+    let info = [vk::DescriptorBufferInfo::default()
+        .buffer(buffer.handle)
+        .range(vk::WHOLE_SIZE)];
+    let write = [vk::WriteDescriptorSet::default()
+        .dst_set(set)
+        .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
+        .buffer_info(&info)];
+    // SAFETY: the set is new, the buffer lives as long as it.
+    unsafe { gpu.device.update_descriptor_sets(&write, &[]) };
+}
+
+/// From the second binding on.
+fn write_storage(gpu: &Gpu, set: vk::DescriptorSet, buffers: &[&Buffer]) {
+    for (binding, buffer) in (1..).zip(buffers) {
+        let info = [vk::DescriptorBufferInfo::default()
+            .buffer(buffer.handle)
+            .range(vk::WHOLE_SIZE)];
+        let write = [vk::WriteDescriptorSet::default()
+            .dst_set(set)
+            .dst_binding(binding)
+            .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+            .buffer_info(&info)];
+        // SAFETY: the set is new, the buffers live as long as it.
+        unsafe { gpu.device.update_descriptor_sets(&write, &[]) };
+    }
+}
+
+fn draws(told: &[u8], count: usize) -> impl Iterator<Item = [u32; 4]> {
+    let words = told.as_chunks::<4>().0.as_chunks::<4>().0;
+    let draw = |words: &[[u8; 4]; 4]| words.map(u32::from_le_bytes);
+    words.iter().skip(1).take(count).map(draw)
+}
+
+fn chosen(told: &[u8], count: usize) -> Chosen {
+    if count == 0 {
+        return Chosen::default();
+    }
+    let threshold = told.first_chunk().copied().map_or(0, u32::from_le_bytes);
+    Chosen {
+        triangles: draws(told, count).map(|draw| u64::from(draw[0] / 3)).sum(),
+        error_px: pixels(threshold),
+    }
+}
+
+/// Whether a model draws triangles.
+pub(crate) fn has_faces(look: &ModelLook) -> bool {
+    look.surface.is_some() || look.wireframe
+}
+
+/// A model as the choice takes it.
+pub(crate) fn standing(placed: &PlacedModel) -> Standing {
+    let look = &placed.look;
+    let by_grain = look.wireframe || look.flat || placed.display.has_colours();
+    Standing::new(placed.world_from_model, cut_of(look), by_grain, NEAR)
+}
+
+/// Both eyes as the choice takes them; pictures are so many pixels wide.
+pub(crate) fn views(eyes: &[Eye; 2], width_px: u32) -> Views {
+    let of = |eye: &Eye| {
+        let [left, right, up, down] = eye.fov.tangents();
+        let pose = eye.pose();
+        let axis = |v: Vec3| pose.orientation * v;
+        let ahead = axis(Vec3::new((left + right) / 2.0, (up + down) / 2.0, -1.0));
+        let upright = |x: f32| {
+            side(
+                pose.position,
+                axis(Vec3::new(x, 0.0, -1.0)),
+                axis(Vec3::Y),
+                ahead,
+            )
+        };
+        let level = |y: f32| {
+            side(
+                pose.position,
+                axis(Vec3::new(0.0, y, -1.0)),
+                axis(Vec3::X),
+                ahead,
+            )
+        };
+        #[allow(clippy::cast_precision_loss, reason = "widths are small")]
+        let pixels = width_px.max(1) as f32 / (right - left);
+        (
+            [upright(left), upright(right), level(up), level(down)],
+            pose.position.extend(pixels),
+        )
+    };
+    let [(left, left_eye), (right, right_eye)] = eyes.each_ref().map(of);
+    Views {
+        planes: [left, right],
+        eyes: [left_eye, right_eye],
+    }
+}
