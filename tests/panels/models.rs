@@ -13,8 +13,12 @@ use ramus::app::model_portrait::{ModelPortrait, of_model};
 use ramus::app::picture::Picture;
 use ramus::app::portrait::{self, PAPER};
 use ramus::app::store::Store;
+use ramus::app::studies::coloured;
 use ramus::app::workshop::{Workshop, WorkshopParams};
 use ramus::mesh::display::Display;
+use ramus::mesh::endpoints::propose;
+use ramus::mesh::pick::Picker;
+use ramus::mesh::surface::Surface;
 use ramus::mesh::unit::Unit;
 use ramus::mesh::{ReadLimits, read};
 use ramus::world::model::Colouring;
@@ -209,6 +213,79 @@ fn a_model_is_coloured_by_numbers_and_the_bench_says_what_they_are() {
     }
     press(&mut visitor, "nothing");
     assert_eq!(visitor.workshop.scene().models[0].revision, plain);
+}
+
+#[test]
+fn the_guide_shows_endpoints_and_colours_by_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = vessel(folder.path());
+    let never = AtomicBool::new(false);
+    let mesh = read(&path, &ReadLimits::default(), &never).unwrap().mesh;
+    let picker = Picker::new(Arc::new(mesh), &never, &mut |_, _| ()).unwrap();
+    let surface = Surface::new(picker, &never).unwrap();
+    let proposals = propose(&surface, &never).unwrap();
+    let endpoints: Vec<_> = proposals.into_iter().map(|one| one.endpoint).collect();
+    let display = Display::new(Arc::clone(surface.mesh()), &never).unwrap();
+    let still = |by: Option<Colouring>| {
+        let colours = by.map(|by| coloured(&surface, by, &never).unwrap());
+        let how = ModelPortrait {
+            look: ModelLook {
+                surface: Some(match by {
+                    Some(_) => SurfaceLook::Matte,
+                    None => SurfaceLook::XRay,
+                }),
+                ..ModelLook::default()
+            },
+            boxed: false,
+            unit: Unit::Millimetres,
+            endpoints: if by.is_none() {
+                endpoints.clone()
+            } else {
+                Vec::new()
+            },
+            z_up: false,
+            turn: 0.5,
+            backdrop: PAPER,
+            pixels: 640,
+        };
+        let display = match colours {
+            Some((colours, _)) => display.painted(colours),
+            None => display.clone(),
+        };
+        let large = of_model(display, &how).unwrap();
+        let small = resize(&large, 320, 320, FilterType::Triangle);
+        image::DynamicImage::ImageRgba8(small).to_rgb8()
+    };
+    let stills = [
+        still(None),
+        still(Some(Colouring::Radius)),
+        still(Some(Colouring::Thickness)),
+        still(Some(Colouring::Curvature)),
+    ];
+    // One source, red, and targets, blue; yellow is thick and dark blue is thin; bulges are red.
+    let count = |still: &RgbImage, is: fn([i32; 3]) -> bool| {
+        let pixels = still.pixels().map(|pixel| pixel.0.map(i32::from));
+        pixels.filter(|pixel| is(*pixel)).count()
+    };
+    let red = |[red, green, blue]: [i32; 3]| red > green + 60 && red > blue + 60;
+    let blue = |[red, green, blue]: [i32; 3]| blue > red + 40 && blue > green + 20;
+    let yellow = |[red, green, blue]: [i32; 3]| red > blue + 60 && green > blue + 60;
+    let [ends, radius, thickness, curvature] = &stills;
+    let marks = [count(ends, red), count(ends, blue)];
+    assert!(
+        marks.iter().all(|&pixels| (8..2_000).contains(&pixels)),
+        "{marks:?}"
+    );
+    assert!(
+        marks[1] > marks[0],
+        "three targets and one source: {marks:?}"
+    );
+    for still in [radius, thickness] {
+        let found = [count(still, yellow), count(still, blue)];
+        assert!(found.iter().all(|&pixels| pixels > 300), "{found:?}");
+    }
+    assert!(count(curvature, red) > 300, "tubes bulge");
+    compare("models/places", &strip(&stills));
 }
 
 #[test]

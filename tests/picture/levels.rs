@@ -412,7 +412,7 @@ fn one_pass_and_one_an_eye_choose_the_same_and_what_is_seen_through_is_the_same_
     beside.world_from_model.translation.x = 0.4;
     let shown = scene([placed(small(), x_ray), beside]);
     let eyes = ahead(DISTANCE);
-    let mut draw = |mode: StereoMode| {
+    let draw = |mode: StereoMode| {
         let mut stage = Stage::new(&gpu, &params(mode));
         stage.draw(&shown, &eyes);
         stage.draw(&shown, &eyes);
