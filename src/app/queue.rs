@@ -74,6 +74,16 @@ impl<Input: Clone + Send + 'static, Output: Send + 'static> Queue<Input, Output>
         }
     }
 
+    /// Stops what the thread is at, and gives it back; the line goes on with the next.
+    pub(super) fn stop(&mut self) -> Option<Input> {
+        let stopped = self.at.take()?;
+        self.worker.cancel();
+        // It may have been done just now.
+        while self.worker.poll().is_some() {}
+        self.go_on(false);
+        Some(stopped)
+    }
+
     /// Whether something is not done.
     pub(super) fn is_busy(&self) -> bool {
         self.at.is_some() || !self.waiting.is_empty()
@@ -87,7 +97,26 @@ mod tests {
         clippy::missing_assert_message,
         reason = "a test that fails shows the line"
     )]
+    use std::sync::atomic::Ordering;
+
     use super::*;
+
+    #[test]
+    fn what_is_stopped_says_nothing_and_the_next_is_done() {
+        let job = |number: &usize, cancel: &AtomicBool| {
+            while *number == 0 && !cancel.load(Ordering::Relaxed) {
+                std::thread::yield_now();
+            }
+            *number
+        };
+        let mut queue = Queue::start("test", job).unwrap();
+        assert!(queue.stop().is_none());
+        assert!(queue.ask(0) && queue.ask(7));
+        assert!(queue.poll().is_none());
+        assert_eq!(queue.stop(), Some(0));
+        assert_eq!(queue.wait(), Some(7));
+        assert!(queue.wait().is_none() && !queue.is_busy());
+    }
 
     #[test]
     fn all_is_done_in_order_and_the_line_has_an_end() {

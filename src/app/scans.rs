@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use crate::app::queue::Queue;
 use crate::mesh::colour::{by_parts, by_problems};
@@ -43,56 +43,99 @@ pub(super) struct Read {
 /// What became of a file.
 pub(super) type Done = (Scan, Result<Read, String>);
 
+/// How far the reading of a model is, thousandths; the thread writes and frames read.
+#[derive(Default)]
+struct Progress(AtomicU32);
+
+impl Progress {
+    /// What tells how far a stage is that begins and ends at so many thousandths of the whole.
+    fn stage(&self, [from, to]: [u32; 2]) -> impl FnMut(usize, usize) {
+        self.0.store(from, Ordering::Relaxed);
+        move |done, of| {
+            let part = (u64::from(to - from) * done as u64 / of.max(1) as u64) as u32;
+            self.0.store(from + part.min(to - from), Ordering::Relaxed);
+        }
+    }
+}
+
+/// Where the stages of reading a model begin and end, thousandths: mending, the report, its crossings, the hierarchy; the file is read before them, and
+/// levels of detail are made after them.
+const STAGES: [[u32; 2]; 4] = [[250, 300], [300, 450], [450, 700], [700, 850]];
+
 /// Reads what was asked for.
-pub(super) struct Scans(Queue<Scan, Done>);
+pub(super) struct Scans {
+    queue: Queue<Scan, Done>,
+    progress: Arc<Progress>,
+}
 
 impl Scans {
     /// # Errors
     /// Where the system gives no thread.
     pub(super) fn start() -> std::io::Result<Self> {
-        Ok(Self(Queue::start("ramus-scans", scan)?))
+        let progress = Arc::new(Progress::default());
+        let told = Arc::clone(&progress);
+        let job = move |scan: &Scan, cancel: &AtomicBool| (scan.clone(), look(scan, &told, cancel));
+        Ok(Self {
+            queue: Queue::start("ramus-scans", job)?,
+            progress,
+        })
     }
 
     /// Asks for a file, unless it is on its way. False: too many wait already.
     pub(super) fn ask(&mut self, scan: Scan) -> bool {
-        self.0.open().any(|other| *other == scan) || self.0.ask(scan)
+        self.queue.open().any(|other| *other == scan) || self.queue.ask(scan)
     }
 
     /// Goes on; gives what was read since.
     pub(super) fn poll(&mut self) -> Option<Done> {
-        self.0.poll()
+        self.queue.poll()
     }
 
     /// Waits for the next file that is on its way, if one is.
     pub(super) fn wait(&mut self) -> Option<Done> {
-        self.0.wait()
+        self.queue.wait()
+    }
+
+    /// The file that is being read, and how far that is, thousandths.
+    pub(super) fn reading(&self) -> Option<(&str, u32)> {
+        let scan = self.queue.open().next()?;
+        Some((&scan.file, self.progress.0.load(Ordering::Relaxed)))
+    }
+
+    /// Stops what is being read, and gives it back.
+    pub(super) fn stop(&mut self) -> Option<Scan> {
+        self.queue.stop()
     }
 
     pub(super) fn is_busy(&self) -> bool {
-        self.0.is_busy()
+        self.queue.is_busy()
     }
 }
 
-fn scan(scan: &Scan, cancel: &AtomicBool) -> Done {
-    (scan.clone(), look(scan, cancel))
-}
-
 /// Reads a file, mends what is asked for, and looks at the result.
-fn look(scan: &Scan, cancel: &AtomicBool) -> Result<Read, String> {
+fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, String> {
     let Scan { path, mends, .. } = scan;
+    let [mending, reporting, crossing, building] = STAGES;
+    progress.0.store(0, Ordering::Relaxed);
     let model = read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?;
     let (stated, format) = (model.scale(), model.format);
-    let (mesh, accounts) = mend_all(model.mesh, mends, cancel, &mut |_, _, _| ())
-        .map_err(|error| format!("{error}: {}", path.display()))?;
+    let mut mended = progress.stage(mending);
+    let (mesh, accounts) = mend_all(model.mesh, mends, cancel, &mut |_, done, of| {
+        mended(done, of)
+    })
+    .map_err(|error| format!("{error}: {}", path.display()))?;
     let mesh = Arc::new(mesh);
-    let report = report(&mesh, &ReportParams::default(), cancel, &mut |_, _| ())
+    let params = ReportParams::default();
+    let report = report(&mesh, &params, cancel, &mut progress.stage(reporting))
         .map_err(|error| error.to_string())?;
     let stopped = || "the reading of the model was cancelled".to_owned();
-    let found = intersections(&mesh, &IntersectParams::default(), cancel, &mut |_, _| ())
-        .ok_or_else(stopped)?;
+    let params = IntersectParams::default();
+    let found =
+        intersections(&mesh, &params, cancel, &mut progress.stage(crossing)).ok_or_else(stopped)?;
+    let mut built = progress.stage(building);
     let picker = match &scan.cache {
-        Some(folder) => kept_picker(&mesh, folder, cancel),
-        None => Picker::new(Arc::clone(&mesh), cancel, &mut |_, _| ()),
+        Some(folder) => kept_picker(&mesh, folder, cancel, &mut built),
+        None => Picker::new(Arc::clone(&mesh), cancel, &mut built),
     };
     let surface = picker
         .and_then(|picker| Surface::new(picker, cancel))
@@ -124,13 +167,17 @@ const LEAST_KEPT: usize = 100_000;
 const MOST_KEPT: usize = 32;
 
 /// A picker whose hierarchy is kept in a folder, by what the mesh holds; what the folder cannot take is built each time.
-fn kept_picker(mesh: &Arc<Mesh>, folder: &Path, cancel: &AtomicBool) -> Option<Picker> {
-    let none = &mut |_: usize, _: usize| ();
+fn kept_picker(
+    mesh: &Arc<Mesh>,
+    folder: &Path,
+    cancel: &AtomicBool,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Option<Picker> {
     if mesh.triangles.len() < LEAST_KEPT || std::fs::create_dir_all(folder).is_err() {
-        return Picker::new(Arc::clone(mesh), cancel, none);
+        return Picker::new(Arc::clone(mesh), cancel, progress);
     }
     let path = folder.join(format!("{}.{CACHED}", Picker::name_of(mesh)));
-    let (picker, cache) = Picker::cached(Arc::clone(mesh), &path, cancel, none)?;
+    let (picker, cache) = Picker::cached(Arc::clone(mesh), &path, cancel, progress)?;
     if matches!(cache, Cache::Written) {
         forget_the_oldest(folder);
     }
@@ -238,6 +285,49 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn stages_tell_how_far_the_whole_is() {
+        let progress = Progress::default();
+        let far = || progress.0.load(Ordering::Relaxed);
+        let mut stage = progress.stage([300, 450]);
+        assert_eq!(far(), 300);
+        stage(1, 2);
+        assert_eq!(far(), 375);
+        stage(9, 2);
+        assert_eq!(far(), 450, "no farther than its end");
+        stage(0, 0);
+        assert_eq!(far(), 300, "of nothing");
+    }
+
+    #[test]
+    fn a_large_model_is_found_in_the_cache_the_next_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let (kept, never) = (folder.path().join("kept"), AtomicBool::new(false));
+        let picked = |mesh: &Arc<Mesh>| kept_picker(mesh, &kept, &never, &mut |_, _| ()).unwrap();
+        let small = Arc::new(crate::mesh::made::sphere(3));
+        picked(&small);
+        assert!(!folder.path().join("kept").exists(), "small ones need none");
+        let large = Arc::new(crate::mesh::made::torus(400, 130));
+        let hit = |picker: &Picker| picker.ray(glam::Vec3::X * 9.0, glam::Vec3::NEG_X, 99.0);
+        let first = hit(&picked(&large));
+        let files = || {
+            std::fs::read_dir(folder.path().join("kept"))
+                .unwrap()
+                .count()
+        };
+        assert_eq!((files(), first.is_some()), (1, true));
+        assert_eq!(hit(&picked(&large)), first);
+        assert_eq!(files(), 1);
+        // The oldest go.
+        for number in 0..MOST_KEPT + 5 {
+            let name = folder.path().join(format!("kept/{number}.{CACHED}"));
+            std::fs::write(name, "").unwrap();
+        }
+        std::fs::write(folder.path().join("kept/notes.txt"), "").unwrap();
+        forget_the_oldest(&folder.path().join("kept"));
+        assert_eq!(files(), MOST_KEPT + 1, "and nothing else");
+    }
+
+    #[test]
     fn what_lies_in_one_place_is_told() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("point.obj");
@@ -249,7 +339,7 @@ pub(crate) mod tests {
             cache: None,
             comes: true,
         };
-        let told = look(&scan, &AtomicBool::new(false)).unwrap_err();
+        let told = look(&scan, &Progress::default(), &AtomicBool::new(false)).unwrap_err();
         assert!(told.contains("in one place"), "{told}");
     }
 

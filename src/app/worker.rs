@@ -61,6 +61,11 @@ impl<Input: Send + 'static, Output: Send + 'static> Worker<Input, Output> {
         }
     }
 
+    /// Cancels what runs: it will have nothing to say.
+    pub fn cancel(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+
     /// The newest result that is ready, if any; never waits.
     pub fn poll(&mut self) -> Option<Output> {
         let mut newest = None;

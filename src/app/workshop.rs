@@ -230,7 +230,11 @@ impl Workshop {
             Wish::Mark(mark) => done = world.mark(mark),
             Wish::WriteEnds(model, ending) => self.write_ends(model, ending),
             Wish::ReadEnds(model, file) => self.read_ends(model, &file),
-            Wish::FindModels => self.offer_models(),
+            Wish::FindModels => {
+                self.world.try_models_again();
+                self.offer_models();
+            }
+            Wish::StopReading => self.stop_reading(),
             Wish::Teach(lesson) => world.teach(lesson),
         }
         if let Err(error) = done {

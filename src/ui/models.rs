@@ -62,6 +62,15 @@ impl Models {
         wishes: &mut Vec<Wish>,
     ) {
         let document = view.document;
+        if let Some(reading) = view.world.reading() {
+            ui.horizontal_wrapped(|ui| {
+                let (file, percent) = (file_name(&reading.file), reading.percent);
+                ui.label(format!("{} {file}: {percent} %", words.reading));
+                if ui.button(words.cancel).clicked() {
+                    wishes.push(Wish::StopReading);
+                }
+            });
+        }
         self.choose(ui, document);
         if let Some(model) = document.models.get(self.chosen) {
             let mut changed = model.clone();

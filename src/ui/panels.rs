@@ -102,7 +102,9 @@ pub enum Wish {
     WriteEnds(usize, &'static str),
     /// Take a model's endpoints from a file, as the project names it.
     ReadEnds(usize, String),
-    /// Look again which models lie beside the project.
+    /// Stop the reading of a model.
+    StopReading,
+    /// Look again which models lie beside the project, and try again those that could not be read.
     FindModels,
     /// Go to a lesson of the tutorial, or end it.
     Teach(Option<usize>),
@@ -165,6 +167,7 @@ impl<'a> View<'a> {
             models: Arc::clone(&self.document.models),
             linked: self.document.linked,
             read: self.world.model_changes(),
+            reading: self.world.reading().map(|reading| reading.percent),
             looking: self.world.looking(),
             step: self.document.step,
             moment: (self.moment * PARTS).round(),
@@ -188,6 +191,8 @@ struct Key {
     linked: bool,
     /// How often models were read.
     read: u64,
+    /// How far the reading of one is.
+    reading: Option<u32>,
     looking: Looking,
     step: u32,
     moment: f64,
@@ -211,6 +216,7 @@ impl Key {
         Arc::ptr_eq(&self.sketch, &other.sketch)
             && Arc::ptr_eq(&self.models, &other.models)
             && (self.linked, self.read, self.looking) == (other.linked, other.read, other.looking)
+            && self.reading == other.reading
             && (self.step, self.moment) == (other.step, other.moment)
             && self.seen == other.seen
     }

@@ -66,6 +66,15 @@ pub struct Painting {
     pub range: Option<[f32; 2]>,
 }
 
+/// A file that is being read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reading {
+    /// As the project names it.
+    pub file: String,
+    /// How far, in steps of five hundredths.
+    pub percent: u32,
+}
+
 /// What became of a model's file.
 type Found = Result<Arc<LoadedModel>, String>;
 
@@ -94,6 +103,7 @@ pub struct Looking {
 #[derive(Debug, Default)]
 pub(super) struct Models {
     found: Vec<(Source, Found)>,
+    pub(super) reading: Option<Reading>,
     /// How often that changed.
     pub(super) changes: u64,
     pub(super) looking: Looking,
@@ -118,6 +128,12 @@ impl Models {
         self.found.retain(|(known, _)| !is_of(known, model));
         let source = (model.file.clone(), model.mends.clone());
         self.found.push((source, found));
+        self.changes += 1;
+    }
+
+    /// Those that could not be read are wanted again.
+    pub(super) fn forget_failures(&mut self) {
+        self.found.retain(|(_, found)| found.is_ok());
         self.changes += 1;
     }
 

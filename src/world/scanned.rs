@@ -8,7 +8,7 @@ use super::World;
 use super::document::EditError;
 use super::marks::{self, Mark, Measure, WayRequest};
 use super::model::{LoadedModel, Model};
-use super::models::{Looking, Painting};
+use super::models::{Looking, Painting, Reading};
 use super::tools::Tools;
 use crate::mesh::endpoints::{Endpoint, Proposal};
 
@@ -121,6 +121,36 @@ impl World {
             Mark::Unmeasure(id) => self.tools.unmeasure(id),
         }
         Ok(())
+    }
+
+    /// Says which file is being read and how far that is, thousandths; panels show it in steps of five hundredths.
+    pub fn tell_reading(&mut self, reading: Option<(&str, u32)>) {
+        let told = &mut self.tools.models.reading;
+        let Some((file, thousandths)) = reading else {
+            *told = None;
+            return;
+        };
+        let percent = thousandths / 50 * 5;
+        match told {
+            Some(told) if told.file == file => told.percent = percent,
+            _ => {
+                *told = Some(Reading {
+                    file: file.to_owned(),
+                    percent,
+                });
+            }
+        }
+    }
+
+    /// The file that is being read.
+    #[must_use]
+    pub fn reading(&self) -> Option<&Reading> {
+        self.tools.models.reading.as_ref()
+    }
+
+    /// Has the models read again that could not be.
+    pub fn try_models_again(&mut self) {
+        self.tools.models.forget_failures();
     }
 
     /// How models are looked at.

@@ -112,6 +112,17 @@ impl Workshop {
         {
             done.give(&mut self.world);
         }
+        let reading = self.scans.reading();
+        self.world.tell_reading(reading);
+    }
+
+    /// Stops the reading of the model that is being read.
+    pub(super) fn stop_reading(&mut self) {
+        let Some(scan) = self.scans.stop() else {
+            return;
+        };
+        let why = format!("Stopped reading {}.", scan.file);
+        self.take_scan((scan, Err(why)));
     }
 
     /// Waits until all models are there or are told to be unreadable.

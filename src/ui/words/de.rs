@@ -124,6 +124,7 @@ pub(super) const WORDS: Words = Words {
     do_draw_desk: "Über die Plattform zeigen. Die weiße Linie zeigt, was entsteht: mit {draw} klicken.",
     do_panel_desk: "Auf die Werkbank links klicken.",
     do_platform_desk: "Den Rand der Plattform mit {grab} ziehen.",
+    reading: "liest",
     part_look: "Ansehen",
     part_mend: "Flicken",
     part_places: "Orte",
@@ -242,6 +243,7 @@ pub(super) fn part(name: &str) -> String {
 /// What the world says, English and German; `{}` stands for what is said in between, which stays in its order.
 pub(super) const SAID: &[(&str, &str)] = &[
     // Marks on models.
+    ("Stopped reading {}.", "{} wird nicht weiter gelesen."),
     (
         "The trigger marks places on scanned models: point at one, or take the pen on the bench to draw.",
         "Der Abzug markiert Orte auf Modellen: zeig auf eines, oder nimm am Pult den Stift, um zu zeichnen.",

@@ -124,6 +124,7 @@ pub(super) const WORDS: Words = Words {
     do_draw_desk: "Point above the platform. The white line is what the {draw} will make: click.",
     do_panel_desk: "Click on the bench to the left.",
     do_platform_desk: "Drag the rim of the platform with the {grab}.",
+    reading: "reading",
     part_look: "Look",
     part_mend: "Mend",
     part_places: "Places",

@@ -105,7 +105,7 @@ macro_rules! words {
 }
 
 words! {
-    part_look, part_mend, part_places, the_trigger, trigger_draws, trigger_marks, trigger_measures, next_end, snap_ends, source, target, sources, targets, endpoints, no_endpoints, propose, take, take_all, refuse, refuse_all, open_end, tip, write_endpoints, read_endpoints,
+    reading, part_look, part_mend, part_places, the_trigger, trigger_draws, trigger_marks, trigger_measures, next_end, snap_ends, source, target, sources, targets, endpoints, no_endpoints, propose, take, take_all, refuse, refuse_all, open_end, tip, write_endpoints, read_endpoints,
     distance, along, angle, thickness, curvature, radius, measured, no_measures, places, opposite_side, by_rays, no_way, no_numbers,
     cut, cut_none, cut_in_hand, cut_stays, lamp,
     mend, mend_weld, mend_debris, mend_largest, mend_orient, mend_close, mend_close_smooth, mend_smooth, mend_decimate, mend_remesh, unmend,
