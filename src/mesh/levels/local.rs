@@ -73,7 +73,11 @@ impl Local {
             numbers: Vec::with_capacity(indices.len() / 3),
             counts: Vec::new(),
         };
-        let Some(adapter) = self.adapter() else {
+        // The clusterizer squares distances, which of very large coordinates are none, and loses triangles then.
+        let most = self.positions.iter().map(|at| at.abs().max_element());
+        let most = most.fold(f32::MIN_POSITIVE, f32::max);
+        let scaled: Vec<Vec3> = self.positions.iter().map(|at| *at / most).collect();
+        let Some(adapter) = adapter(&scaled) else {
             return found;
         };
         let (triangles, _) = indices.as_chunks::<3>();
