@@ -111,7 +111,10 @@ fn display() -> Arc<Display> {
         ..Mesh::default()
     };
     let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
-    assert!(display.levels.clusters.len() > display.levels.finest);
+    assert!(
+        display.levels.clusters.len() > display.levels.finest,
+        "it has coarser levels"
+    );
     Arc::new(display)
 }
 

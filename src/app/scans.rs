@@ -52,8 +52,10 @@ impl Progress {
     fn stage(&self, [from, to]: [u32; 2]) -> impl FnMut(usize, usize) {
         self.0.store(from, Ordering::Relaxed);
         move |done, of| {
-            let part = (u64::from(to - from) * done as u64 / of.max(1) as u64) as u32;
-            self.0.store(from + part.min(to - from), Ordering::Relaxed);
+            let width = to - from;
+            let part = (width as usize).saturating_mul(done) / of.max(1);
+            let part = u32::try_from(part).unwrap_or(width).min(width);
+            self.0.store(from + part, Ordering::Relaxed);
         }
     }
 }
