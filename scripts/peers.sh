@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Times derivation beside other engines, and models read beside other libraries. npm's and PyPI's are fetched into the target
-# folder where node and Python are; what cannot be had is left out. `scripts/peers.sh [engines|models]`
+# folder where node and Python are; what cannot be had is left out. `scripts/peers.sh [engines|models [FORMAT]]`
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -56,13 +56,9 @@ models() {
     folder=$(mktemp -d "$target/peers/models.XXXXXX")
     # shellcheck disable=SC2064
     trap "rm -rf '$folder'" EXIT
-    run models "$target/peers/python/bin/python" "$folder"
+    run models "$target/peers/python/bin/python" "$folder" "$@"
 }
 
-case ${1:-all} in
-engines | models) "$1" ;;
-*)
-    engines
-    models
-    ;;
-esac
+what=${1:-all}
+if [ "$what" != models ]; then engines; fi
+if [ "$what" != engines ]; then models "${@:2}"; fi

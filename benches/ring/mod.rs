@@ -70,7 +70,12 @@ fn vtp_arrays(ring: &Mesh) -> [Vec<u8>; 3] {
 }
 
 /// A VTP file with its arrays behind it, each as `stored` makes it of its bytes.
-pub(crate) fn vtp(to: &mut impl Write, ring: &Mesh, compressor: &str, stored: fn(&[u8]) -> Vec<u8>) {
+pub(crate) fn vtp(
+    to: &mut impl Write,
+    ring: &Mesh,
+    compressor: &str,
+    stored: fn(&[u8]) -> Vec<u8>,
+) {
     let arrays = vtp_arrays(ring).map(|array| stored(&array));
     let second = arrays[0].len();
     let third = second + arrays[1].len();

@@ -1,4 +1,4 @@
-//! Models read beside trimesh, PyVista (VTK) and meshio from PyPI, in one run: `models PYTHON FOLDER`.
+//! Models read beside trimesh, PyVista (VTK) and meshio from PyPI, in one run: `models PYTHON FOLDER [FORMAT]`.
 //!
 //! `scripts/peers.sh`, which `make bench` calls, and which puts the libraries there. The same surface of 1.3 million triangles is
 //! written into FOLDER in each format. Each library reads it in a process of its own for each file, which has read it once before it is
@@ -72,9 +72,11 @@ struct Run {
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let (Some(python), Some(folder)) = (arguments.next(), arguments.next()) else {
-        println!("usage: models PYTHON FOLDER");
+        println!("usage: models PYTHON FOLDER [FORMAT]");
         return ExitCode::FAILURE;
     };
+    // A part of a format's name; all without one.
+    let wanted = arguments.next().unwrap_or_default();
     let ring = ring::ring();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     println!(
@@ -86,13 +88,15 @@ fn main() -> ExitCode {
         "", "", "ramus", "trimesh", "pyvista", "meshio", "ratio"
     );
     let (mut missed, mut differing) = (Vec::new(), Vec::new());
-    for (name, format, write) in FILES {
+    for (name, format, write) in FILES.into_iter().filter(|file| file.1.contains(&wanted)) {
         let path = Path::new(&folder).join(name);
         let mut to = BufWriter::new(File::create(&path).unwrap());
         write(&mut to, &ring);
         to.flush().unwrap();
         drop(to);
-        for line in compare(&python, format, &path, &ring) {
+        let mut peers = PEERS.map(|peer| Peer::start(&python, peer));
+        for task in [Task::Parse, Task::Draw] {
+            let line = line(task, format, &turns(task, &path, &mut peers), &ring);
             println!("{}", line.text);
             missed.extend(line.missed);
             differing.extend(line.differing);
@@ -105,7 +109,10 @@ fn main() -> ExitCode {
     if differing.is_empty() {
         return ExitCode::SUCCESS;
     }
-    println!("they made different things of one file: {}", differing.join(", "));
+    println!(
+        "they made different things of one file: {}",
+        differing.join(", ")
+    );
     ExitCode::FAILURE
 }
 
@@ -116,28 +123,26 @@ struct Line {
     differing: Vec<String>,
 }
 
-/// Both rows of a file.
-fn compare(python: &str, format: &str, path: &Path, ring: &Mesh) -> [Line; 2] {
-    let mut peers = PEERS.map(|peer| Peer::start(python, peer));
-    [Task::Parse, Task::Draw].map(|task| {
-        let mut runs: [Vec<Run>; 4] = Default::default();
-        // The first turn warms up; a library that cannot do it is asked no more.
-        for turn in 0..=TURNS {
-            for (at, peer) in peers.iter_mut().enumerate() {
-                let own = ours(task, path);
-                if turn > 0 {
-                    runs[0].push(own);
-                }
-                if turn == 0 || runs[at + 1].len() >= turn {
-                    runs[at + 1].extend(peer.as_mut().and_then(|peer| peer.run(task, path)));
-                }
+/// All runs of ours and of each library, ours between theirs.
+fn turns(task: Task, path: &Path, peers: &mut [Option<Peer>; 3]) -> [Vec<Run>; 4] {
+    let mut runs: [Vec<Run>; 4] = Default::default();
+    // The first turn warms up; a library that cannot do it is asked no more.
+    for turn in 0..=TURNS {
+        for (at, peer) in peers.iter_mut().enumerate() {
+            let own = ours(task, path);
+            let able = turn == 0 || !runs[at + 1].is_empty();
+            let theirs = peer.as_mut().filter(|_| able);
+            let theirs = theirs.and_then(|peer| peer.run(task, path));
+            if turn == 1 {
+                runs[at + 1].clear();
             }
+            if turn > 0 {
+                runs[0].push(own);
+            }
+            runs[at + 1].extend(theirs);
         }
-        for runs in &mut runs[1..] {
-            runs.drain(..runs.len().min(1));
-        }
-        line(task, format, &runs, ring)
-    })
+    }
+    runs
 }
 
 fn line(task: Task, format: &str, runs: &[Vec<Run>; 4], ring: &Mesh) -> Line {
@@ -158,10 +163,17 @@ fn line(task: Task, format: &str, runs: &[Vec<Run>; 4], ring: &Mesh) -> Line {
         Task::Draw => ("drawn", times[1].map(|_| 1), GOAL),
     };
     let ratio = beside.and_then(|at| Some((PEERS[at - 1], times[at]? / ours)));
-    let shown = times.map(|time| time.map_or("–".to_owned(), |time| format!("{:.1}", 1e3 * time)));
+    let shown =
+        times.map(|time| time.map_or("–".to_owned(), |time| format!("{:.1}", 1e3 * time)));
     let [own, trimesh, pyvista, meshio] = shown;
-    let told = ratio.map_or("–".to_owned(), |(peer, ratio)| format!("{peer} ×{ratio:.2}"));
-    let mark = if differing.is_empty() { "" } else { "  (differs)" };
+    let told = ratio.map_or("–".to_owned(), |(peer, ratio)| {
+        format!("{peer} ×{ratio:.2}")
+    });
+    let mark = if differing.is_empty() {
+        ""
+    } else {
+        "  (differs)"
+    };
     Line {
         text: format!(
             "{format:14} {what:7} {own:>8} {trimesh:>9} {pyvista:>9} {meshio:>9} {told:>16}{mark}"
