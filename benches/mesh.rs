@@ -9,7 +9,8 @@
     reason = "Criterion's macros make undocumented functions; a bench may end on an error; the surface is made with single precision"
 )]
 
-use std::f32::consts::TAU;
+mod ring;
+
 use std::fs::File;
 use std::hint::black_box;
 use std::io::{BufWriter, Write};
@@ -23,35 +24,7 @@ use glam::Vec3;
 use ramus::mesh::display::Display;
 use ramus::mesh::write::WriteFormat;
 use ramus::mesh::{self, Mesh, ReadLimits};
-
-/// Corners around the ring, and along it: two triangles for each pair.
-const AROUND: u32 = 650;
-const ALONG: u32 = 1000;
-
-/// A bent tube that closes, uneven so that no two coordinates agree.
-fn ring() -> Mesh {
-    let mut ring = Mesh::default();
-    for along in 0..ALONG {
-        let turn = along as f32 / ALONG as f32 * TAU;
-        for around in 0..AROUND {
-            let angle = around as f32 / AROUND as f32 * TAU;
-            let radius = 10.0 + (5.0 * turn).sin() + 0.3 * (7.0 * angle + turn).cos();
-            let from_middle = 60.0 + radius * angle.cos();
-            ring.positions.push(Vec3::new(
-                from_middle * turn.cos(),
-                from_middle * turn.sin(),
-                radius * angle.sin(),
-            ));
-            let next = (along + 1) % ALONG * AROUND;
-            let beside = (around + 1) % AROUND;
-            let here = along * AROUND;
-            let quad = [here + around, next + around, next + beside, here + beside];
-            ring.triangles.push([quad[0], quad[1], quad[2]]);
-            ring.triangles.push([quad[0], quad[2], quad[3]]);
-        }
-    }
-    ring
-}
+use ring::{ascii_ply, binary_vtk, new_binary_vtk, raw_vtp, ring, vtp};
 
 fn binary_ply(to: &mut BufWriter<File>, ring: &Mesh) {
     WriteFormat::Ply.write(ring, to).unwrap();
@@ -69,26 +42,6 @@ fn glb(to: &mut BufWriter<File>, ring: &Mesh) {
     WriteFormat::Glb.write(ring, to).unwrap();
 }
 
-fn ply_header(to: &mut impl Write, ring: &Mesh, format: &str) {
-    write!(
-        to,
-        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        ring.positions.len(),
-        ring.triangles.len()
-    )
-    .unwrap();
-}
-
-fn ascii_ply(to: &mut impl Write, ring: &Mesh) {
-    ply_header(to, ring, "ascii");
-    for Vec3 { x, y, z } in &ring.positions {
-        writeln!(to, "{x} {y} {z}").unwrap();
-    }
-    for [a, b, c] in &ring.triangles {
-        writeln!(to, "3 {a} {b} {c}").unwrap();
-    }
-}
-
 fn ascii_stl(to: &mut impl Write, ring: &Mesh) {
     writeln!(to, "solid ring").unwrap();
     for triangle in &ring.triangles {
@@ -100,44 +53,6 @@ fn ascii_stl(to: &mut impl Write, ring: &Mesh) {
         writeln!(to, "    endloop\n  endfacet").unwrap();
     }
     writeln!(to, "endsolid ring").unwrap();
-}
-
-/// The arrays of a VTP file: points, connectivity and offsets, as bytes.
-fn vtp_arrays(ring: &Mesh) -> [Vec<u8>; 3] {
-    let points = ring.positions.iter().flat_map(|point| point.to_array());
-    let corners = ring.triangles.as_flattened().iter();
-    let ends = (1..=ring.triangles.len()).map(|triangle| 3 * triangle as i64);
-    [
-        points.flat_map(f32::to_le_bytes).collect(),
-        corners
-            .flat_map(|&corner| i64::from(corner).to_le_bytes())
-            .collect(),
-        ends.flat_map(i64::to_le_bytes).collect(),
-    ]
-}
-
-/// A VTP file with its arrays behind it, each as `stored` makes it of its bytes.
-fn vtp(to: &mut impl Write, ring: &Mesh, compressor: &str, stored: fn(&[u8]) -> Vec<u8>) {
-    let arrays = vtp_arrays(ring).map(|array| stored(&array));
-    let second = arrays[0].len();
-    let third = second + arrays[1].len();
-    write!(
-        to,
-        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" compressor=\"{compressor}\">\n<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n<Points><DataArray type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/></Points>\n<Polys><DataArray type=\"Int64\" Name=\"connectivity\" format=\"appended\" offset=\"{second}\"/><DataArray type=\"Int64\" Name=\"offsets\" format=\"appended\" offset=\"{third}\"/></Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">_",
-        ring.positions.len(),
-        ring.triangles.len()
-    )
-    .unwrap();
-    for array in arrays {
-        to.write_all(&array).unwrap();
-    }
-    writeln!(to, "</AppendedData></VTKFile>").unwrap();
-}
-
-fn raw_vtp(to: &mut impl Write, ring: &Mesh) {
-    vtp(to, ring, "", |array| {
-        [&(array.len() as u64).to_le_bytes(), array].concat()
-    });
 }
 
 fn zlib_vtp(to: &mut impl Write, ring: &Mesh) {
@@ -176,24 +91,6 @@ fn ascii_vtk(to: &mut impl Write, ring: &Mesh) {
     }
 }
 
-fn binary_vtk(to: &mut impl Write, ring: &Mesh) {
-    let (points, triangles) = (ring.positions.len(), ring.triangles.len());
-    writeln!(
-        to,
-        "# vtk DataFile Version 3.0\nring\nBINARY\nDATASET POLYDATA\nPOINTS {points} float"
-    )
-    .unwrap();
-    for value in ring.positions.iter().flat_map(|point| point.to_array()) {
-        to.write_all(&value.to_be_bytes()).unwrap();
-    }
-    writeln!(to, "\nPOLYGONS {triangles} {}", 4 * triangles).unwrap();
-    for [a, b, c] in &ring.triangles {
-        for value in [3, *a, *b, *c] {
-            to.write_all(&value.to_be_bytes()).unwrap();
-        }
-    }
-}
-
 /// Writes the ring in a format.
 type Writer = fn(&mut BufWriter<File>, &Mesh);
 
@@ -214,7 +111,7 @@ fn read_benches(criterion: &mut Criterion) {
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(4))
         .throughput(Throughput::Elements(ring.triangles.len() as u64));
-    let formats: [(&str, &str, Writer); 10] = [
+    let formats: [(&str, &str, Writer); 11] = [
         ("binary PLY", "binary PLY", binary_ply),
         ("ASCII PLY", "ASCII PLY", ascii_ply),
         ("binary STL", "binary STL", binary_stl),
@@ -224,6 +121,7 @@ fn read_benches(criterion: &mut Criterion) {
         ("raw VTP", "VTP", raw_vtp),
         ("zlib VTP", "VTP", zlib_vtp),
         ("binary VTK", "legacy VTK", binary_vtk),
+        ("binary VTK 5.1", "legacy VTK", new_binary_vtk),
         ("ASCII VTK", "legacy VTK", ascii_vtk),
     ];
     for (name, format, write) in formats {
