@@ -139,7 +139,7 @@ fn read_benches(criterion: &mut Criterion) {
         group.bench_function(format!("{name}, ready to draw"), |bencher| {
             bencher.iter_with_large_drop(|| {
                 let model = mesh::read(black_box(&path), &limits, &never).unwrap();
-                Display::new(Arc::new(model.mesh), &never).unwrap()
+                Display::bare(Arc::new(model.mesh), &never).unwrap()
             });
         });
         std::fs::remove_file(path).unwrap();

@@ -18,6 +18,9 @@ use super::report::representatives;
 /// Triangles worked on between two looks at whether to go on.
 const BETWEEN_CHECKS: usize = 1 << 16;
 
+/// Triangles that one picture shows without levels of detail; what frames draw of all models is more.
+const ONE_PICTURE: usize = 1_000_000;
+
 /// What a picture of a mesh needs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Display {
@@ -39,22 +42,37 @@ pub struct Display {
 }
 
 impl Display {
-    /// Prepares a mesh; `None` when somebody asked to stop.
+    /// Prepares a mesh in all levels of detail; `None` when somebody asked to stop.
     pub fn new(mesh: Arc<Mesh>, cancel: &AtomicBool) -> Option<Self> {
+        Self::with_levels(mesh, cancel, Levels::new)
+    }
+
+    /// Prepares a mesh for one picture: a single level of what is not larger than frames may be, since making others takes longer than drawing it does.
+    /// `None` when somebody asked to stop.
+    pub fn for_picture(mesh: Arc<Mesh>, cancel: &AtomicBool) -> Option<Self> {
+        let small = mesh.triangles.len() <= ONE_PICTURE;
+        Self::with_levels(
+            mesh,
+            cancel,
+            if small { Levels::finest } else { Levels::new },
+        )
+    }
+
+    /// Prepares a mesh without levels: joined vertices, normals and the box. It can be measured and asked, and not be drawn. `None` when somebody asked to stop.
+    pub fn bare(mesh: Arc<Mesh>, cancel: &AtomicBool) -> Option<Self> {
+        Self::with_levels(mesh, cancel, |_, _, _, _| Some(Levels::default()))
+    }
+
+    fn with_levels(
+        mesh: Arc<Mesh>,
+        cancel: &AtomicBool,
+        levels: impl FnOnce(&Mesh, &[u32], &[u32], &AtomicBool) -> Option<Levels>,
+    ) -> Option<Self> {
         let used = vec![true; mesh.positions.len()];
         let joined = representatives(&mesh.positions, &used);
         let normals = normals(&mesh, &joined, cancel)?;
-        let levels = Levels::new(&mesh, &joined, &normals, cancel)?;
-        let corners = || mesh.triangles.par_iter().flatten_iter();
-        let position = |vertex: &u32| mesh.positions.get(*vertex as usize).copied();
-        let bound = |start: f32, of: fn(Vec3, Vec3) -> Vec3| {
-            let found = corners().filter_map(position);
-            found.reduce(|| Vec3::splat(start), of)
-        };
-        let (low, high) = (
-            bound(f32::INFINITY, Vec3::min),
-            bound(f32::NEG_INFINITY, Vec3::max),
-        );
+        let levels = levels(&mesh, &joined, &normals, cancel)?;
+        let (low, high) = extent(&mesh);
         // No triangle: no box.
         let (low, high) = if low.cmple(high).all() {
             (low, high)
@@ -116,6 +134,19 @@ impl Display {
     pub fn size(&self) -> Vec3 {
         self.high - self.low
     }
+}
+
+/// The box around all vertices that triangles name.
+fn extent(mesh: &Mesh) -> (Vec3, Vec3) {
+    const NOTHING: (Vec3, Vec3) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let wider = |(low, high): (Vec3, Vec3), at: Vec3| (low.min(at), high.max(at));
+    let of = |triangles: &[[u32; 3]]| {
+        let corners = triangles.as_flattened().iter();
+        let places = corners.filter_map(|&vertex| mesh.positions.get(vertex as usize));
+        places.fold(NOTHING, |extent, at| wider(extent, *at))
+    };
+    let parts = mesh.triangles.par_chunks(BETWEEN_CHECKS).map(of);
+    parts.reduce(|| NOTHING, |a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 fn normals(mesh: &Mesh, shared: &[u32], cancel: &AtomicBool) -> Option<Vec<u32>> {

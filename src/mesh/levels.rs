@@ -103,6 +103,29 @@ impl Levels {
     /// [`octahedral`](super::display::octahedral) does. The same for any number of threads. `None` when somebody asked to stop.
     #[must_use]
     pub fn new(mesh: &Mesh, joined: &[u32], normals: &[u32], cancel: &AtomicBool) -> Option<Self> {
+        let mut levels = Self::finest(mesh, joined, normals, cancel)?;
+        if levels.triangles.len() > SMALL {
+            let source = Source {
+                mesh,
+                joined,
+                normals,
+            };
+            levels.climb(&source, cancel)?;
+        }
+        levels.triangles.shrink_to_fit();
+        levels.stands_for.shrink_to_fit();
+        levels.clusters.shrink_to_fit();
+        Some(levels)
+    }
+
+    /// The mesh itself in clusters, and nothing coarser. As [`Self::new`].
+    #[must_use]
+    pub fn finest(
+        mesh: &Mesh,
+        joined: &[u32],
+        normals: &[u32],
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
         let source = Source {
             mesh,
             joined,
@@ -110,12 +133,6 @@ impl Levels {
         };
         let mut levels = leaves::leaves(&source, cancel)?;
         levels.finest = levels.clusters.len();
-        if levels.triangles.len() > SMALL {
-            levels.climb(&source, cancel)?;
-        }
-        levels.triangles.shrink_to_fit();
-        levels.stands_for.shrink_to_fit();
-        levels.clusters.shrink_to_fit();
         Some(levels)
     }
 

@@ -143,7 +143,7 @@ pub(super) fn draw(
     let stopped = || anyhow!("the drawing of the model was cancelled");
     let numbers = subject.looks.iter().find_map(|look| look.numbers());
     let (picture, range) = Progress::during("drawing", || {
-        let display = Display::new(Arc::clone(mesh), &never).ok_or_else(stopped)?;
+        let display = Display::for_picture(Arc::clone(mesh), &never).ok_or_else(stopped)?;
         let (display, range) = match numbers {
             Some(by) => {
                 let (colours, range) = coloured(&surface()?, by, &never).ok_or_else(stopped)?;

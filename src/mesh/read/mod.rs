@@ -27,7 +27,7 @@ mod text;
 mod vtk;
 
 use std::fs::File;
-use std::io::Read as _;
+use std::io::{ErrorKind, Read as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -36,10 +36,10 @@ use bytemuck::Zeroable;
 use super::paint::Paint;
 use super::unit::{Scale, Unit};
 use super::{Mesh, MeshError, Place};
-use crate::tree::{Tree, TreeError};
+use crate::tree::{Cells, Tree, TreeError};
 
 /// Bytes that are read at once between two looks at whether to go on.
-const PIECE: u64 = 8 << 20;
+const PIECE: usize = 8 << 20;
 
 /// How much is read of a model; more is refused.
 #[derive(Clone, Copy, Debug)]
@@ -248,30 +248,57 @@ fn check_length(bytes: u64, limits: &ReadLimits) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// The whole file.
-fn load(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Vec<u8>, MeshError> {
+/// The whole file, in huge pages where the system has them: to touch fresh small ones takes as long as the copy.
+fn load(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Cells<u8>, MeshError> {
     // Asked before it is opened: to open a pipe waits for its other end.
     let about = std::fs::metadata(path)?;
     if !about.is_file() {
         return Err(MeshError::NotAFile);
     }
     check_length(about.len(), limits)?;
-    let mut bytes = Vec::new();
-    usize::try_from(about.len())
-        .ok()
-        .and_then(|length| bytes.try_reserve_exact(length).ok())
-        .ok_or(MeshError::Memory(about.len()))?;
+    let length = usize::try_from(about.len()).ok();
+    let bytes = length.and_then(Cells::unwritten);
+    let mut bytes = bytes.ok_or(MeshError::Memory(about.len()))?;
     let mut file = File::open(path)?;
+    let mut filled = 0;
+    while filled < bytes.len() {
+        if cancel.load(Ordering::Relaxed) {
+            return Err(MeshError::Cancelled);
+        }
+        let end = bytes.len().min(filled + PIECE);
+        match file.read(&mut bytes[filled..end]) {
+            Ok(0) => break,
+            Ok(read) => filled += read,
+            Err(fault) if fault.kind() == ErrorKind::Interrupted => {}
+            Err(fault) => return Err(fault.into()),
+        }
+    }
+    if filled < bytes.len() {
+        bytes.resize(filled, 0); // it has become shorter meanwhile
+        return Ok(bytes);
+    }
+    rest(bytes, file, limits, cancel)
+}
+
+/// What a file has grown by since it was asked for its length: nothing, nearly always.
+fn rest(
+    mut bytes: Cells<u8>,
+    mut file: File,
+    limits: &ReadLimits,
+    cancel: &AtomicBool,
+) -> Result<Cells<u8>, MeshError> {
+    let mut piece = Vec::new();
     loop {
         if cancel.load(Ordering::Relaxed) {
             return Err(MeshError::Cancelled);
         }
-        let read = file.by_ref().take(PIECE).read_to_end(&mut bytes)?;
-        // The file may have grown meanwhile.
-        check_length(bytes.len() as u64, limits)?;
-        if (read as u64) < PIECE {
+        piece.clear();
+        let read = file.by_ref().take(PIECE as u64).read_to_end(&mut piece)?;
+        if read == 0 {
             return Ok(bytes);
         }
+        check_length(bytes.len() as u64 + read as u64, limits)?;
+        bytes.extend(piece.iter().copied());
     }
 }
 

@@ -210,7 +210,7 @@ fn ours(task: Task, path: &Path) -> Run {
         let seconds = start.elapsed().as_secs_f64();
         return run(seconds, &model.mesh, model.mesh.positions.len());
     }
-    let display = Display::new(Arc::new(model.mesh), &never).expect("nobody stops it");
+    let display = Display::bare(Arc::new(model.mesh), &never).expect("nobody stops it");
     let seconds = start.elapsed().as_secs_f64();
     // Vertices of one place share a normal; so many places there are.
     let key = |position: &Vec3| (*position + Vec3::ZERO).to_array().map(f32::to_bits);

@@ -12,6 +12,7 @@ use ::gltf::json::Root;
 
 use super::super::Stop;
 use super::folder::{Folder, Refusal};
+use crate::tree::Cells;
 
 /// Of the usual alphabet; the last `=` are often forgotten.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -41,7 +42,7 @@ struct Buffer<'a> {
 enum Had<'a> {
     Chunk(&'a [u8]),
     Decoded(Vec<u8>),
-    File(Arc<Vec<u8>>),
+    File(Arc<Cells<u8>>),
 }
 
 impl<'a> Buffers<'a> {

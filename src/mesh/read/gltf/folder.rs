@@ -13,13 +13,14 @@ use percent_encoding::percent_decode_str;
 use super::super::{ReadLimits, Task, load};
 use super::shown;
 use crate::mesh::MeshError;
+use crate::tree::Cells;
 
 /// Where a model's other files are.
 pub(super) struct Folder<'a> {
     task: &'a Task<'a>,
     /// Bytes that may still be read.
     left: Cell<u64>,
-    files: RefCell<BTreeMap<PathBuf, Arc<Vec<u8>>>>,
+    files: RefCell<BTreeMap<PathBuf, Arc<Cells<u8>>>>,
 }
 
 /// Why a file is not read.
@@ -39,7 +40,7 @@ impl<'a> Folder<'a> {
     }
 
     /// The file that a URI names.
-    pub(super) fn file(&self, uri: &str) -> Result<Arc<Vec<u8>>, Refusal> {
+    pub(super) fn file(&self, uri: &str) -> Result<Arc<Cells<u8>>, Refusal> {
         let path = self.path(uri).map_err(Refusal::Problem)?;
         if let Some(bytes) = self.files.borrow().get(&path) {
             return Ok(bytes.clone());

@@ -79,7 +79,7 @@ impl<'a> Images<'a> {
             (Some(uri), _) if is_data(uri) => decoded(uri.clone())
                 .map(Arc::new)
                 .map_err(|problem| about(Refusal::Problem(problem)))?,
-            (Some(uri), _) => self.folder.file(uri).map_err(about)?,
+            (Some(uri), _) => Arc::new(self.folder.file(uri).map_err(about)?.to_vec()),
             (None, Some(view)) => self.of_view(view.value()).map_err(about)?,
             (None, None) => {
                 return Err(about(Refusal::Problem("has no bytes in the file".into())));
