@@ -36,6 +36,15 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// What it is not.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Source => Self::Target,
+            Self::Target => Self::Source,
+        }
+    }
+
     /// Its name in files.
     pub fn as_str(self) -> &'static str {
         match self {

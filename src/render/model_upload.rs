@@ -293,7 +293,7 @@ impl Geometry {
         let pool = storage_pool(gpu, self.chunks.len(), 1)?;
         for chunk in &mut self.chunks {
             chunk.set = pool.set(layouts.chosen)?;
-            write_set(gpu, chunk.set, &[&chunk.arriving.parts[2]]);
+            write_set(gpu, chunk.set, 0, &[&chunk.arriving.parts[2]]);
         }
         self.pool = Some(pool);
         let staging = self.chunks.iter_mut();
@@ -381,7 +381,7 @@ impl Colours {
             let [vertices, triangles, _] = &chunk.arriving.parts;
             // Where there are no colours none are read, but something must be there.
             let colours = self.chunks.get(at).map_or(vertices, |of| &of.parts[0]);
-            write_set(gpu, set, &[vertices, triangles, colours]);
+            write_set(gpu, set, 0, &[vertices, triangles, colours]);
             self.sets.push(set);
         }
         self.pool = Some(pool);
@@ -406,9 +406,9 @@ fn storage_pool(gpu: &Gpu, sets: usize, each: u32) -> Result<Pool, RenderError> 
     Pool::new(gpu, count, &sizes)
 }
 
-/// Binds storage buffers from 0 on.
-pub(crate) fn write_set(gpu: &Gpu, set: vk::DescriptorSet, buffers: &[&Buffer]) {
-    for (binding, buffer) in (0..).zip(buffers) {
+/// Binds storage buffers from a binding on.
+pub(crate) fn write_set(gpu: &Gpu, set: vk::DescriptorSet, first: u32, buffers: &[&Buffer]) {
+    for (binding, buffer) in (first..).zip(buffers) {
         let info = [vk::DescriptorBufferInfo::default()
             .buffer(buffer.handle)
             .range(vk::WHOLE_SIZE)];

@@ -159,7 +159,7 @@ impl Selection {
         let list = buffer(gpu, "the triangles to draw", u64::from(most.max(1)) * 4)?;
         let pool = Pool::new(gpu, 1, &[(Kind::STORAGE_BUFFER, 1)])?;
         let list_set = pool.set(list_layout)?;
-        write_set(gpu, list_set, &[&list]);
+        write_set(gpu, list_set, 0, &[&list]);
         let room = Room::new(gpu, &layout, &views, [&state, &list], [64, 16])?;
         Ok(Self {
             layout,
@@ -429,7 +429,7 @@ impl Room {
             let set = pool.set(first)?;
             write_uniform(gpu, set, views);
             let storage = [state, &marks, &sums, list, &chosen];
-            write_storage(gpu, set, &storage);
+            write_set(gpu, set, 1, &storage);
             Ok::<_, RenderError>(set)
         };
         let [one, other] = views;
@@ -464,22 +464,6 @@ fn write_uniform(gpu: &Gpu, set: vk::DescriptorSet, buffer: &Buffer) {
         .buffer_info(&info)];
     // SAFETY: the set is new, the buffer lives as long as it.
     unsafe { gpu.device.update_descriptor_sets(&write, &[]) };
-}
-
-/// From the second binding on.
-fn write_storage(gpu: &Gpu, set: vk::DescriptorSet, buffers: &[&Buffer]) {
-    for (binding, buffer) in (1..).zip(buffers) {
-        let info = [vk::DescriptorBufferInfo::default()
-            .buffer(buffer.handle)
-            .range(vk::WHOLE_SIZE)];
-        let write = [vk::WriteDescriptorSet::default()
-            .dst_set(set)
-            .dst_binding(binding)
-            .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
-            .buffer_info(&info)];
-        // SAFETY: the set is new, the buffers live as long as it.
-        unsafe { gpu.device.update_descriptor_sets(&write, &[]) };
-    }
 }
 
 fn draws(told: &[u8], count: usize) -> impl Iterator<Item = [u32; 4]> {

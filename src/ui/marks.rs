@@ -84,10 +84,7 @@ impl Marks {
                 if ui.button(kind).clicked()
                     && let Some(end) = Arc::make_mut(&mut model.endpoints).get_mut(row)
                 {
-                    end.kind = match end.kind {
-                        Kind::Source => Kind::Target,
-                        Kind::Target => Kind::Source,
-                    };
+                    end.kind = end.kind.other();
                 }
                 if let Some(snapped) = &end.snapped {
                     let symbol = model.unit.symbol();

@@ -124,23 +124,30 @@ impl Tools {
         }
     }
 
+    /// Makes an edit of a change of a model's endpoints.
+    fn change_ends(
+        &mut self,
+        hand: usize,
+        model: usize,
+        haptic: [f32; 2],
+        history: &mut History,
+        change: impl FnOnce(&mut Vec<Endpoint>),
+    ) {
+        if let Some(of) = history.committed().models.get(model) {
+            let mut endpoints = of.endpoints.to_vec();
+            change(&mut endpoints);
+            self.set_endpoints(hand, model, endpoints, haptic, history);
+        }
+    }
+
     /// The trigger at an endpoint: a source becomes a target, and back.
     pub(super) fn turn_end(&mut self, hand: usize, model: usize, at: usize, history: &mut History) {
-        let committed = history.committed();
-        let Some(mut endpoints) = committed
-            .models
-            .get(model)
-            .map(|model| model.endpoints.to_vec())
-        else {
-            return;
-        };
-        if let Some(end) = endpoints.get_mut(at) {
-            end.kind = match end.kind {
-                Kind::Source => Kind::Target,
-                Kind::Target => Kind::Source,
-            };
-        }
-        self.set_endpoints(hand, model, endpoints, self.params.haptics.choose, history);
+        let haptic = self.params.haptics.choose;
+        self.change_ends(hand, model, haptic, history, |endpoints| {
+            if let Some(end) = endpoints.get_mut(at) {
+                end.kind = end.kind.other();
+            }
+        });
     }
 
     /// Takes an endpoint away, one in the hand too.
@@ -152,18 +159,12 @@ impl Tools {
         history: &mut History,
     ) {
         self.hands[hand].hold = Hold::Nothing;
-        let committed = history.committed();
-        let Some(mut endpoints) = committed
-            .models
-            .get(model)
-            .map(|model| model.endpoints.to_vec())
-        else {
-            return;
-        };
-        if at < endpoints.len() {
-            endpoints.remove(at);
-            self.set_endpoints(hand, model, endpoints, self.params.haptics.delete, history);
-        }
+        let haptic = self.params.haptics.delete;
+        self.change_ends(hand, model, haptic, history, |endpoints| {
+            if at < endpoints.len() {
+                endpoints.remove(at);
+            }
+        });
     }
 
     /// Where a hand holds an endpoint now: on the surface of its model, where the hand touches it or points.
@@ -195,18 +196,12 @@ impl Tools {
         let held = self.end_in(hand, history.committed());
         self.hands[hand].hold = Hold::Nothing;
         let Some((model, at, end)) = held else { return };
-        let committed = history.committed();
-        let Some(mut endpoints) = committed
-            .models
-            .get(model)
-            .map(|model| model.endpoints.to_vec())
-        else {
-            return;
-        };
-        if let Some(place) = endpoints.get_mut(at) {
-            *place = end;
-        }
-        self.set_endpoints(hand, model, endpoints, self.params.haptics.choose, history);
+        let haptic = self.params.haptics.choose;
+        self.change_ends(hand, model, haptic, history, |endpoints| {
+            if let Some(place) = endpoints.get_mut(at) {
+                *place = end;
+            }
+        });
     }
 
     /// Which endpoint a hand holds or means.
