@@ -51,6 +51,9 @@ impl Default for WorkshopParams {
 type Wanted = (u64, Arc<Sketch>, u32);
 type Ready = (u64, Result<Grown, String>);
 
+/// What is told where something is to be written and nothing is kept.
+const NO_PROJECT: &str = "There is no project to write beside: start Ramus with --project.";
+
 /// World, project and trees of one session.
 pub struct Workshop {
     world: World,
@@ -327,8 +330,7 @@ impl Workshop {
     /// Writes the tree, or its grammar, beside the project.
     fn take_home(&mut self, ending: &str) {
         let Some(store) = &self.store else {
-            let told = "There is no project to write beside: start Ramus with --project.";
-            return self.world.show_message(told.into());
+            return self.world.show_message(NO_PROJECT.into());
         };
         let project = store.project().to_owned();
         if !self.takeaway.ask(self.world.document(), &project, ending) {

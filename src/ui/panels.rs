@@ -98,7 +98,7 @@ pub enum Wish {
     Look(Looking),
     /// Do this with endpoints, proposals and measures.
     Mark(Mark),
-    /// Write a model's endpoints beside it, as `csv` or `json`.
+    /// Write a model's endpoints beside the project, as `csv` or `json`.
     WriteEnds(usize, &'static str),
     /// Take a model's endpoints from a file, as the project names it.
     ReadEnds(usize, String),

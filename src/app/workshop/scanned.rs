@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Workshop;
+use super::{NO_PROJECT, Workshop};
 use crate::app::ends;
 use crate::app::scans::{Done, ENDINGS, Read, Scan, named, offered};
 use crate::app::takeaway::free_name;
@@ -156,14 +156,16 @@ impl Workshop {
         }
     }
 
-    /// Writes a model's endpoints beside it, as `csv` or `json`, under a name that is free.
+    /// Writes a model's endpoints beside the project, as `csv` or `json`, under a name that is free.
     pub(super) fn write_ends(&mut self, at: usize, ending: &str) {
         let Some(model) = self.document().models.get(at) else {
             return;
         };
-        let file = self.path_of(&model.file);
-        let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-        let name = file.with_file_name(format!("{stem}-ends"));
+        let Some(project) = self.project() else {
+            return self.world.show_message(NO_PROJECT.into());
+        };
+        let stem = Path::new(&model.file).file_stem().unwrap_or_default();
+        let name = project.with_file_name(format!("{}-ends", stem.to_string_lossy()));
         let path = free_name(&name, ending, |_| false);
         let told = match ends::write(&path, &model.endpoints) {
             Ok(()) => format!("Written: {}.", path.display()),
