@@ -244,3 +244,63 @@ fn a_picture_is_drawn_with_the_looks_that_are_asked_for() {
         text(&unknown.stderr)
     );
 }
+
+/// An open tube of 30 rows as an OBJ file: 12 thick and 100 long.
+fn tube() -> String {
+    use std::fmt::Write as _;
+    let mut text = String::new();
+    for row in 0..30 {
+        for column in 0..12 {
+            let turn = f64::from(column) / 12.0 * std::f64::consts::TAU;
+            let (x, z) = (6.0 * turn.cos(), 6.0 * turn.sin());
+            writeln!(text, "v {x} {} {z}", f64::from(row) * 100.0 / 29.0).unwrap();
+        }
+    }
+    for row in 0..29 {
+        for column in 0..12 {
+            let [a, b] = [column, (column + 1) % 12].map(|column| row * 12 + column + 1);
+            writeln!(text, "f {a} {} {} {b}", a + 12, b + 12).unwrap();
+        }
+    }
+    text
+}
+
+#[test]
+fn ends_are_proposed_written_and_shown() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("tube.obj"), tube()).unwrap();
+    for name in ["ends.csv", "ends.json"] {
+        let proposing = ramus()
+            .args(["inspect", "--propose"])
+            .arg(at(name))
+            .arg(at("tube.obj"))
+            .output()
+            .unwrap();
+        assert!(proposing.status.success());
+        let said = String::from_utf8(proposing.stderr).unwrap();
+        assert!(said.contains("proposed ends: 2"), "{said}");
+    }
+    let table = fs::read_to_string(at("ends.csv")).unwrap();
+    assert_eq!(table.lines().count(), 3, "{table}");
+    assert!(
+        table.contains("source,source,") && table.contains("target 1,target,"),
+        "{table}"
+    );
+    // A name that tells no format is wrong usage, before any work.
+    let wrong = ramus()
+        .args(["inspect", "none.obj", "--propose", "ends.txt"])
+        .output()
+        .unwrap();
+    assert_eq!(wrong.status.code(), Some(2));
+    let told = String::from_utf8(wrong.stderr).unwrap();
+    assert!(told.contains(".csv or .json"), "{told}");
+    // What cannot be read of them is told with its line, before the model is looked at.
+    fs::write(at("bad.csv"), "x,y,z\n1,2,three\n").unwrap();
+    let mut showing = ramus();
+    showing.arg("inspect").arg(at("tube.obj"));
+    showing.arg("--endpoints").arg(at("bad.csv"));
+    showing.arg("--png").arg(at("bad.png"));
+    refused(&showing.output().unwrap(), &["bad.csv", "line 2", "three"]);
+    assert!(!at("bad.png").exists());
+}

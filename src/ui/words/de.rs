@@ -246,15 +246,15 @@ pub(super) const SAID: &[(&str, &str)] = &[
     ("Stopped reading {}.", "{} wird nicht weiter gelesen."),
     (
         "The trigger marks places on scanned models: point at one, or take the pen on the bench to draw.",
-        "Der Abzug markiert Orte auf Modellen: zeig auf eines, oder nimm am Pult den Stift, um zu zeichnen.",
+        "Der Abzug markiert Orte auf Modellen: auf eines zeigen oder auf der Werkbank den Stift nehmen, um zu zeichnen.",
     ),
     (
         "There are {} measures: take some away on the bench first.",
-        "Es gibt {} Maße: nimm zuerst am Pult welche weg.",
+        "Es gibt {} Maße: zuerst auf der Werkbank welche wegnehmen.",
     ),
     (
         "No ends were found to propose: set them by hand.",
-        "Es wurden keine Enden gefunden: setz sie von Hand.",
+        "Es wurden keine Enden gefunden: sie von Hand setzen.",
     ),
     // The board.
     (
@@ -380,6 +380,14 @@ pub(super) const SAID: &[(&str, &str)] = &[
         "Diese Sitzung wird aufgezeichnet, und eine Aufzeichnung kennt keine fallen gelassenen Dateien: Modelle von der Werkbank nehmen.",
     ),
     // What an edit is refused for.
+    (
+        "a model has at most {} endpoints: take some away first",
+        "ein Modell hat höchstens {} Endpunkte: erst welche wegnehmen",
+    ),
+    (
+        "an endpoint needs a name of at most {} bytes in one line, and finite coordinates",
+        "ein Endpunkt braucht einen Namen von höchstens {} Bytes in einer Zeile und endliche Koordinaten",
+    ),
     (
         "a model is mended at most {} times: undo some, or write the mended one with `ramus inspect --repair` and bring that",
         "ein Modell wird höchstens {}-mal ausgebessert: einiges rückgängig machen oder das ausgebesserte mit `ramus inspect --repair` schreiben und dieses holen",
