@@ -62,15 +62,6 @@ impl Models {
         wishes: &mut Vec<Wish>,
     ) {
         let document = view.document;
-        if let Some(reading) = view.world.reading() {
-            ui.horizontal_wrapped(|ui| {
-                let (file, percent) = (file_name(&reading.file), reading.percent);
-                ui.label(format!("{} {file}: {percent} %", words.reading));
-                if ui.button(words.cancel).clicked() {
-                    wishes.push(Wish::StopReading);
-                }
-            });
-        }
         self.choose(ui, document);
         if let Some(model) = document.models.get(self.chosen) {
             let mut changed = model.clone();
@@ -86,6 +77,16 @@ impl Models {
             ui.separator();
         }
         self.bring(ui, words, wishes);
+        // The last row: what comes and goes must not move what a hand is about to press.
+        if let Some(reading) = view.world.reading() {
+            ui.horizontal_wrapped(|ui| {
+                let (file, percent) = (file_name(&reading.file), reading.percent);
+                ui.label(format!("{} {file}: {percent} %", words.reading));
+                if ui.button(words.cancel).clicked() {
+                    wishes.push(Wish::StopReading);
+                }
+            });
+        }
     }
 
     /// One model; false: it is to go.

@@ -137,6 +137,7 @@ impl Workshop {
         {
             done.give(&mut self.world);
         }
+        self.world.tell_reading(None);
         self.keep_journal();
     }
 
