@@ -33,18 +33,26 @@ fn measured<T>(work: impl FnOnce() -> T) -> (T, u64) {
     (made, memory("VmHWM").saturating_sub(before))
 }
 
+/// Steps in which a system that begins small is small still.
+const FEW: u32 = 6;
+
 /// Derives a system and holds its peak to so many times its last string.
 fn takes_at_most(times: f64, text: &str, steps: u32) {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let grammar = Grammar::parse(text, "system").unwrap();
     let never = AtomicBool::new(false);
-    let (string, taken) = measured(|| grammar.derive(steps, &Limits::default(), &never).unwrap());
+    let derive = |steps| grammar.derive(steps, &Limits::default(), &never).unwrap();
+    if steps > FEW {
+        // The pages of the program itself come from its file when they are used first; they are no derivation's.
+        drop(derive(FEW));
+    }
+    let (string, taken) = measured(|| derive(steps));
     let bytes = string.bytes();
     assert!(bytes > 8 << 20, "{bytes} bytes are too few to measure");
     assert!(taken >= bytes, "what is there was taken: {taken}");
     let ratio = taken as f64 / bytes as f64;
     println!(
-        "{} modules of {bytes} bytes, {ratio:.2} times as much at most",
+        "{} modules of {bytes} bytes, {taken} at most, {ratio:.2} times as much",
         string.len()
     );
     assert!(
@@ -95,7 +103,7 @@ fn hogeweg_and_hesper_s_plant_takes_two_strings() {
     let plant = "ignore +-F\naxiom F1F1F1\n0 < 0 > 0 -> 1\n0 < 0 > 1 -> 1[-F1F1]\n0 < 1 > 0 -> 1\n\
                  0 < 1 > 1 -> 1\n1 < 0 > 0 -> 0\n1 < 0 > 1 -> 1F1\n1 < 1 > 0 -> 1\n1 < 1 > 1 -> 0\n\
                  + -> -\n- -> +\n";
-    takes_at_most(2.2, plant, 50);
+    takes_at_most(2.2, plant, 54);
 }
 
 #[test]
