@@ -30,7 +30,7 @@ mod torus;
 use torus::{soup, torus};
 
 fn display(mesh: &Arc<Mesh>) -> Display {
-    Display::new(Arc::clone(mesh), &AtomicBool::new(false)).unwrap()
+    Display::new(Arc::clone(mesh), None, &AtomicBool::new(false)).unwrap()
 }
 
 fn build(criterion: &mut Criterion) {

@@ -1,52 +1,10 @@
 // Scanned models: faces, edges, vertices, what is seen through, what is cut away. One draw a chunk, of the triangles that select.wgsl listed; a vertex
 // for each corner of each triangle, so that a pixel knows how far it is from its triangle's edges.
 // Twin: src/render/model_upload.rs.
-#include "shared/light.wgsl"
-#include "shared/octahedral.wgsl"
+#include "shared/model.wgsl"
 
-struct Vertex {
-    place: vec3f,
-    // Octahedral, two snorm16.
-    normal: u32,
-}
-
-struct Model {
-    // Rows of the similarity to the world.
-    rows: array<vec4f, 3>,
-    // Linear.
-    color: vec4f,
-    // What lies in front of this plane of the world is cut away: normal and distance; no normal: nothing is.
-    cut: vec4f,
-    // A light in a hand: where, and how bright.
-    lamp: vec4f,
-    // MATTE and the following.
-    flags: u32,
-    // Vertices are drawn each so many.
-    stride: u32,
-}
-
-const MATTE = 1u;
-const WIRE = 2u;
-const COLOURED = 4u;
-const FLAT = 8u;
-const PAINTED = 16u;
-// Width of a line and of a point in pixels.
-const LINE = 1.3;
-const POINT = 3.0;
-const LINE_COLOR = vec3f(0.010, 0.012, 0.014);
-// What is seen of a surface from behind: its inside, or where it is cut.
+// In a triangle's alpha: it has a colour of its own, which it has on both sides.
 const OWN = 2.0;
-const INSIDE = vec3f(0.42, 0.17, 0.12);
-
-var<immediate> model: Model;
-
-@group(1) @binding(0) var<storage, read> vertices: array<Vertex>;
-// Three vertices each.
-@group(1) @binding(1) var<storage, read> triangles: array<u32>;
-// Of triangles or of vertices: sRGB with alpha; 0: the model's colour.
-@group(1) @binding(2) var<storage, read> colours: array<u32>;
-// Which triangles are drawn, chunk after chunk.
-@group(2) @binding(0) var<storage, read> list: array<u32>;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -60,30 +18,11 @@ struct Corner {
     @location(5) tint: vec4f,
 }
 
-fn placed(place: vec3f) -> vec3f {
-    let p = vec4f(place, 1.0);
-    return vec3f(dot(model.rows[0], p), dot(model.rows[1], p), dot(model.rows[2], p));
-}
-
-fn turned(normal: vec3f) -> vec3f {
-    return vec3f(
-        dot(model.rows[0].xyz, normal),
-        dot(model.rows[1].xyz, normal),
-        dot(model.rows[2].xyz, normal),
-    );
-}
-
-fn linear_from_srgb(packed: u32) -> vec3f {
-    let c = unpack4x8unorm(packed).rgb;
-    return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
-}
-
 fn color_of(triangle: u32) -> vec4f {
     if (model.flags & COLOURED) == 0u {
         return model.color;
     }
     let packed = colours[triangle];
-    // What has a colour of its own has it on both sides, which OWN tells.
     return select(model.color, vec4f(linear_from_srgb(packed), OWN), (packed >> 24u) != 0u);
 }
 
@@ -114,41 +53,6 @@ fn model_vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u3
     return out;
 }
 
-fn is_cut(world: vec3f) -> bool {
-    return dot(model.cut.xyz, world) > model.cut.w && any(model.cut.xyz != vec3f(0.0));
-}
-
-// How much of a pixel the triangle's edges cover. Where triangles are smaller than lines are wide, all of them would be line: there it stays the
-// share that lines of a grid have, so that distant meshes do not turn black, and nothing shimmers.
-fn line_cover(near: vec3f) -> f32 {
-    let step = max(fwidth(near), vec3f(1e-9));
-    let pixels = near / step;
-    let line = 1.0 - smoothstep(LINE * 0.5 - 0.5, LINE * 0.5 + 0.5, min(pixels.x, min(pixels.y, pixels.z)));
-    let dense = max(step.x, max(step.y, step.z));
-    return mix(line, 0.30, smoothstep(0.30, 0.70, dense));
-}
-
-struct Facing {
-    normal: vec3f,
-    to_eye: vec3f,
-    offset: vec3f,
-}
-
-fn facing(corner: Corner, front: bool) -> Facing {
-    var out: Facing;
-    out.offset = corner.world - corner.eye;
-    out.to_eye = -normalize(out.offset);
-    let across = cross(dpdx(corner.world), dpdy(corner.world));
-    var normal = corner.normal;
-    if (model.flags & FLAT) != 0u || dot(normal, normal) < 1e-20 {
-        normal = select(-across, across, dot(across, out.to_eye) > 0.0);
-    } else if !front {
-        normal = -normal;
-    }
-    out.normal = normalize(normal);
-    return out;
-}
-
 // A surface's colour, seen from this side.
 fn own_color(corner: Corner, front: bool) -> vec3f {
     if (model.flags & PAINTED) != 0u {
@@ -158,7 +62,7 @@ fn own_color(corner: Corner, front: bool) -> vec3f {
 }
 
 fn shade(corner: Corner, front: bool) -> vec3f {
-    let f = facing(corner, front);
+    let f = facing(corner.world, corner.normal, corner.eye, front);
     let own = own_color(corner, front);
     var color: vec3f;
     if (model.flags & MATTE) != 0u {
@@ -168,11 +72,7 @@ fn shade(corner: Corner, front: bool) -> vec3f {
         let half_way = normalize(f.to_eye + frame.sun.xyz);
         color += SUN_COLOR * (pow(max(dot(f.normal, half_way), 0.0), 48.0) * select(0.0, 0.22, front));
     }
-    if model.lamp.w > 0.0 {
-        let to_lamp = model.lamp.xyz - corner.world;
-        let far = max(dot(to_lamp, to_lamp), 1e-4);
-        color += own * (max(dot(f.normal, to_lamp * inverseSqrt(far)), 0.0) * model.lamp.w / (far + 0.05));
-    }
+    color += lamp_light(own, f.normal, corner.world);
     return air(color, f.offset);
 }
 
@@ -183,8 +83,7 @@ fn face_fragment(corner: Corner, @builtin(front_facing) front: bool) -> @locatio
     if is_cut(corner.world) {
         discard;
     }
-    let edged = mix(color, LINE_COLOR, select(0.0, line * 0.85, (model.flags & WIRE) != 0u));
-    return vec4f(edged, 1.0);
+    return vec4f(edged(color, line), 1.0);
 }
 
 // Edges alone.
@@ -201,7 +100,7 @@ fn wire_fragment(corner: Corner, @builtin(front_facing) front: bool) -> @locatio
 // Seen through: the same colour wherever it is, so that it does not matter which face is drawn first. What is seen from the side is thicker.
 @fragment
 fn x_ray_fragment(corner: Corner, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    let f = facing(corner, front);
+    let f = facing(corner.world, corner.normal, corner.eye, front);
     let line = line_cover(corner.near);
     if is_cut(corner.world) {
         discard;

@@ -22,5 +22,6 @@ mod picture {
     mod organs;
     mod snapshots;
     mod support;
+    mod textured;
     mod trees;
 }

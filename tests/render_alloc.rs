@@ -110,7 +110,7 @@ fn display() -> Arc<Display> {
         triangles: triangles.collect(),
         ..Mesh::default()
     };
-    let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
+    let display = Display::new(Arc::new(mesh), None, &AtomicBool::new(false)).unwrap();
     assert!(
         display.levels.clusters.len() > display.levels.finest,
         "it has coarser levels"

@@ -12,6 +12,7 @@ use crate::mesh::pick::{Cache, Picker};
 use crate::mesh::problem::problems;
 use crate::mesh::report::{ReportParams, report};
 use crate::mesh::surface::Surface;
+use crate::mesh::textured::{LayerLimits, Textured};
 use crate::mesh::unit::{Scale, Unit};
 use crate::mesh::{Format, Mesh, ReadLimits, read};
 use crate::world::model::LoadedModel;
@@ -121,6 +122,19 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     progress.0.store(0, Ordering::Relaxed);
     let model = read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?;
     let (stated, format) = (model.scale(), model.format);
+    let stopped = || "the reading of the model was cancelled".to_owned();
+    let mut remarks = model.remarks;
+    // Mends join and replace the vertices that materials are put on by.
+    let paint = model.paint.filter(|_| mends.is_empty());
+    let textured = match paint {
+        Some(paint) => {
+            let (textured, told) =
+                Textured::new(paint, &LayerLimits::default(), cancel).ok_or_else(stopped)?;
+            remarks.extend(told);
+            textured
+        }
+        None => None,
+    };
     let mut mended = progress.stage(mending);
     let (mesh, accounts) = mend_all(model.mesh, mends, cancel, &mut |_, done, of| {
         mended(done, of)
@@ -130,7 +144,6 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     let params = ReportParams::default();
     let report = report(&mesh, &params, cancel, &mut progress.stage(reporting))
         .map_err(|error| error.to_string())?;
-    let stopped = || "the reading of the model was cancelled".to_owned();
     let params = IntersectParams::default();
     let found =
         intersections(&mesh, &params, cancel, &mut progress.stage(crossing)).ok_or_else(stopped)?;
@@ -142,7 +155,8 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     let surface = picker
         .and_then(|picker| Surface::new(picker, cancel))
         .ok_or_else(stopped)?;
-    let mut model = LoadedModel::new(surface, cancel).ok_or_else(stopped)?;
+    let mut model = LoadedModel::with_materials(surface, textured, cancel).ok_or_else(stopped)?;
+    model.remarks = remarks;
     let plain = Arc::clone(&model.plain);
     let guess = stated.or_else(|| Scale::guessed(report.size().max_element()));
     if plain.size().max_element() <= 0.0 || guess.is_none() {

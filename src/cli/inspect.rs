@@ -186,7 +186,9 @@ pub(super) fn run(
         ..
     } = inspected;
     let printed = print_result("the report", |out| out.write_all(text.as_bytes()));
-    let Loaded { mesh, z_up, .. } = loaded;
+    let Loaded {
+        mesh, z_up, paint, ..
+    } = loaded;
     let mesh = Arc::new(mesh);
     let mut surface = None;
     if let Some(path) = &args.propose {
@@ -203,7 +205,7 @@ pub(super) fn run(
             endpoints,
         };
         let surface = || surface.map_or_else(|| with_surface(&mesh), Ok);
-        let range = pictured::draw(surface, &mesh, colours, subject, path)
+        let range = pictured::draw(surface, &mesh, paint, colours, subject, path)
             .with_context(|| format!("cannot draw {}", args.model.display()))?;
         if let Some([low, high]) = range {
             let [low, high] = [low, high].map(|end| Rounded(end.into()));

@@ -1,4 +1,5 @@
-//! A mesh as it is drawn: its box, its [levels of detail](super::levels), a normal for each vertex and, where they are wanted, colours.
+//! A mesh as it is drawn: its box, its [levels of detail](super::levels), a normal for each vertex and, where they are wanted, colours or
+//! [materials](super::textured).
 //!
 //! A vertex's normal is the sum of its triangles' normals, each as long as its triangle is large: what voxels stepped and scanners left uneven
 //! is shaded as one surface. Vertices of equal coordinates share it, since files part vertices at seams and STL files everywhere.
@@ -12,8 +13,9 @@ use glam::{BVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Mesh;
-use super::levels::Levels;
+use super::levels::{Joined, Levels};
 use super::report::representatives;
+use super::textured::Textured;
 
 /// Triangles worked on between two looks at whether to go on.
 const BETWEEN_CHECKS: usize = 1 << 16;
@@ -35,6 +37,8 @@ pub struct Display {
     /// The vertices' colours: sRGB with alpha, or empty; where there are some, those of triangles are not looked at. Between vertices they run into
     /// each other; alpha 0 is the model's own colour.
     pub vertex_colours: Vec<[u8; 4]>,
+    /// How it looks as its file colours it; where there is this, colours are not looked at.
+    pub textured: Option<Arc<Textured>>,
     /// Smallest corner of the box around all vertices of triangles, from the mesh's origin.
     pub low: Vec3,
     /// Its largest corner.
@@ -42,36 +46,49 @@ pub struct Display {
 }
 
 impl Display {
-    /// Prepares a mesh in all levels of detail; `None` when somebody asked to stop.
-    pub fn new(mesh: Arc<Mesh>, cancel: &AtomicBool) -> Option<Self> {
-        Self::with_levels(mesh, cancel, Levels::new)
+    /// Prepares a mesh in all levels of detail; `textured`: how its file colours it, which the levels keep apart where it changes. It is in its own
+    /// colour until [`Self::textured`] says otherwise. `None` when somebody asked to stop.
+    pub fn new(mesh: Arc<Mesh>, textured: Option<&Textured>, cancel: &AtomicBool) -> Option<Self> {
+        Self::with_levels(mesh, textured, cancel, Levels::new)
     }
 
     /// Prepares a mesh for one picture: a single level of what is not larger than frames may be, since making others takes longer than drawing it does.
     /// `None` when somebody asked to stop.
-    pub fn for_picture(mesh: Arc<Mesh>, cancel: &AtomicBool) -> Option<Self> {
+    pub fn for_picture(
+        mesh: Arc<Mesh>,
+        textured: Option<&Textured>,
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
         let small = mesh.triangles.len() <= ONE_PICTURE;
-        Self::with_levels(
-            mesh,
-            cancel,
-            if small { Levels::finest } else { Levels::new },
-        )
+        let levels = if small { Levels::finest } else { Levels::new };
+        Self::with_levels(mesh, textured, cancel, levels)
     }
 
     /// Prepares a mesh without levels: joined vertices, normals and the box. It can be measured and asked, and not be drawn. `None` when somebody asked to stop.
     pub fn bare(mesh: Arc<Mesh>, cancel: &AtomicBool) -> Option<Self> {
-        Self::with_levels(mesh, cancel, |_, _, _, _| Some(Levels::default()))
+        Self::with_levels(mesh, None, cancel, |_, _, _, _| Some(Levels::default()))
     }
 
     fn with_levels(
         mesh: Arc<Mesh>,
+        textured: Option<&Textured>,
         cancel: &AtomicBool,
-        levels: impl FnOnce(&Mesh, &[u32], &[u32], &AtomicBool) -> Option<Levels>,
+        levels: impl FnOnce(&Mesh, &Joined<'_>, &[u32], &AtomicBool) -> Option<Levels>,
     ) -> Option<Self> {
         let used = vec![true; mesh.positions.len()];
-        let joined = representatives(&mesh.positions, &used);
-        let normals = normals(&mesh, &joined, cancel)?;
-        let levels = levels(&mesh, &joined, &normals, cancel)?;
+        let places = representatives(&mesh.positions, &used);
+        let normals = normals(&mesh, &places, cancel)?;
+        let levels = match textured {
+            Some(textured) => {
+                let joined = Joined {
+                    vertices: &textured.joined(&places),
+                    places: &places,
+                    borders: &textured.borders(&mesh, &places),
+                };
+                levels(&mesh, &joined, &normals, cancel)
+            }
+            None => levels(&mesh, &Joined::by_place(&places), &normals, cancel),
+        }?;
         let (low, high) = extent(&mesh);
         // No triangle: no box.
         let (low, high) = if low.cmple(high).all() {
@@ -83,41 +100,55 @@ impl Display {
             mesh,
             normals: Arc::new(normals),
             levels: Arc::new(levels),
-            colours: Vec::new(),
-            vertex_colours: Vec::new(),
             low,
             high,
+            ..Self::default()
         })
     }
 
-    /// The same with a colour for each triangle, and none for vertices.
+    /// The same with a colour for each triangle, and nothing else.
     #[must_use]
     pub fn coloured(&self, colours: Vec<[u8; 4]>) -> Self {
-        self.with(colours, Vec::new())
+        Self {
+            colours,
+            ..self.plain()
+        }
     }
 
-    /// The same with a colour for each vertex, and none for triangles.
+    /// The same with a colour for each vertex, and nothing else.
     #[must_use]
     pub fn painted(&self, vertex_colours: Vec<[u8; 4]>) -> Self {
-        self.with(Vec::new(), vertex_colours)
+        Self {
+            vertex_colours,
+            ..self.plain()
+        }
     }
 
-    fn with(&self, colours: Vec<[u8; 4]>, vertex_colours: Vec<[u8; 4]>) -> Self {
+    /// The same as its file colours it. Its levels must have been made with this.
+    #[must_use]
+    pub fn textured(&self, textured: Arc<Textured>) -> Self {
+        Self {
+            textured: Some(textured),
+            ..self.plain()
+        }
+    }
+
+    /// The same shape in its own colour.
+    fn plain(&self) -> Self {
         Self {
             mesh: Arc::clone(&self.mesh),
             normals: Arc::clone(&self.normals),
             levels: Arc::clone(&self.levels),
-            colours,
-            vertex_colours,
             low: self.low,
             high: self.high,
+            ..Self::default()
         }
     }
 
     /// Whether it has colours of its own.
     #[must_use]
     pub fn has_colours(&self) -> bool {
-        !(self.colours.is_empty() && self.vertex_colours.is_empty())
+        !(self.colours.is_empty() && self.vertex_colours.is_empty() && self.textured.is_none())
     }
 
     /// The box's corners: the bits of a corner's number say on which axes it is at the larger end.
@@ -226,7 +257,7 @@ mod tests {
     use crate::mesh::made;
 
     fn display(mesh: Mesh) -> Display {
-        Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap()
+        Display::new(Arc::new(mesh), None, &AtomicBool::new(false)).unwrap()
     }
 
     #[test]
@@ -265,7 +296,7 @@ mod tests {
         let nothing = display(Mesh::default());
         assert_eq!((nothing.low, nothing.high), (Vec3::ZERO, Vec3::ZERO));
         let cancelled = AtomicBool::new(true);
-        assert!(Display::new(Arc::new(made::sphere(2)), &cancelled).is_none());
+        assert!(Display::new(Arc::new(made::sphere(2)), None, &cancelled).is_none());
         // So small that squares vanish.
         let small = Mesh {
             positions: vec![Vec3::ZERO, Vec3::X * 1e-18, Vec3::Y * 1e-18],

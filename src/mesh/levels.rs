@@ -12,6 +12,9 @@
 //! equal coordinates are one here, so a file of loose triangles (STL) simplifies as a whole mesh does. Triangles that cannot be seen (with a vertex that
 //! is nowhere, or twice the same) are left out.
 //!
+//! Where a file colours a surface, vertices of one place may differ in where they are in an image. They stay apart as long as they lie on such a seam:
+//! the simplifier, which knows them by their place, moves both sides of a seam together. Where two materials meet, nothing moves.
+//!
 //! Two errors are kept. The *error* is how far the surface has moved, square mean, added up over the levels. The *grain* is how long edges are: where
 //! each triangle has its own look (edges, flat shading, colours) a coarser level is taken only where its triangles are hardly larger than pixels, since a
 //! flat wall of two triangles is the same wall, but not the same mesh.
@@ -85,10 +88,44 @@ impl Cluster {
     }
 }
 
+/// Which vertices of a mesh are taken for one.
+#[derive(Clone, Copy, Debug)]
+pub struct Joined<'a> {
+    /// For each vertex the one that it is joined with: of the same place, and of the same look there.
+    pub vertices: &'a [u32],
+    /// For each vertex the one that stands for its place.
+    pub places: &'a [u32],
+    /// By place, where materials meet; empty: nowhere.
+    pub borders: &'a [bool],
+}
+
+impl<'a> Joined<'a> {
+    /// All vertices of one place are one. `places` has for each vertex the one that stands for its place.
+    #[must_use]
+    pub fn by_place(places: &'a [u32]) -> Self {
+        Self {
+            vertices: places,
+            places,
+            borders: &[],
+        }
+    }
+
+    /// The one that stands for a vertex's place.
+    fn place(&self, vertex: u32) -> u32 {
+        self.places.get(vertex as usize).copied().unwrap_or(vertex)
+    }
+
+    /// Whether materials meet at a vertex.
+    fn is_border(&self, vertex: u32) -> bool {
+        let place = self.place(vertex) as usize;
+        self.borders.get(place).copied().unwrap_or(false)
+    }
+}
+
 /// A mesh in all levels of detail.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Levels {
-    /// Triangles of all levels, cluster by cluster, by the mesh's vertices; of vertices of equal coordinates the first.
+    /// Triangles of all levels, cluster by cluster, by the mesh's vertices; of vertices that are joined the first.
     pub triangles: Vec<[u32; 3]>,
     /// For each of them a triangle of the mesh: itself, or one that lies where it does and whose colour it takes.
     pub stands_for: Vec<u32>,
@@ -99,15 +136,20 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Builds all levels. `joined` has for each vertex the one that stands for its place, `normals` each vertex's, packed as
-    /// [`octahedral`](super::display::octahedral) does. The same for any number of threads. `None` when somebody asked to stop.
+    /// Builds all levels. `normals` has each vertex's, packed as [`octahedral`](super::display::octahedral) does. The same for any number of threads.
+    /// `None` when somebody asked to stop.
     #[must_use]
-    pub fn new(mesh: &Mesh, joined: &[u32], normals: &[u32], cancel: &AtomicBool) -> Option<Self> {
+    pub fn new(
+        mesh: &Mesh,
+        joined: &Joined<'_>,
+        normals: &[u32],
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
         let mut levels = Self::finest(mesh, joined, normals, cancel)?;
         if levels.triangles.len() > SMALL {
             let source = Source {
                 mesh,
-                joined,
+                joined: *joined,
                 normals,
             };
             levels.climb(&source, cancel)?;
@@ -122,13 +164,13 @@ impl Levels {
     #[must_use]
     pub fn finest(
         mesh: &Mesh,
-        joined: &[u32],
+        joined: &Joined<'_>,
         normals: &[u32],
         cancel: &AtomicBool,
     ) -> Option<Self> {
         let source = Source {
             mesh,
-            joined,
+            joined: *joined,
             normals,
         };
         let mut levels = leaves::leaves(&source, cancel)?;

@@ -16,7 +16,9 @@ pub mod pick;
 pub mod problem;
 mod read;
 pub mod report;
+mod srgb;
 pub mod surface;
+pub mod textured;
 #[cfg(test)]
 pub(crate) mod truth;
 pub mod unit;

@@ -2,14 +2,14 @@
 //!
 //! Flat arrays beside those of [`super::Mesh`], each empty where the file has nothing of the kind, so that a scan without colours takes
 //! no memory for them. Materials are glTF's (metallic and rough, §3.9 of its specification), as far as they are drawn here: the base
-//! colour and its image. Images stay as the file has them, PNG or JPEG, and are decoded when somebody wants to show them: a model of
+//! colour and its image, how metallic and rough all of it is, and what it shines by itself. Images stay as the file has them, PNG or JPEG, and are decoded when somebody wants to show them: a model of
 //! a gigabyte of textures is measured without looking at one. Colours are linear; 16 bits a channel, since eight would show bands
 //! in the dark, and floats would take twice as much.
 
 use std::io::Cursor;
 use std::sync::Arc;
 
-use glam::{Affine2, Vec2, Vec4};
+use glam::{Affine2, Vec2, Vec3, Vec4};
 use image::{ImageFormat, ImageReader};
 
 use super::MeshError;
@@ -44,6 +44,8 @@ pub struct Material {
     pub base_colour: Vec4,
     /// The image, where it has one.
     pub base_colour_image: Option<Texture>,
+    /// What it shines by itself, linear.
+    pub emission: Vec3,
     /// From 0, as stone, to 1, as metal.
     pub metallic: f32,
     /// From 0, as a mirror, to 1, dull.
@@ -63,6 +65,7 @@ impl Default for Material {
             name: String::new(),
             base_colour: Vec4::ONE,
             base_colour_image: None,
+            emission: Vec3::ZERO,
             metallic: 1.0,
             roughness: 1.0,
             alpha: Alpha::Opaque,

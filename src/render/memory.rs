@@ -244,14 +244,36 @@ impl View {
         layers: std::ops::Range<u32>,
         mips: std::ops::Range<u32>,
     ) -> Result<Self, RenderError> {
+        let kind = if layers.len() == 1 {
+            vk::ImageViewType::TYPE_2D
+        } else {
+            vk::ImageViewType::TYPE_2D_ARRAY
+        };
+        Self::of_kind(gpu, image, kind, format, aspect, layers, mips)
+    }
+
+    /// A view of all of a colour image, an array even of one layer.
+    pub(crate) fn array(gpu: &Gpu, image: &Image) -> Result<Self, RenderError> {
+        let kind = vk::ImageViewType::TYPE_2D_ARRAY;
+        let desc = &image.desc;
+        let color = vk::ImageAspectFlags::COLOR;
+        let (layers, mips) = (0..desc.layers, 0..desc.mips);
+        Self::of_kind(gpu, image.handle, kind, desc.format, color, layers, mips)
+    }
+
+    fn of_kind(
+        gpu: &Gpu,
+        image: vk::Image,
+        kind: vk::ImageViewType,
+        format: vk::Format,
+        aspect: vk::ImageAspectFlags,
+        layers: std::ops::Range<u32>,
+        mips: std::ops::Range<u32>,
+    ) -> Result<Self, RenderError> {
         let count = layers.end - layers.start;
         let info = vk::ImageViewCreateInfo::default()
             .image(image)
-            .view_type(if count == 1 {
-                vk::ImageViewType::TYPE_2D
-            } else {
-                vk::ImageViewType::TYPE_2D_ARRAY
-            })
+            .view_type(kind)
             .format(format)
             .subresource_range(vk::ImageSubresourceRange {
                 aspect_mask: aspect,

@@ -2,10 +2,11 @@
 //!
 //! A storage buffer may be limited to 128 MiB, so a large model is cut into runs of clusters, each with the vertices that it has, in the order in
 //! which its triangles meet them. A vertex takes 16 bytes, a triangle 12 in each level, which is 24 in all, a cluster 80. Colours are apart, 4 bytes a
-//! triangle or a vertex: the shape of a model goes up once, whatever it is coloured by. Whether two displays are of one shape is told by their levels
+//! triangle or a vertex, and so are materials: the shape of a model goes up once, whatever it is coloured by. Whether two displays are of one shape is told by their levels
 //! being the same in memory; a weak reference holds that place, so that nothing else can come to stand there.
 
 mod cutter;
+mod skin;
 
 use std::sync::{Arc, Weak};
 
@@ -15,9 +16,10 @@ use glam::{Affine3A, Vec4};
 use gpu_allocator::MemoryLocation;
 
 use self::cutter::{Cutter, Vertex};
+use self::skin::Skin;
 use super::{
-    data::rows, error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, staging::Staging,
-    tree_upload::CHUNK_BYTES,
+    data::rows, error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer,
+    pipelines::IMAGE_SAMPLERS, staging::Staging, tree_upload::CHUNK_BYTES,
 };
 use crate::{
     mesh::{
@@ -61,11 +63,14 @@ pub(crate) enum Coloured {
     Nothing,
     Triangles,
     Vertices,
+    Materials,
 }
 
 impl Coloured {
     fn of(display: &Display) -> Self {
-        if !display.vertex_colours.is_empty() {
+        if display.textured.is_some() {
+            Self::Materials
+        } else if !display.vertex_colours.is_empty() {
             Self::Vertices
         } else if display.colours.is_empty() {
             Self::Nothing
@@ -184,6 +189,8 @@ pub(crate) struct Colours {
     chunks: Vec<Arriving<1>>,
     /// By chunk: vertices, triangles, colours; once all is there.
     pub(crate) sets: Vec<vk::DescriptorSet>,
+    /// Where it is coloured by materials.
+    skin: Option<Box<Skin>>,
     pool: Option<Pool>,
 }
 
@@ -194,11 +201,13 @@ pub struct ModelUpload {
     pub(crate) colours: Colours,
 }
 
-/// Layouts of a chunk's sets.
+/// Layouts of a model's sets, and what its images are sampled by.
 #[derive(Clone, Copy)]
 pub(crate) struct ModelLayouts {
     pub(crate) drawn: vk::DescriptorSetLayout,
     pub(crate) chosen: vk::DescriptorSetLayout,
+    pub(crate) skin: vk::DescriptorSetLayout,
+    pub(crate) samplers: [vk::Sampler; IMAGE_SAMPLERS],
 }
 
 impl ModelUpload {
@@ -336,9 +345,10 @@ impl Colours {
         let mut chunks = Vec::new();
         let mut cutter = Cutter::new(display, gpu, chunk_bytes);
         while coloured != Coloured::Nothing && cutter.advance() {
-            let colours: Vec<[u8; 4]> = match coloured {
-                Coloured::Vertices => cutter.vertex_colours().collect(),
-                _ => cutter.triangle_colours().collect(),
+            let colours: Vec<[u8; 4]> = match (&display.textured, coloured) {
+                (Some(textured), _) => cutter.materials(textured),
+                (None, Coloured::Vertices) => cutter.vertex_colours().collect(),
+                (None, _) => cutter.triangle_colours().collect(),
             };
             let part = ("the model's colours", bytemuck::cast_slice(&colours));
             chunks.push(Arriving::new(gpu, [part])?);
@@ -349,6 +359,11 @@ impl Colours {
             coloured,
             chunks,
             sets: Vec::new(),
+            skin: display
+                .textured
+                .as_ref()
+                .map(|textured| Skin::new(gpu, textured).map(Box::new))
+                .transpose()?,
             pool: None,
         })
     }
@@ -374,6 +389,11 @@ impl Colours {
         if !all.all(|chunk| chunk.copy(gpu, commands, budget)) {
             return Ok(None);
         }
+        if let Some(skin) = &mut self.skin
+            && !skin.copy(gpu, commands, layouts.skin, &layouts.samplers, budget)?
+        {
+            return Ok(None);
+        }
         let pool = storage_pool(gpu, geometry.chunks.len(), 3)?;
         self.sets.clear();
         for (at, chunk) in geometry.chunks.iter().enumerate() {
@@ -386,14 +406,24 @@ impl Colours {
         }
         self.pool = Some(pool);
         let staging = self.chunks.iter_mut();
+        let skin = self.skin.iter_mut().flat_map(|skin| skin.take());
         Ok(Some(
-            staging.filter_map(|chunk| chunk.staging.take()).collect(),
+            staging
+                .filter_map(|chunk| chunk.staging.take())
+                .chain(skin)
+                .collect(),
         ))
+    }
+
+    /// The set of its materials and images, where it has some and they are there.
+    pub(crate) fn skin_set(&self) -> Option<vk::DescriptorSet> {
+        self.skin.as_ref()?.set()
     }
 
     /// Bytes that went up, or go.
     pub(crate) fn bytes(&self) -> u64 {
-        self.chunks.iter().map(|chunk| chunk.sizes[0]).sum()
+        let colours: u64 = self.chunks.iter().map(|chunk| chunk.sizes[0]).sum();
+        colours + self.skin.as_ref().map_or(0, |skin| skin.bytes())
     }
 }
 

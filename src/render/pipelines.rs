@@ -280,6 +280,56 @@ impl Drop for Pipeline {
     }
 }
 
+/// How many ways images are sampled.
+pub(crate) const IMAGE_SAMPLERS: usize = 4;
+
+/// What models' images are sampled by: repeated across and down, across alone, down alone, not at all.
+pub(crate) struct ImageSamplers {
+    pub(crate) handles: [vk::Sampler; IMAGE_SAMPLERS],
+    gpu: Gpu,
+}
+
+impl ImageSamplers {
+    fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        let (repeat, clamp) = (
+            vk::SamplerAddressMode::REPEAT,
+            vk::SamplerAddressMode::CLAMP_TO_EDGE,
+        );
+        let mut samplers = Self {
+            handles: [vk::Sampler::null(); IMAGE_SAMPLERS],
+            gpu: gpu.clone(),
+        };
+        let ways = [
+            [repeat, repeat],
+            [repeat, clamp],
+            [clamp, repeat],
+            [clamp, clamp],
+        ];
+        for (handle, [across, down]) in samplers.handles.iter_mut().zip(ways) {
+            let info = vk::SamplerCreateInfo::default()
+                .mag_filter(vk::Filter::LINEAR)
+                .min_filter(vk::Filter::LINEAR)
+                .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
+                .address_mode_u(across)
+                .address_mode_v(down)
+                .max_lod(vk::LOD_CLAMP_NONE);
+            // SAFETY: a plain sampler.
+            *handle = unsafe { gpu.device.create_sampler(&info, None) }
+                .trying("making a sampler of models' images")?;
+        }
+        Ok(samplers)
+    }
+}
+
+impl Drop for ImageSamplers {
+    fn drop(&mut self) {
+        for sampler in self.handles {
+            // SAFETY: as for layouts; those that were not made are null, which is nothing.
+            unsafe { self.gpu.device.destroy_sampler(sampler, None) };
+        }
+    }
+}
+
 /// What the stage's pipelines draw into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Formats {
@@ -294,9 +344,11 @@ pub(crate) struct Pipelines {
     pub(crate) tree_layout: Layout,
     /// Set 0: the frame. Set 1: the panel's picture.
     pub(crate) board_layout: Layout,
-    /// Set 0: the frame. Set 1: a chunk of a model. Set 2: the triangles to draw.
+    /// Set 0: the frame. Set 1: a chunk of a model. Set 2: the triangles to draw. Set 3: its materials and images, where it is drawn with them.
     pub(crate) model_layout: Layout,
+    pub(crate) image_samplers: ImageSamplers,
     pub(crate) faces: Pipeline,
+    pub(crate) textured: Pipeline,
     pub(crate) wire: Pipeline,
     pub(crate) points: Pipeline,
     pub(crate) x_rays: Pipeline,
@@ -332,7 +384,19 @@ impl Pipelines {
         let immediates = u32::try_from(size_of::<ModelData>()).unwrap_or(0);
         let model_layout = Layout::new(
             gpu,
-            &[&frame, &[Kind::STORAGE_BUFFER; 3], &[Kind::STORAGE_BUFFER]],
+            &[
+                &frame,
+                &[Kind::STORAGE_BUFFER; 3],
+                &[Kind::STORAGE_BUFFER],
+                &[
+                    Kind::SAMPLED_IMAGE,
+                    Kind::SAMPLER,
+                    Kind::SAMPLER,
+                    Kind::SAMPLER,
+                    Kind::SAMPLER,
+                    Kind::STORAGE_BUFFER,
+                ],
+            ],
             immediates,
         )?;
 
@@ -418,6 +482,15 @@ impl Pipelines {
         let model = |desc: PipelineDesc<'_>| Pipeline::new(gpu, &model_layout, &desc);
         Ok(Self {
             faces: model(faces)?,
+            textured: model(PipelineDesc {
+                name: "the textured models' pipeline",
+                spirv: shaders::textured::SPIRV,
+                vertex: shaders::textured::TEXTURED_VERTEX,
+                fragment: Some(shaders::textured::TEXTURED_FRAGMENT),
+                covered: true,
+                ..faces
+            })?,
+            image_samplers: ImageSamplers::new(gpu)?,
             wire: model(PipelineDesc {
                 fragment: Some(shaders::model::WIRE_FRAGMENT),
                 covered: true,

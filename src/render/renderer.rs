@@ -425,10 +425,14 @@ impl Renderer {
     }
 
     fn model_layouts(&self) -> ModelLayouts {
-        let set = |layout: &super::pipelines::Layout| layout.sets.get(1).copied();
+        let set = |layout: &super::pipelines::Layout, number: usize| {
+            layout.sets.get(number).copied().unwrap_or_default()
+        };
         ModelLayouts {
-            drawn: set(&self.pipelines.model_layout).unwrap_or_default(),
-            chosen: set(&self.selection.layout).unwrap_or_default(),
+            drawn: set(&self.pipelines.model_layout, 1),
+            chosen: set(&self.selection.layout, 1),
+            skin: set(&self.pipelines.model_layout, 3),
+            samplers: self.pipelines.image_samplers.handles,
         }
     }
 

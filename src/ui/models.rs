@@ -117,7 +117,7 @@ impl Models {
             Part::Look => {
                 size(ui, words, loaded, model);
                 ui.separator();
-                look(ui, words, model);
+                look(ui, words, loaded, model);
                 legend(ui, view, words, model);
                 looking(ui, words, view.world.looking(), wishes);
                 linked(ui, view, words, wishes);
@@ -253,15 +253,19 @@ fn size(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
 }
 
 /// What of it is to be seen.
-fn look(ui: &mut Ui, words: &Words, model: &mut Model) {
+fn look(ui: &mut Ui, words: &Words, loaded: &LoadedModel, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
         for (surface, name) in [
+            (Some(SurfaceLook::Textured), words.textured),
             (Some(SurfaceLook::Shaded), words.shaded),
             (Some(SurfaceLook::Matte), words.matte),
             (Some(SurfaceLook::XRay), words.x_ray),
             (None, words.no_faces),
         ] {
-            ui.selectable_value(&mut model.surface, surface, name);
+            // Files that say nothing of colours have nothing to show there.
+            if surface != Some(SurfaceLook::Textured) || loaded.textured.is_some() {
+                ui.selectable_value(&mut model.surface, surface, name);
+            }
         }
     });
     ui.horizontal_wrapped(|ui| {
@@ -316,6 +320,9 @@ fn faults(ui: &mut Ui, words: &Words, loaded: &LoadedModel) {
             None => text,
         });
         ui.label(problem.hint);
+    }
+    for remark in loaded.remarks.iter().take(MOST_FAULTS) {
+        ui.label(remark);
     }
 }
 

@@ -64,7 +64,7 @@ impl Tools {
         let along = hit.along * scale;
         let seen_through = !matches!(
             model.surface,
-            Some(SurfaceLook::Matte | SurfaceLook::Shaded)
+            Some(SurfaceLook::Matte | SurfaceLook::Shaded | SurfaceLook::Textured)
         );
         let hidden = !hit.touched
             && !seen_through

@@ -16,6 +16,7 @@ use crate::mesh::endpoints::{Endpoint, NAME_MOST};
 use crate::mesh::mend::Mend;
 use crate::mesh::problem::Problem;
 use crate::mesh::surface::Surface;
+use crate::mesh::textured::Textured;
 use crate::mesh::unit::Unit;
 
 /// Most models of a project.
@@ -219,6 +220,10 @@ pub struct LoadedModel {
     pub problems: Arc<Display>,
     /// Numbers of these three for the renderer.
     pub revisions: [u64; 3],
+    /// The same as its file colours it, and its number; none where the file says nothing of colours.
+    pub textured: Option<(Arc<Display>, u64)>,
+    /// What of the file is not shown as it was meant, in a sentence each.
+    pub remarks: Vec<String>,
     /// What is wrong with it, the worst first.
     pub faults: Vec<Problem>,
     /// What each mend changed, a line each.
@@ -231,9 +236,23 @@ impl LoadedModel {
     /// A model in one colour, with no word on what is wrong with it; `None` when somebody asked to stop.
     #[must_use]
     pub fn new(surface: Surface, cancel: &AtomicBool) -> Option<Self> {
-        let plain = Arc::new(Display::new(Arc::clone(surface.mesh()), cancel)?);
+        Self::with_materials(surface, None, cancel)
+    }
+
+    /// The same that can be seen as its file colours it, too. `textured` must be of the surface's mesh.
+    #[must_use]
+    pub fn with_materials(
+        surface: Surface,
+        textured: Option<Textured>,
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
+        let mesh = Arc::clone(surface.mesh());
+        let plain = Arc::new(Display::new(mesh, textured.as_ref(), cancel)?);
         let revision = new_revision();
+        let materials = |textured| (Arc::new(plain.textured(Arc::new(textured))), new_revision());
         Some(Self {
+            textured: textured.map(materials),
+            remarks: Vec::new(),
             parts: Arc::clone(&plain),
             problems: Arc::clone(&plain),
             plain,
@@ -250,16 +269,19 @@ impl LoadedModel {
         self.plain.size().max_element()
     }
 
-    /// What is drawn with such a colouring, and its number; plain where it shows numbers, which are worked out elsewhere.
+    /// What is drawn of a model that looks so, and its number; plain where it shows numbers, which are worked out elsewhere.
     #[must_use]
-    pub fn coloured(&self, by: Colouring) -> (&Arc<Display>, u64) {
+    pub fn shown(&self, model: &Model) -> (&Arc<Display>, u64) {
         let [plain, parts, problems] = self.revisions;
-        match by {
-            Colouring::Plain | Colouring::Curvature | Colouring::Radius | Colouring::Thickness => {
-                (&self.plain, plain)
+        match (model.colouring, &self.textured) {
+            (Colouring::Parts, _) => (&self.parts, parts),
+            (Colouring::Problems, _) => (&self.problems, problems),
+            (Colouring::Plain, Some((textured, revision)))
+                if model.surface == Some(SurfaceLook::Textured) =>
+            {
+                (textured, *revision)
             }
-            Colouring::Parts => (&self.parts, parts),
-            Colouring::Problems => (&self.problems, problems),
+            _ => (&self.plain, plain),
         }
     }
 

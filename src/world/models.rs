@@ -211,7 +211,7 @@ impl Models {
             let world_from_model = loaded.stage_from_model(model);
             let (display, revision) = match self.painting(model) {
                 Some(painting) => (&painting.display, painting.revision),
-                None => loaded.coloured(model.colouring),
+                None => loaded.shown(model),
             };
             if model.boxed {
                 let [least, most] = BOX_RADII;

@@ -98,6 +98,8 @@ pub enum SurfaceLook {
     /// Lit by sky and sun, with gloss.
     #[default]
     Shaded,
+    /// As its file colours it, where it does; else [`Self::Shaded`].
+    Textured,
     /// Seen through, edges more than faces.
     XRay,
 }

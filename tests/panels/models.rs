@@ -225,7 +225,7 @@ fn the_guide_shows_endpoints_and_colours_by_numbers() {
     let surface = Surface::new(picker, &never).unwrap();
     let proposals = propose(&surface, &never).unwrap();
     let endpoints: Vec<_> = proposals.into_iter().map(|one| one.endpoint).collect();
-    let display = Display::new(Arc::clone(surface.mesh()), &never).unwrap();
+    let display = Display::new(Arc::clone(surface.mesh()), None, &never).unwrap();
     let still = |by: Option<Colouring>| {
         let colours = by.map(|by| coloured(&surface, by, &never).unwrap());
         let how = ModelPortrait {
@@ -312,7 +312,7 @@ fn the_guide_shows_the_tab_and_a_model_in_five_ways() {
     let mesh = read(&path, &ReadLimits::default(), &AtomicBool::new(false))
         .unwrap()
         .mesh;
-    let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
+    let display = Display::new(Arc::new(mesh), None, &AtomicBool::new(false)).unwrap();
     let still = |boxed: bool, change: &dyn Fn(&mut ModelLook)| -> RgbImage {
         let mut look = ModelLook::default();
         change(&mut look);

@@ -64,7 +64,7 @@ fn small() -> &'static Arc<Display> {
 }
 
 fn display(mesh: Mesh) -> Arc<Display> {
-    Arc::new(Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap())
+    Arc::new(Display::new(Arc::new(mesh), None, &AtomicBool::new(false)).unwrap())
 }
 
 /// The same without coarser levels: all triangles are drawn.

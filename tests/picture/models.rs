@@ -45,7 +45,7 @@ fn ball_mesh(rows: u32, radius: f32) -> Mesh {
 }
 
 fn display(mesh: Mesh) -> Display {
-    Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap()
+    Display::new(Arc::new(mesh), None, &AtomicBool::new(false)).unwrap()
 }
 
 fn model(display: Display, look: ModelLook) -> PlacedModel {

@@ -8,6 +8,7 @@ use crate::app::scans::{Done, ENDINGS, Read, Scan, named, offered};
 use crate::app::takeaway::free_name;
 use crate::world::document::Edit;
 use crate::world::model::Model;
+use crate::world::scene::SurfaceLook;
 
 /// The folder beside a project that holds what can be worked out again.
 const CACHE: &str = ".ramus-cache";
@@ -206,7 +207,10 @@ impl Workshop {
     fn come(&mut self, file: String, read: Read) {
         let document = self.world.document();
         let mut models = document.models.to_vec();
-        let model = Model::new(file, read.unit, read.z_up, models.len());
+        let mut model = Model::new(file, read.unit, read.z_up, models.len());
+        if read.model.textured.is_some() {
+            model.surface = Some(SurfaceLook::Textured);
+        }
         models.push(model.clone());
         let edit = Edit::Arrange {
             models,

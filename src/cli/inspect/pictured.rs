@@ -16,8 +16,10 @@ use crate::mesh::colour::{Colour, by_parts, by_problems};
 use crate::mesh::display::Display;
 use crate::mesh::endpoints::Endpoint;
 use crate::mesh::intersect::Intersections;
+use crate::mesh::paint::Paint;
 use crate::mesh::report::Report;
 use crate::mesh::surface::Surface;
+use crate::mesh::textured::{LayerLimits, Textured};
 use crate::mesh::unit::Unit;
 use crate::world::model::Colouring;
 use crate::world::scene::{ModelLook, SurfaceLook};
@@ -25,6 +27,8 @@ use crate::world::scene::{ModelLook, SurfaceLook};
 /// What a picture of a model shows; several go together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Look {
+    /// As the file colours it: materials, images, colours of vertices; what is shown where nothing else is asked for
+    Textured,
     /// Faces with gloss, lit by the sun
     Shaded,
     /// Faces lit by the sky alone
@@ -82,8 +86,8 @@ pub(super) enum Up {
 /// Seen from a corner: shapes are told apart, radians.
 const TURN: f32 = 0.5;
 
-/// How a list of looks shows a model; nothing asked for: shaded.
-fn portrait(subject: Subject<'_>) -> ModelPortrait {
+/// How a list of looks shows a model; nothing asked for: textured, which is shaded where the file says nothing of colours.
+fn portrait(subject: &Subject<'_>) -> ModelPortrait {
     let looks = subject.looks;
     let has = |look| looks.contains(&look);
     let numbers = looks.iter().any(|look| look.numbers().is_some());
@@ -93,10 +97,12 @@ fn portrait(subject: Subject<'_>) -> ModelPortrait {
         Some(SurfaceLook::XRay)
     } else if has(Look::Matte) {
         Some(SurfaceLook::Matte)
-    } else if alone && !has(Look::Shaded) {
+    } else if has(Look::Shaded) || coloured {
+        Some(SurfaceLook::Shaded)
+    } else if alone && !has(Look::Textured) {
         None
     } else {
-        Some(SurfaceLook::Shaded)
+        Some(SurfaceLook::Textured)
     };
     ModelPortrait {
         look: ModelLook {
@@ -107,7 +113,7 @@ fn portrait(subject: Subject<'_>) -> ModelPortrait {
         },
         boxed: has(Look::Box),
         unit: subject.unit,
-        endpoints: subject.endpoints,
+        endpoints: subject.endpoints.clone(),
         z_up: subject.z_up,
         turn: TURN,
         backdrop: portrait::PAPER,
@@ -135,6 +141,7 @@ pub(super) fn colours(
 pub(super) fn draw(
     surface: impl FnOnce() -> Result<Surface>,
     mesh: &Arc<Mesh>,
+    paint: Option<Paint>,
     colours: Vec<Colour>,
     subject: Subject<'_>,
     path: &Path,
@@ -143,15 +150,29 @@ pub(super) fn draw(
     let stopped = || anyhow!("the drawing of the model was cancelled");
     let numbers = subject.looks.iter().find_map(|look| look.numbers());
     let (picture, range) = Progress::during("drawing", || {
-        let display = Display::for_picture(Arc::clone(mesh), &never).ok_or_else(stopped)?;
-        let (display, range) = match numbers {
-            Some(by) => {
+        let how = portrait(&subject);
+        let paint = paint.filter(|_| how.look.surface == Some(SurfaceLook::Textured));
+        let textured = match paint {
+            Some(paint) => {
+                let limits = LayerLimits::default();
+                let (textured, remarks) =
+                    Textured::new(paint, &limits, &never).ok_or_else(stopped)?;
+                remarks.iter().for_each(|remark| whisper!("{remark}"));
+                textured
+            }
+            None => None,
+        };
+        let mesh = Arc::clone(mesh);
+        let display = Display::for_picture(mesh, textured.as_ref(), &never).ok_or_else(stopped)?;
+        let (display, range) = match (numbers, textured) {
+            (Some(by), _) => {
                 let (colours, range) = coloured(&surface()?, by, &never).ok_or_else(stopped)?;
                 (display.painted(colours), range)
             }
-            None => (display.coloured(colours), None),
+            (None, Some(textured)) => (display.textured(Arc::new(textured)), None),
+            (None, None) => (display.coloured(colours), None),
         };
-        anyhow::Ok((of_model(display, &portrait(subject))?, range))
+        anyhow::Ok((of_model(display, &how)?, range))
     })?;
     Progress::during("writing", || export::png(&picture, path))?;
     Ok(range)
@@ -165,7 +186,7 @@ mod tests {
     #[test]
     fn looks_go_together() {
         let look = |looks: &[Look]| {
-            let how = portrait(Subject {
+            let how = portrait(&Subject {
                 looks,
                 z_up: true,
                 pixels: 64,
@@ -176,7 +197,12 @@ mod tests {
         };
         let shaded = Some(SurfaceLook::Shaded);
         for (looks, expected) in [
-            (&[][..], (shaded, false, false)),
+            (&[][..], (Some(SurfaceLook::Textured), false, false)),
+            (&[Look::Shaded], (shaded, false, false)),
+            (
+                &[Look::Textured, Look::Edges],
+                (Some(SurfaceLook::Textured), true, false),
+            ),
             (&[Look::Edges], (None, true, false)),
             (&[Look::Vertices, Look::Box], (None, false, true)),
             (&[Look::Shaded, Look::Edges], (shaded, true, false)),

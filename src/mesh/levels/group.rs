@@ -7,7 +7,7 @@ use meshopt::SimplifyOptions;
 use rayon::prelude::*;
 
 use super::local::{Clustered, Local, adapter};
-use super::{Cluster, Levels, holding, wider};
+use super::{Cluster, Joined, Levels, holding, wider};
 use crate::mesh::Mesh;
 use crate::mesh::display::direction;
 
@@ -22,8 +22,7 @@ const NORMAL_WEIGHT: f32 = 1.0;
 /// What levels are built of.
 pub(super) struct Source<'a> {
     pub(super) mesh: &'a Mesh,
-    /// For each vertex the one that stands for its place.
-    pub(super) joined: &'a [u32],
+    pub(super) joined: Joined<'a>,
     /// Packed normals.
     pub(super) normals: &'a [u32],
 }
@@ -34,12 +33,13 @@ impl Source<'_> {
         let triangle = self.mesh.triangles.get(number as usize)?;
         let [a, b, c] = *triangle;
         let joined = |vertex: u32| {
-            let joined = *self.joined.get(vertex as usize)?;
+            let joined = *self.joined.vertices.get(vertex as usize)?;
             let position = self.mesh.positions.get(joined as usize)?;
             position.is_finite().then_some(joined)
         };
-        let [a, b, c] = [joined(a)?, joined(b)?, joined(c)?];
-        (a != b && b != c && c != a).then_some([a, b, c])
+        let corners = [joined(a)?, joined(b)?, joined(c)?];
+        let [a, b, c] = corners.map(|vertex| self.joined.place(vertex));
+        (a != b && b != c && c != a).then_some(corners)
     }
 
     pub(super) fn position(&self, vertex: u32) -> Vec3 {
@@ -70,7 +70,7 @@ pub(super) fn coarser(
     cancel: &AtomicBool,
 ) -> Option<Vec<u32>> {
     let groups = groups(levels, source.mesh, pending);
-    let owners = owners(levels, source.mesh, &groups);
+    let owners = owners(levels, source, &groups);
     let mut next = Vec::new();
     // So many groups at a time, so that they do not stand beside the result all at once.
     for some in groups.chunks(4096) {
@@ -129,13 +129,14 @@ fn triangles_of(levels: &Levels, cluster: u32) -> &[[u32; 3]] {
 const NOBODY: u32 = u32::MAX;
 const SEVERAL: u32 = u32::MAX - 1;
 
-/// For each vertex the group that has it, or [`SEVERAL`]: those may not move.
-fn owners(levels: &Levels, mesh: &Mesh, groups: &[Vec<u32>]) -> Vec<u32> {
-    let mut owners = vec![NOBODY; mesh.positions.len()];
+/// For each place the group that has it, or [`SEVERAL`]: those may not move.
+fn owners(levels: &Levels, source: &Source<'_>, groups: &[Vec<u32>]) -> Vec<u32> {
+    let mut owners = vec![NOBODY; source.mesh.positions.len()];
     for (number, group) in (0_u32..).zip(groups) {
         for cluster in group {
             for vertex in triangles_of(levels, *cluster).as_flattened() {
-                if let Some(owner) = owners.get_mut(*vertex as usize) {
+                let place = source.joined.place(*vertex);
+                if let Some(owner) = owners.get_mut(place as usize) {
                     *owner = match *owner {
                         NOBODY => number,
                         same if same == number => number,
@@ -201,7 +202,10 @@ fn fewer(local: &Local, source: &Source<'_>, owners: &[u32]) -> Option<(Vec<u32>
     let locks: Vec<bool> = local
         .vertices
         .iter()
-        .map(|vertex| owners.get(*vertex as usize) == Some(&SEVERAL))
+        .map(|vertex| {
+            let place = source.joined.place(*vertex);
+            owners.get(place as usize) == Some(&SEVERAL) || source.joined.is_border(*vertex)
+        })
         .collect();
     let normal = |vertex: &u32| {
         let packed = source.normals.get(*vertex as usize).copied();

@@ -11,16 +11,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use glam::{Affine3A, Quat, Vec3, Vec4};
+use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use proptest::prelude::*;
 
 use super::cut::{self, BINS, COARSEST as COARSEST_BIN, NEVER, Standing, Views};
-use super::{COARSEST, Cluster, Levels, MOST_TRIANGLES, SMALL};
+use super::{COARSEST, Cluster, Joined, Levels, MOST_TRIANGLES, SMALL};
 use crate::mesh::display::Display;
+use crate::mesh::paint::{Material, Paint};
+use crate::mesh::textured::{LayerLimits, Textured};
 use crate::mesh::{Mesh, made};
 
 fn levels(mesh: Mesh) -> Arc<Levels> {
-    let display = Display::new(Arc::new(mesh), &AtomicBool::new(false)).unwrap();
+    let display = Display::new(Arc::new(mesh), None, &AtomicBool::new(false)).unwrap();
     display.levels
 }
 
@@ -292,6 +294,7 @@ fn levels_are_the_same_for_any_number_of_threads_and_can_be_cancelled() {
     let cancelled = AtomicBool::new(true);
     let normals = vec![0; mesh.positions.len()];
     let joined: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let joined = Joined::by_place(&joined);
     assert!(Levels::new(&mesh, &joined, &normals, &cancelled).is_none());
 }
 
@@ -412,6 +415,102 @@ proptest! {
                 });
                 prop_assert!(before_the_cut || inside == [false; 2]);
             }
+        }
+    }
+}
+
+/// A tube along z of quads round and along, with lumps: where it is in an image goes round once, so that its vertices lie twice on a seam; its two
+/// halves are of two materials.
+fn seamed(round: u32, along: u32) -> (Mesh, Textured) {
+    let mut mesh = Mesh::default();
+    let mut paint = Paint {
+        materials: vec![Material::default(); 2],
+        ..Paint::default()
+    };
+    let part = |of: u32, whole: u32| of as f32 / whole as f32;
+    for z in 0..=along {
+        for at in 0..=round {
+            let place = Vec2::new(part(at, round), part(z, along));
+            let turn = if at == round { 0.0 } else { place.x };
+            let (sin, cos) = (turn * std::f32::consts::TAU).sin_cos();
+            let radius = 1.0 + 0.05 * (5.0 * sin).sin() * (20.0 * place.y).cos();
+            mesh.positions
+                .push(Vec3::new(cos * radius, sin * radius, 4.0 * place.y));
+            paint.texture_coordinates.push(place);
+        }
+    }
+    for z in 0..along {
+        for at in 0..round {
+            let a = z * (round + 1) + at;
+            let [b, c, d] = [a + 1, a + round + 1, a + round + 2];
+            mesh.triangles.extend([[a, b, d], [a, d, c]]);
+            paint
+                .triangle_materials
+                .extend([u16::from(z >= along / 2); 2]);
+        }
+    }
+    let never = AtomicBool::new(false);
+    let (textured, _) = Textured::new(paint, &LayerLimits::default(), &never).unwrap();
+    (mesh, textured.unwrap())
+}
+
+#[test]
+fn seams_and_borders_of_materials_stay_where_they_are() {
+    let (mesh, textured) = seamed(160, 120);
+    let mesh = Arc::new(mesh);
+    let never = AtomicBool::new(false);
+    let display = Display::new(Arc::clone(&mesh), Some(&textured), &never).unwrap();
+    let levels = &*display.levels;
+    let coarsest = levels.clusters.iter().filter(|of| of.parent_error < 0.0);
+    let left: u32 = coarsest.map(|cluster| cluster.count).sum();
+    assert!(left < 4_000, "{left} of {} are left", mesh.triangles.len());
+    let middle = 2.0;
+    // What is off by as much as the tube is wide may reach across it.
+    let fine = levels.clusters.iter().filter(|of| of.own_error < 0.1);
+    let fine = fine
+        .flat_map(Cluster::triangles)
+        .map(|at| levels.triangles[at]);
+    for triangle in fine {
+        let places = triangle.map(|vertex| textured.coordinate(vertex).x);
+        let [low, high] = [f32::min, f32::max].map(|of| places.into_iter().reduce(of).unwrap());
+        assert!(
+            high - low < 0.35,
+            "{places:?}: across the seam it would run back through all of the image"
+        );
+    }
+    for (triangle, original) in levels.triangles.iter().zip(&levels.stands_for) {
+        // What is of one material does not reach over to the other.
+        let heights = triangle.map(|vertex| mesh.positions[vertex as usize].z);
+        let first = textured.material_of(*original) == 0;
+        let beyond = |z: &f32| if first { *z > middle } else { *z < middle };
+        assert!(!heights.iter().any(beyond), "{heights:?}");
+    }
+    // Whatever is drawn closes round the tube: the seam is open in the image alone.
+    let joined: Vec<u32> = {
+        let mut first = BTreeMap::new();
+        (0_u32..)
+            .zip(&mesh.positions)
+            .map(|(vertex, at)| {
+                *first
+                    .entry(at.to_array().map(f32::to_bits))
+                    .or_insert(vertex)
+            })
+            .collect()
+    };
+    let welded = Levels {
+        triangles: levels
+            .triangles
+            .iter()
+            .map(|triangle| triangle.map(|vertex| joined[vertex as usize]))
+            .collect(),
+        ..levels.clone()
+    };
+    for error in [0.0, 0.001, 0.01, 0.05, 1.0] {
+        let clusters = drawn_at(&welded, error);
+        for [a, b] in odd_edges(&welded, &clusters) {
+            let [a, b] = [a, b].map(|vertex| mesh.positions[vertex as usize].z);
+            let is_end = |z: f32| z.abs() < 1e-6 || (z - 4.0).abs() < 1e-5;
+            assert!(is_end(a) && is_end(b), "a crack at {a}, {b} with {error}");
         }
     }
 }

@@ -5,6 +5,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::mesh::display::Display;
 use crate::mesh::levels::Cluster;
+use crate::mesh::textured::Textured;
 use crate::render::gpu::Gpu;
 
 /// `Vertex` of shaders/model.wgsl.
@@ -89,7 +90,8 @@ impl<'a> Cutter<'a> {
         let vertices = (self.names.len() + 3 * count) * size_of::<Vertex>();
         let triangles = (self.triangles.len() + count) * size_of::<[u32; 3]>();
         let clusters = (self.clusters.len() + 1) * size_of::<Cluster>();
-        self.clusters.is_empty() || vertices.max(triangles).max(clusters) <= self.range
+        // What shaders/textured.wgsl reads has 12 bytes a vertex and 4 a triangle: no more than both of these.
+        self.clusters.is_empty() || (vertices + triangles).max(clusters) <= self.range
     }
 
     fn number(&mut self, vertex: u32, old: &mut Vec<bool>) -> u32 {
@@ -155,5 +157,24 @@ impl<'a> Cutter<'a> {
         let colour = |original: &u32| colours.get(*original as usize).copied();
         let originals = originals.unwrap_or_default().iter();
         originals.map(move |original| colour(original).unwrap_or_default())
+    }
+
+    /// Where the numbers of its triangles' materials begin, its vertices' places in images and colours, and these numbers, as shaders/textured.wgsl
+    /// reads them.
+    pub(super) fn materials(&self, textured: &Textured) -> Vec<[u8; 4]> {
+        let first = 1 + 3 * self.names.len();
+        let mut words = Vec::with_capacity(first + self.triangles.len());
+        words.push(u32::try_from(first).unwrap_or(u32::MAX).to_ne_bytes());
+        for name in &self.names {
+            let at = textured.coordinate(*name);
+            words.extend([at.x, at.y].map(f32::to_ne_bytes));
+            // Red is the lowest byte for the shader, on whatever machine.
+            words.push(u32::from_le_bytes(textured.colour(*name)).to_ne_bytes());
+        }
+        let range = self.first_triangle..self.first_triangle + self.triangles.len();
+        let originals = self.display.levels.stands_for.get(range);
+        let numbers = originals.unwrap_or_default().iter();
+        words.extend(numbers.map(|original| textured.material_of(*original).to_ne_bytes()));
+        words
     }
 }

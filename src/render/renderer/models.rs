@@ -60,7 +60,12 @@ impl Renderer {
             if has_shape && has_colours {
                 continue;
             }
-            if placed.display.mesh.triangles.len() > self.params.direct_segments {
+            let display = &placed.display;
+            let texels = display
+                .textured
+                .as_ref()
+                .map_or(0, |textured| textured.layers.texels.len() / TEXELS_EACH);
+            if display.mesh.triangles.len().max(texels) > self.params.direct_segments {
                 missing = missing.or(Some(placed.revision));
                 continue;
             }
@@ -158,10 +163,16 @@ impl Renderer {
     /// Faces, edges and vertices: everything that hides what is behind it.
     pub(super) fn record_models(&self, pass: &Pass<'_>, block: u64, report: &mut DrawReport) {
         let pipelines = &self.pipelines;
-        self.record_each_model(pass, block, report, |placed| {
+        self.record_each_model(pass, block, report, |placed, colours| {
             let look = &placed.look;
             let faces = match look.surface {
-                Some(SurfaceLook::Matte | SurfaceLook::Shaded) => Some(&pipelines.faces),
+                Some(SurfaceLook::Textured) if colours.skin_set().is_some() => {
+                    Some(&pipelines.textured)
+                }
+                // Without materials, or with other colours as long as these are on their way.
+                Some(SurfaceLook::Matte | SurfaceLook::Shaded | SurfaceLook::Textured) => {
+                    Some(&pipelines.faces)
+                }
                 Some(SurfaceLook::XRay) => None,
                 None => look.wireframe.then_some(&pipelines.wire),
             };
@@ -176,7 +187,7 @@ impl Renderer {
     /// What is seen through; after all else, the sky included.
     pub(super) fn record_x_rays(&self, pass: &Pass<'_>, block: u64, report: &mut DrawReport) {
         let x_rays = self.pipelines.x_rays.handle;
-        self.record_each_model(pass, block, report, |placed| {
+        self.record_each_model(pass, block, report, |placed, _| {
             let is_one = placed.look.surface == Some(SurfaceLook::XRay);
             [is_one.then_some((x_rays, Of::Triangles)), None]
         });
@@ -187,7 +198,7 @@ impl Renderer {
         pass: &Pass<'_>,
         block: u64,
         report: &mut DrawReport,
-        draws: impl Fn(&PlacedModel) -> [Option<(vk::Pipeline, Of)>; 2],
+        draws: impl Fn(&PlacedModel, &Colours) -> [Option<(vk::Pipeline, Of)>; 2],
     ) {
         let layout = self.pipelines.model_layout.handle;
         let mut bound = false;
@@ -204,11 +215,14 @@ impl Renderer {
                 colours.coloured,
                 pass.points,
             );
-            for (pipeline, of) in draws(placed).into_iter().flatten() {
+            for (pipeline, of) in draws(placed, colours).into_iter().flatten() {
                 if !bound {
                     self.bind_frame(pass, layout, block);
                     self.bind_model(pass, 2, self.selection.list_set);
                     bound = true;
+                }
+                if let Some(skin) = colours.skin_set() {
+                    self.bind_model(pass, 3, skin);
                 }
                 self.bind(pass, pipeline);
                 self.tell(pass, &data);
@@ -307,6 +321,9 @@ impl Renderer {
         self.shown(placed).filter(|_| drawn).map(|(shape, _)| shape)
     }
 }
+
+/// Bytes of images that are as much work as a triangle.
+const TEXELS_EACH: usize = 64;
 
 /// From one draw to the next.
 #[expect(clippy::cast_possible_truncation, reason = "16 bytes")]

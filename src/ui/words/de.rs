@@ -177,6 +177,7 @@ pub(super) const WORDS: Words = Words {
     bar_is: "Balken:",
     one_to_one: "Wahre Größe",
     reset_view: "An seinen Platz",
+    textured: "Material",
     shaded: "schattiert",
     matte: "matt",
     x_ray: "durchsichtig",

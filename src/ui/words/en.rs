@@ -177,6 +177,7 @@ pub(super) const WORDS: Words = Words {
     bar_is: "bar:",
     one_to_one: "Real size",
     reset_view: "Back to its place",
+    textured: "textured",
     shaded: "shaded",
     matte: "matte",
     x_ray: "x-ray",

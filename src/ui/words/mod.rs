@@ -109,7 +109,7 @@ words! {
     distance, along, angle, thickness, curvature, radius, measured, no_measures, places, opposite_side, by_rays, no_way, no_numbers,
     cut, cut_none, cut_in_hand, cut_stays, lamp,
     mend, mend_weld, mend_debris, mend_largest, mend_orient, mend_close, mend_close_smooth, mend_smooth, mend_decimate, mend_remesh, unmend,
-    tab_models, models_here, no_models_here, look_again, linked, model_is_not_there, take_away, triangles, vertices, unit, stands_on, shown_at, bar_is, one_to_one, reset_view, shaded, matte, x_ray, no_faces, edges, box_and_size, colour_by, nothing, parts, problems, no_problems,
+    tab_models, models_here, no_models_here, look_again, linked, model_is_not_there, take_away, triangles, vertices, unit, stands_on, shown_at, bar_is, one_to_one, reset_view, textured, shaded, matte, x_ray, no_faces, edges, box_and_size, colour_by, nothing, parts, problems, no_problems,
     language, tab_grow, tab_shape, tab_letters, tab_room, tab_file,
     step, grow, back, play, pause, speed, steps_a_second, undo, redo, clear, really_clear, keep,
     divergence, golden, alternate, thirds, opposite, scale, tip_radius, millimetres, radius_exponent, wrap, wrap_carry, wrap_restart,

@@ -16,6 +16,7 @@ use super::rows::extend;
 use super::shape::Block;
 use super::surface::Source;
 use crate::mesh::paint::{VertexColour, WHITE};
+use crate::mesh::srgb::short;
 
 /// Which accessor of a block is meant.
 type Which = fn(&Block) -> Option<usize>;
@@ -71,16 +72,6 @@ pub(super) fn colours(
             _ => by_number!(kind, read_opaque::<_>(elements, row)),
         }
     })
-}
-
-/// A part of one in 16 bits.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "0 to 65535; not a number is 0"
-)]
-fn short(part: f64) -> u16 {
-    (part.clamp(0.0, 1.0) * 65_535.0).round() as u16
 }
 
 fn columns<'a>(

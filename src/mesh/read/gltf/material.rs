@@ -7,7 +7,7 @@ use ::gltf::json::extensions::texture::TextureTransform;
 use ::gltf::json::material::{AlphaMode, Material as Json};
 use ::gltf::json::texture::{Info, Sampler, WrappingMode};
 use ::gltf::json::validation::Checked;
-use glam::{Affine2, Vec2, Vec4};
+use glam::{Affine2, Vec2, Vec3, Vec4};
 
 use super::super::{Stop, with_room};
 use super::elements::Accessors;
@@ -18,6 +18,8 @@ use crate::mesh::paint::{Alpha, Material, Paint, Texture, Wrap};
 
 /// Materials that have numbers of 16 bits.
 const MATERIALS_MOST: usize = 1 << 16;
+/// White paper in the sun is about 1.
+const MOST_LIGHT: f32 = 16.0;
 
 /// The base colour's image of a material, as either of its models has it.
 fn base_texture(material: &Json) -> Option<&Info> {
@@ -129,6 +131,7 @@ fn material(
         name: json.name.as_deref().map(shown).unwrap_or_default(),
         base_colour: Vec4::from_array(colour.map(part)),
         base_colour_image: texture,
+        emission: emission(json),
         metallic: match specular {
             Some(_) => 0.0,
             None => part(metallic.metallic_factor.0),
@@ -147,6 +150,17 @@ fn material(
         is_double_sided: json.double_sided,
         is_unlit: extensions.is_some_and(|all| all.unlit.is_some()),
     })
+}
+
+/// What a surface shines by itself: no more than a lamp that is looked at.
+fn emission(json: &Json) -> Vec3 {
+    let strength = json.extensions.as_ref().and_then(|all| {
+        let strength = all.emissive_strength.as_ref()?;
+        Some(strength.emissive_strength.0)
+    });
+    let light = Vec3::from_array(json.emissive_factor.0) * strength.unwrap_or(1.0);
+    // Numbers that are none are no light.
+    light.max(Vec3::ZERO).min(Vec3::splat(MOST_LIGHT))
 }
 
 fn texture(

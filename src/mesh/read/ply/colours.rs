@@ -3,10 +3,9 @@
 //! The format does not say what the numbers mean. Programs write what a screen shows (sRGB), whole numbers from 0 to the largest, floats
 //! from 0 to 1; alpha is a part of one.
 
-use std::sync::LazyLock;
-
 use super::header::{Element, Number, Property};
 use crate::mesh::paint::VertexColour;
+use crate::mesh::srgb::{LINEAR, linear, short};
 
 /// Where the channels of a colour are in a row, and what is 1 in each.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +47,7 @@ impl Channels {
             let value = values[at];
             *to = match self.ones[at] {
                 one if at == 3 => short(value / one),
-                255.0 => BYTES[usize::from(byte(value))],
+                255.0 => LINEAR[usize::from(byte(value))],
                 one => short(linear(value / one)),
             };
         }
@@ -66,19 +65,6 @@ fn one(property: &Property) -> Option<f64> {
     }
 }
 
-/// What bytes of sRGB are.
-static BYTES: LazyLock<[u16; 256]> =
-    LazyLock::new(|| std::array::from_fn(|byte| short(linear(byte as f64 / 255.0))));
-
-/// What a part of sRGB is (IEC 61966-2-1).
-fn linear(part: f64) -> f64 {
-    if part <= 0.040_45 {
-        part / 12.92
-    } else {
-        ((part + 0.055) / 1.055).powf(2.4)
-    }
-}
-
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -86,13 +72,4 @@ fn linear(part: f64) -> f64 {
 )]
 fn byte(value: f64) -> u8 {
     value as u8
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "0 to 65535; not a number is 0"
-)]
-fn short(part: f64) -> u16 {
-    (part.clamp(0.0, 1.0) * 65_535.0).round() as u16
 }
