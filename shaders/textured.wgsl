@@ -6,14 +6,16 @@
 struct Material {
     // Linear, with alpha.
     color: vec4f,
-    // The image's across and down are dot(across.xyz, (u, v, 1)) and dot(down.xyz, (u, v, 1)).
-    // across.w: the layer of the images; -1: none. down.w: what has less alpha is not there; -1: all is; 2: as much as alpha says is there.
+    // The images' across and down are dot(across.xyz, (u, v, 1)) and dot(down.xyz, (u, v, 1)).
+    // across.w: what normals' red and green are multiplied by. down.w: what has less alpha is not there; -1: all is; 2: as much as alpha says is there.
     across: vec4f,
     down: vec4f,
     // rgb: what it shines by itself; w: roughness.
     emission: vec4f,
     // x: metallic. y: UNLIT and the following.
     more: vec4f,
+    // Layers of the images for base colour, emission, metal and roughness, normals; -1: none.
+    layers: vec4f,
 }
 
 const UNLIT = 1u;
@@ -74,39 +76,62 @@ fn folded(at: f32) -> f32 {
     return 1.0 - abs(at - 2.0 * floor(at * 0.5) - 1.0);
 }
 
-// An image's colour; steps: how much farther along it the next pixels are.
-fn image_color(m: Material, at: vec2f, across_step: vec2f, down_step: vec2f) -> vec4f {
-    if m.across.w < 0.0 {
+// Where a pixel is in its images, and how much farther along them the next pixels are.
+struct Spot {
+    at: vec2f,
+    across_step: vec2f,
+    down_step: vec2f,
+}
+
+// What an image has there; white where there is none.
+fn image_color(m: Material, layer: f32, spot: Spot) -> vec4f {
+    if layer < 0.0 {
         return vec4f(1.0);
     }
     let wrap = u32(m.more.y) / WRAPS;
     let wrap_across = wrap % WRAPS;
     let wrap_down = wrap / WRAPS;
     let place = vec2f(
-        select(at.x, folded(at.x), wrap_across == MIRRORED),
-        select(at.y, folded(at.y), wrap_down == MIRRORED),
+        select(spot.at.x, folded(spot.at.x), wrap_across == MIRRORED),
+        select(spot.at.y, folded(spot.at.y), wrap_down == MIRRORED),
     );
-    let layer = i32(m.across.w);
+    let number = i32(layer);
     if wrap_across == 0u && wrap_down == 0u {
-        return textureSampleGrad(images, repeated, place, layer, across_step, down_step);
+        return textureSampleGrad(images, repeated, place, number, spot.across_step, spot.down_step);
     } else if wrap_across == 0u {
-        return textureSampleGrad(images, repeated_across, place, layer, across_step, down_step);
+        return textureSampleGrad(images, repeated_across, place, number, spot.across_step, spot.down_step);
     } else if wrap_down == 0u {
-        return textureSampleGrad(images, repeated_down, place, layer, across_step, down_step);
+        return textureSampleGrad(images, repeated_down, place, number, spot.across_step, spot.down_step);
     }
-    return textureSampleGrad(images, clamped, place, layer, across_step, down_step);
+    return textureSampleGrad(images, clamped, place, number, spot.across_step, spot.down_step);
 }
 
-fn material_shade(p: Painted, m: Material, own: vec3f, front: bool) -> vec3f {
-    let f = facing(p.world, p.normal, p.eye, front);
-    if (u32(m.more.y) & UNLIT) != 0u {
-        return air(own, f.offset);
+// Images of numbers lie among those of colours: the device takes them for sRGB, which is undone.
+fn image_numbers(m: Material, layer: f32, spot: Spot) -> vec3f {
+    let c = image_color(m, layer, spot).rgb;
+    return select(1.055 * pow(max(c, vec3f(0.0)), vec3f(1.0 / 2.4)) - 0.055, c * 12.92, c <= vec3f(0.0031308));
+}
+
+// A normal that an image turns: the image's right and top on the surface are found from how place and image change from pixel to pixel
+// (Schuler 2013, "Normal Mapping Without Precomputed Tangents", in GPU Pro 2).
+fn mapped(normal: vec3f, m: Material, spot: Spot, world_across: vec3f, world_down: vec3f) -> vec3f {
+    if m.layers.w < 0.0 {
+        return normal;
     }
-    // What is metal and rough mirrors the stage in all directions, so it looks as stone does.
-    let look = Look(vec4f(own, m.emission.w), vec4f(m.more.x * (1.0 - m.emission.w), 0.0, 0.0, 0.0));
-    var color = glossy(look, f.normal, f.to_eye, sunlight(p.world, f.normal));
-    color += lamp_light(own, f.normal, p.world) + m.emission.rgb;
-    return air(color, f.offset);
+    let packed = image_numbers(m, m.layers.w, spot) * 2.0 - 1.0;
+    let tilt = packed.xy * m.across.w;
+    let across = cross(world_down, normal);
+    let down = cross(normal, world_across);
+    let right = across * spot.across_step.x + down * spot.down_step.x;
+    // An image's second axis runs down, its normals' green up.
+    let top = -(across * spot.across_step.y + down * spot.down_step.y);
+    let size = max(dot(right, right), dot(top, top));
+    if size < 1e-30 {
+        return normal;
+    }
+    // Pixels may run the other way round than the surface turns.
+    let turn = sign(dot(world_across, across)) * inverseSqrt(size);
+    return normalize((right * tilt.x + top * tilt.y) * turn + normal * max(packed.z, 0.02));
 }
 
 @fragment
@@ -115,13 +140,26 @@ fn textured_fragment(p: Painted, @builtin(front_facing) front: bool) -> @locatio
     let line = line_cover(p.near);
     let place = vec3f(p.at, 1.0);
     let at = vec2f(dot(m.across.xyz, place), dot(m.down.xyz, place));
-    let across_step = dpdx(at);
-    let down_step = dpdy(at);
-    let color = image_color(m, at, across_step, down_step) * m.color * p.color;
+    let spot = Spot(at, dpdx(at), dpdy(at));
+    let world_across = dpdx(p.world);
+    let world_down = dpdy(p.world);
+    let f = facing(p.world, p.normal, p.eye, front);
+    let color = image_color(m, m.layers.x, spot) * m.color * p.color;
     // An edge as sharp as the pixels are.
     let masked = (color.a - m.down.w) / max(fwidth(color.a), 1e-3) + 0.5;
     let shown = front || (u32(m.more.y) & DOUBLE) != 0u;
-    let lit_color = material_shade(p, m, select(INSIDE, color.rgb, shown), front);
+    let own = select(INSIDE, color.rgb, shown);
+    var lit_color = own;
+    if (u32(m.more.y) & UNLIT) == 0u {
+        let matter = image_numbers(m, m.layers.z, spot);
+        let roughness = m.emission.w * matter.g;
+        // What is metal and rough mirrors the stage in all directions, so it looks as stone does.
+        let look = Look(vec4f(own, roughness), vec4f(m.more.x * matter.b * (1.0 - roughness), 0.0, 0.0, 0.0));
+        let normal = mapped(f.normal, m, spot, world_across, world_down);
+        lit_color = glossy(look, normal, f.to_eye, sunlight(p.world, f.normal));
+        lit_color += lamp_light(own, normal, p.world) + m.emission.rgb * image_color(m, m.layers.y, spot).rgb;
+    }
+    lit_color = air(lit_color, f.offset);
     var cover = 1.0;
     if m.down.w > 1.0 {
         cover = coverage(color.a);

@@ -15,6 +15,7 @@ mod panels {
     pub(crate) mod pictures;
     mod recorded;
     mod room;
+    mod textured;
     mod tools;
     pub(crate) mod visitor;
     mod with_models;

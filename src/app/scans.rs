@@ -6,13 +6,15 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use crate::app::queue::Queue;
 use crate::mesh::colour::{by_parts, by_problems};
+use crate::mesh::display::Display;
 use crate::mesh::intersect::{IntersectParams, intersections};
 use crate::mesh::mend::{Mend, mend_all};
+use crate::mesh::paint::Paint;
 use crate::mesh::pick::{Cache, Picker};
 use crate::mesh::problem::problems;
 use crate::mesh::report::{ReportParams, report};
 use crate::mesh::surface::Surface;
-use crate::mesh::textured::{LayerLimits, Textured};
+use crate::mesh::textured::{LayerLimits, Textured, moved};
 use crate::mesh::unit::{Scale, Unit};
 use crate::mesh::{Format, Mesh, ReadLimits, read};
 use crate::world::model::LoadedModel;
@@ -123,18 +125,9 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     let model = read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?;
     let (stated, format) = (model.scale(), model.format);
     let stopped = || "the reading of the model was cancelled".to_owned();
-    let mut remarks = model.remarks;
+    let remarks = model.remarks;
     // Mends join and replace the vertices that materials are put on by.
-    let paint = model.paint.filter(|_| mends.is_empty());
-    let textured = match paint {
-        Some(paint) => {
-            let (textured, told) =
-                Textured::new(paint, &LayerLimits::default(), cancel).ok_or_else(stopped)?;
-            remarks.extend(told);
-            textured
-        }
-        None => None,
-    };
+    let before = (model.paint.is_some() && !mends.is_empty()).then(|| model.mesh.clone());
     let mut mended = progress.stage(mending);
     let (mesh, accounts) = mend_all(model.mesh, mends, cancel, &mut |_, done, of| {
         mended(done, of)
@@ -155,8 +148,14 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     let surface = picker
         .and_then(|picker| Surface::new(picker, cancel))
         .ok_or_else(stopped)?;
-    let mut model = LoadedModel::with_materials(surface, textured, cancel).ok_or_else(stopped)?;
-    model.remarks = remarks;
+    let mut told = Vec::new();
+    let coloured = match (model.paint, before) {
+        (Some(paint), None) => painted(surface, paint, &mut told, cancel),
+        (Some(paint), Some(before)) => repainted(surface, &paint, before, &mut told, cancel),
+        (None, _) => LoadedModel::new(surface, cancel),
+    };
+    let mut model = coloured.ok_or_else(stopped)?;
+    model.remarks = [remarks, told].concat();
     let plain = Arc::clone(&model.plain);
     let guess = stated.or_else(|| Scale::guessed(report.size().max_element()));
     if plain.size().max_element() <= 0.0 || guess.is_none() {
@@ -175,6 +174,38 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
         z_up: stands_on_its_third_axis(format),
         model,
     })
+}
+
+/// A model with the colours of its file; what is not shown of them is told.
+fn painted(
+    surface: Surface,
+    paint: Paint,
+    told: &mut Vec<String>,
+    cancel: &AtomicBool,
+) -> Option<LoadedModel> {
+    let (textured, remarks) = Textured::new(paint, &LayerLimits::default(), cancel)?;
+    *told = remarks;
+    LoadedModel::with_materials(surface, textured, cancel)
+}
+
+/// The same of a model that was mended, whose vertices are not those of its file.
+fn repainted(
+    surface: Surface,
+    paint: &Paint,
+    before: Mesh,
+    told: &mut Vec<String>,
+    cancel: &AtomicBool,
+) -> Option<LoadedModel> {
+    let (mesh, paint) = moved(paint, before, surface.mesh(), cancel)?;
+    let (textured, remarks) = Textured::new(paint, &LayerLimits::default(), cancel)?;
+    *told = remarks;
+    let mut model = LoadedModel::new(surface, cancel)?;
+    if let Some(textured) = textured {
+        let display = Display::new(Arc::new(mesh), Some(&textured), cancel)?;
+        let display = display.textured(Arc::new(textured));
+        model.textured = Some((Arc::new(display), new_revision()));
+    }
+    Some(model)
 }
 
 /// Smaller models are searched through sooner than a file is found.

@@ -156,10 +156,9 @@ pub(super) fn run(
         .map_err(anyhow::Error::msg)?
         .unwrap_or_default();
     let mut loaded = Progress::during("reading", || read(&args.model, &never))?;
-    if mends.is_some() {
-        // It is for vertices and triangles that mends join and replace.
-        loaded.paint = None;
-    }
+    // Mends join and replace the vertices that colours are put on by.
+    let before = (mends.is_some() && loaded.paint.is_some() && args.png.is_some())
+        .then(|| loaded.mesh.clone());
     let repairs = match &mends {
         Some(mends) => Some(repair::mended(
             &mut loaded.mesh,
@@ -171,6 +170,12 @@ pub(super) fn run(
     };
     if let Some(out) = &args.out {
         repair::write(&loaded.mesh, out)?;
+        if loaded.paint.is_some() {
+            whisper!(
+                "what colours the model is not written into {}",
+                out.display()
+            );
+        }
     }
     let mut inspected = inspect(&args.model, &loaded, &never)?;
     inspected.repairs = repairs;
@@ -205,8 +210,15 @@ pub(super) fn run(
             endpoints,
         };
         let surface = || surface.map_or_else(|| with_surface(&mesh), Ok);
-        let range = pictured::draw(surface, &mesh, paint, colours, subject, path)
-            .with_context(|| format!("cannot draw {}", args.model.display()))?;
+        let range = pictured::draw(
+            surface,
+            &mesh,
+            paint.map(|paint| (paint, before)),
+            colours,
+            subject,
+            path,
+        )
+        .with_context(|| format!("cannot draw {}", args.model.display()))?;
         if let Some([low, high]) = range {
             let [low, high] = [low, high].map(|end| Rounded(end.into()));
             whisper!("the colours run from {low} to {high}, in the file's unit");

@@ -1,8 +1,8 @@
 //! What colours a model's surface: materials, colours and texture coordinates at the vertices, and images.
 //!
 //! Flat arrays beside those of [`super::Mesh`], each empty where the file has nothing of the kind, so that a scan without colours takes
-//! no memory for them. Materials are glTF's (metallic and rough, §3.9 of its specification), as far as they are drawn here: the base
-//! colour and its image, how metallic and rough all of it is, and what it shines by itself. Images stay as the file has them, PNG or JPEG, and are decoded when somebody wants to show them: a model of
+//! no memory for them. Materials are glTF's (metallic and rough, §3.9 of its specification), as far as they are drawn here: all
+//! but occlusion, which other light than the stage's makes, and images that do not lie as the base colour's does. Images stay as the file has them, PNG or JPEG, and are decoded when somebody wants to show them: a model of
 //! a gigabyte of textures is measured without looking at one. Colours are linear; 16 bits a channel, since eight would show bands
 //! in the dark, and floats would take twice as much.
 
@@ -44,8 +44,16 @@ pub struct Material {
     pub base_colour: Vec4,
     /// The image, where it has one.
     pub base_colour_image: Option<Texture>,
-    /// What it shines by itself, linear.
+    /// What it shines by itself, linear; by this its image is multiplied.
     pub emission: Vec3,
+    /// Where it shines, and in which colour.
+    pub emission_image: Option<Texture>,
+    /// Green is by how much roughness, blue by how much metal is multiplied.
+    pub metal_roughness_image: Option<Texture>,
+    /// Where normals point: red to the image's right, green to its top, blue outwards, from 0 for −1 to 1.
+    pub normal_image: Option<Texture>,
+    /// What red and green of those are multiplied by.
+    pub normal_scale: f32,
     /// From 0, as stone, to 1, as metal.
     pub metallic: f32,
     /// From 0, as a mirror, to 1, dull.
@@ -66,12 +74,38 @@ impl Default for Material {
             base_colour: Vec4::ONE,
             base_colour_image: None,
             emission: Vec3::ZERO,
+            emission_image: None,
+            metal_roughness_image: None,
+            normal_image: None,
+            normal_scale: 1.0,
             metallic: 1.0,
             roughness: 1.0,
             alpha: Alpha::Opaque,
             is_double_sided: false,
             is_unlit: false,
         }
+    }
+}
+
+impl Material {
+    /// Its images: base colour, emission, metal and roughness, normals. Where there are several, they lie as the first does.
+    #[must_use]
+    pub fn images(&self) -> [Option<Texture>; 4] {
+        [
+            self.base_colour_image,
+            self.emission_image,
+            self.metal_roughness_image,
+            self.normal_image,
+        ]
+    }
+
+    pub(super) fn images_mut(&mut self) -> [&mut Option<Texture>; 4] {
+        [
+            &mut self.base_colour_image,
+            &mut self.emission_image,
+            &mut self.metal_roughness_image,
+            &mut self.normal_image,
+        ]
     }
 }
 

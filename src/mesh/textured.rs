@@ -6,6 +6,7 @@
 //! indexes by a number that differs from pixel to pixel.
 
 mod layers;
+mod moved;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -13,6 +14,7 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 pub use self::layers::{LayerLimits, Layers, Part};
+pub use self::moved::moved;
 use super::Mesh;
 use super::colour::Colour;
 use super::paint::{Alpha, ImageLimits, Material, Paint, VertexColour};
@@ -81,8 +83,8 @@ impl Textured {
                 }
             });
         }
-        for material in &mut materials {
-            material.base_colour_image = material.base_colour_image.and_then(|mut texture| {
+        for image in materials.iter_mut().flat_map(Material::images_mut) {
+            *image = image.and_then(|mut texture| {
                 texture.image = places.get(texture.image as usize).copied().flatten()?;
                 Some(texture)
             });

@@ -61,7 +61,7 @@ fn tube(text: &mut String, first: usize, path: impl Fn(f32) -> Vec3, radius: imp
 }
 
 /// A vessel of 100 mm with a branch pushed into it: two parts, four open ends, and a seam where they cross.
-fn vessel(folder: &Path) -> std::path::PathBuf {
+pub(super) fn vessel(folder: &Path) -> std::path::PathBuf {
     let mut text = String::new();
     let trunk = |t: f32| Vec3::new(12.0 * (t * 3.0).sin(), 100.0 * t, 8.0 * (t * 4.0).cos());
     tube(&mut text, 1, trunk, |t| {
@@ -78,7 +78,7 @@ fn vessel(folder: &Path) -> std::path::PathBuf {
 }
 
 /// Somebody whose project lies beside the vessel.
-fn visitor(folder: &Path) -> Visitor {
+pub(super) fn visitor(folder: &Path) -> Visitor {
     let opened = Store::open(&folder.join("a.ramus")).unwrap();
     let mut workshop = Workshop::new(opened, WorkshopParams::default()).unwrap();
     workshop.offer_models();
@@ -86,7 +86,7 @@ fn visitor(folder: &Path) -> Visitor {
 }
 
 /// Presses a button that the tab may have to be scrolled for.
-fn press(visitor: &mut Visitor, text: &str) {
+pub(super) fn press(visitor: &mut Visitor, text: &str) {
     visitor.scroll_to(RIGHT, PanelId::Bench, text);
     visitor.click(RIGHT, PanelId::Bench, text);
     visitor.workshop.finish_models();

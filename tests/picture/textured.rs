@@ -15,7 +15,7 @@ use ramus::world::scene::{ModelLook, PlacedModel, Scene, SurfaceLook, new_revisi
 
 use super::support::{SIDE, Shot, ahead, device, mode, plain, shoot, silent};
 
-const NEVER: AtomicBool = AtomicBool::new(false);
+static NEVER: AtomicBool = AtomicBool::new(false);
 const DISTANCE: f32 = 1.0;
 
 /// A square of this half side that faces the eye; the image's upper left corner at its upper left one, and so many times across and down.
@@ -322,6 +322,96 @@ fn light_and_sides_are_as_the_material_says() {
         shining[0] > 240 && shining[1].abs_diff(lit[1]) < 6,
         "{shining:?}"
     );
+    silent(&gpu);
+}
+
+/// A green square with more images, as [`unlit`] puts them on.
+fn with_image(image: Image, change: &dyn Fn(&mut Material, Texture)) -> Scene {
+    let (mesh, texture_coordinates) = square(0.4, 1.0);
+    let mut material = Material {
+        is_unlit: false,
+        is_double_sided: true,
+        metallic: 0.0,
+        base_colour: Vec4::new(0.1, 0.4, 0.1, 1.0),
+        ..unlit()
+    };
+    if let Some(texture) = material.base_colour_image.take() {
+        change(&mut material, texture);
+    }
+    let paint = Paint {
+        texture_coordinates,
+        materials: vec![material],
+        images: vec![image],
+        ..Paint::default()
+    };
+    scene(vec![model(mesh, paint)])
+}
+
+#[test]
+fn normals_of_an_image_light_a_surface_as_if_it_were_turned() {
+    let Some(gpu) = device() else { return };
+    let plain = || png(2, 2, |_, _| [255; 4]);
+    let turns: [(f32, Vec3, [u8; 3]); 4] = [
+        // Half a right angle's half: sin 0.5, cos 0.866.
+        (30.0, Vec3::Y, [191, 128, 238]),
+        (-30.0, Vec3::Y, [64, 128, 238]),
+        (-30.0, Vec3::X, [128, 191, 238]),
+        (30.0, Vec3::X, [128, 64, 238]),
+    ];
+    let mut seen = Vec::new();
+    for mode in [mode(&gpu), StereoMode::PerEye] {
+        for (degrees, axis, [red, green, blue]) in turns {
+            let normals = png(4, 4, |_, _| [red, green, blue, 255]);
+            let mapped = with_image(normals, &|material, texture| {
+                material.normal_image = Some(texture);
+            });
+            let mut turned = with_image(plain(), &|_, _| ());
+            turned.models[0].world_from_model =
+                Affine3A::from_axis_angle(axis, degrees.to_radians());
+            let [mapped, turned] =
+                [mapped, turned].map(|scene| at(&shot(&gpu, mode, &scene).color[0], 0.5, 0.5));
+            for (a, b) in mapped.iter().zip(turned) {
+                assert!(
+                    a.abs_diff(b) <= 6,
+                    "{degrees}° about {axis}: {mapped:?}, {turned:?}"
+                );
+            }
+            seen.push(mapped);
+        }
+    }
+    seen.sort_unstable();
+    assert!(seen[0][1] + 20 < seen[7][1], "the turns differ: {seen:?}");
+    silent(&gpu);
+}
+
+#[test]
+fn images_of_emission_metal_and_roughness_count() {
+    let Some(gpu) = device() else { return };
+    let seen = |pixel: [u8; 4], change: &dyn Fn(&mut Material, Texture)| {
+        let scene = with_image(png(2, 2, |_, _| pixel), change);
+        at(&shot(&gpu, mode(&gpu), &scene).color[0], 0.5, 0.5)
+    };
+    let none = seen([255; 4], &|_, _| ());
+    // Half of the light is byte 188.
+    let shining = seen([188, 0, 0, 255], &|material, texture| {
+        (material.emission, material.emission_image) = (Vec3::ONE, Some(texture));
+    });
+    assert!(
+        shining[0] > 185 && shining[1].abs_diff(none[1]) <= 2,
+        "{shining:?}, {none:?}"
+    );
+    // By numbers: an image that says half rough and all metal is a material that says so.
+    let by_image = seen([0, 128, 255, 255], &|material, texture| {
+        (material.metallic, material.roughness) = (1.0, 1.0);
+        material.metal_roughness_image = Some(texture);
+    });
+    let by_number = seen([255; 4], &|material, _| {
+        (material.metallic, material.roughness) = (1.0, 0.5);
+    });
+    for (a, b) in by_image.iter().zip(by_number) {
+        assert!(a.abs_diff(b) <= 3, "{by_image:?}, {by_number:?}");
+    }
+    assert!(by_number.iter().zip(none).any(|(a, b)| a.abs_diff(b) > 10));
     silent(&gpu);
 }
 

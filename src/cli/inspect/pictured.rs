@@ -19,7 +19,7 @@ use crate::mesh::intersect::Intersections;
 use crate::mesh::paint::Paint;
 use crate::mesh::report::Report;
 use crate::mesh::surface::Surface;
-use crate::mesh::textured::{LayerLimits, Textured};
+use crate::mesh::textured::{LayerLimits, Textured, moved};
 use crate::mesh::unit::Unit;
 use crate::world::model::Colouring;
 use crate::world::scene::{ModelLook, SurfaceLook};
@@ -137,11 +137,11 @@ pub(super) fn colours(
     }
 }
 
-/// Draws a model into a file; gives the numbers between which the colours run, where they show numbers.
+/// Draws a model into a file, with its file's paint and, where it was mended, the mesh that this is for; gives the numbers between which the colours run, where they show numbers.
 pub(super) fn draw(
     surface: impl FnOnce() -> Result<Surface>,
     mesh: &Arc<Mesh>,
-    paint: Option<Paint>,
+    paint: Option<(Paint, Option<Mesh>)>,
     colours: Vec<Colour>,
     subject: Subject<'_>,
     path: &Path,
@@ -152,17 +152,18 @@ pub(super) fn draw(
     let (picture, range) = Progress::during("drawing", || {
         let how = portrait(&subject);
         let paint = paint.filter(|_| how.look.surface == Some(SurfaceLook::Textured));
-        let textured = match paint {
-            Some(paint) => {
-                let limits = LayerLimits::default();
-                let (textured, remarks) =
-                    Textured::new(paint, &limits, &never).ok_or_else(stopped)?;
-                remarks.iter().for_each(|remark| whisper!("{remark}"));
-                textured
+        let mut mesh = Arc::clone(mesh);
+        let mut textured = None;
+        if let Some((mut paint, before)) = paint {
+            if let Some(before) = before {
+                let parted = moved(&paint, before, &mesh, &never).ok_or_else(stopped)?;
+                (mesh, paint) = (Arc::new(parted.0), parted.1);
             }
-            None => None,
-        };
-        let mesh = Arc::clone(mesh);
+            let limits = LayerLimits::default();
+            let (found, remarks) = Textured::new(paint, &limits, &never).ok_or_else(stopped)?;
+            remarks.iter().for_each(|remark| whisper!("{remark}"));
+            textured = found;
+        }
         let display = Display::for_picture(mesh, textured.as_ref(), &never).ok_or_else(stopped)?;
         let (display, range) = match (numbers, textured) {
             (Some(by), _) => {

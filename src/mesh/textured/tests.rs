@@ -1,6 +1,8 @@
 #![allow(
     clippy::unwrap_used,
     clippy::missing_assert_message,
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
     reason = "a test that fails shows the line"
 )]
 
@@ -13,7 +15,7 @@ use image::{ImageFormat, Rgba, RgbaImage};
 use super::*;
 use crate::mesh::paint::{Image, Texture, WHITE, Wrap};
 
-const NEVER: AtomicBool = AtomicBool::new(false);
+static NEVER: AtomicBool = AtomicBool::new(false);
 
 fn image(width: u32, height: u32, colour: impl Fn(u32, u32) -> [u8; 4]) -> Image {
     let pixels = RgbaImage::from_fn(width, height, |x, y| Rgba(colour(x, y)));
@@ -266,4 +268,93 @@ fn borders_are_where_materials_meet() {
     assert_eq!([0, 1].map(|triangle| found.material_of(triangle)), [0, 0]);
     assert_eq!(found.colour(99), [255; 4]);
     assert_eq!(Vec4::ONE, found.materials[1].base_colour);
+}
+
+/// A flat sheet of quads, its place in the image the same as on the ground; the second half lies in another part of the image.
+fn sheet(side: u32) -> (Mesh, Paint) {
+    let mut mesh = Mesh::default();
+    let mut paint = Paint {
+        materials: vec![Material::default(); 2],
+        ..Paint::default()
+    };
+    for (half, moved) in [(0, 0.0), (1, 5.0)] {
+        let first = u32::try_from(mesh.positions.len()).unwrap();
+        for y in 0..=side {
+            for x in 0..=side {
+                let at = Vec2::new((x + half * side) as f32, y as f32);
+                mesh.positions.push(at.extend(0.0));
+                paint.texture_coordinates.push(at * 0.1 + Vec2::Y * moved);
+                let red = u16::try_from(1000 * (x + half * side)).unwrap();
+                paint.colours.push([red, 0, 0, u16::MAX]);
+            }
+        }
+        for y in 0..side {
+            for x in 0..side {
+                let a = first + y * (side + 1) + x;
+                let [b, c, d] = [a + 1, a + side + 1, a + side + 2];
+                mesh.triangles.extend([[a, b, d], [a, d, c]]);
+                paint.triangle_materials.extend([half as u16; 2]);
+            }
+        }
+    }
+    (mesh, paint)
+}
+
+#[test]
+fn paint_stays_where_it_was_when_a_mesh_is_mended() {
+    use crate::mesh::mend::{list_from_text, mend_all};
+    let (before, paint) = sheet(12);
+    for (list, exactly) in [
+        ("weld", true),
+        ("weld,orient,largest", true),
+        ("weld,decimate=25%", false),
+        ("weld,remesh=0.8", false),
+    ] {
+        let mends = list_from_text(list).unwrap();
+        let (mended, _) = mend_all(before.clone(), &mends, &NEVER, &mut |_, _, _| ()).unwrap();
+        let (mesh, found) = moved(&paint, before.clone(), &mended, &NEVER).unwrap();
+        assert_eq!(mesh.triangles.len(), mended.triangles.len(), "{list}");
+        assert_eq!(found.texture_coordinates.len(), mesh.positions.len());
+        if exactly {
+            // Parted along the seam again, and nowhere else.
+            assert_eq!(mesh.positions.len(), before.positions.len(), "{list}");
+        }
+        for (number, triangle) in mesh.triangles.iter().enumerate() {
+            let corners = triangle.map(|vertex| mesh.positions[vertex as usize]);
+            let middle = corners.into_iter().sum::<Vec3>() / 3.0;
+            let half = u16::from(middle.x > 12.0);
+            let over = corners
+                .iter()
+                .any(|at| (at.x > 12.01) != (half == 1) && (at.x - 12.0).abs() > 0.01);
+            assert_eq!(found.triangle_materials[number], half, "{list}: {middle}");
+            for (vertex, at) in triangle.iter().zip(corners) {
+                let expected = at.truncate() * 0.1 + Vec2::Y * 5.0 * f32::from(half);
+                let place = found.texture_coordinates[*vertex as usize];
+                let off = place.distance(expected);
+                // Where a triangle reaches over the seam its own part of the image goes on.
+                assert!(off < 1e-4, "{list}: {place} at {at}, over the seam: {over}");
+                let red = f32::from(found.colours[*vertex as usize][0]);
+                assert!((red - 1000.0 * at.x).abs() < 2.0, "{list}: {red} at {at}");
+            }
+        }
+    }
+    let stopped = AtomicBool::new(true);
+    assert!(moved(&paint, before.clone(), &before, &stopped).is_none());
+}
+
+#[test]
+fn paint_of_nothing_but_points_and_lines_is_no_trouble() {
+    let before = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+        triangles: vec![[0, 0, 0], [0, 1, 1], [0, 1, 9]],
+        ..Mesh::default()
+    };
+    let paint = Paint {
+        texture_coordinates: vec![Vec2::ONE; 2],
+        materials: vec![Material::default()],
+        ..Paint::default()
+    };
+    let (mesh, found) = moved(&paint, before.clone(), &before, &NEVER).unwrap();
+    assert_eq!(mesh.triangles.len(), 3);
+    assert_eq!(found.texture_coordinates.len(), mesh.positions.len());
 }

@@ -2,6 +2,7 @@
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
+use glam::Affine2;
 use gpu_allocator::MemoryLocation;
 
 use super::{Arriving, write_set};
@@ -27,6 +28,7 @@ struct MaterialData {
     down: [f32; 4],
     emission: [f32; 4],
     more: [f32; 4],
+    layers: [f32; 4],
 }
 
 const UNLIT: u16 = 1;
@@ -35,11 +37,12 @@ const WRAPS: u16 = 4;
 
 impl MaterialData {
     fn new(material: &Material) -> Self {
-        let image = &material.base_colour_image;
-        let place = image.map_or_else(Default::default, |image| image.image_from_texture);
+        let images = material.images();
+        let lies = images.into_iter().flatten().next();
+        let place = lies.map_or(Affine2::IDENTITY, |image| image.image_from_texture);
         // Fewer layers than a float counts.
         #[expect(clippy::cast_precision_loss, reason = "at most 256 layers")]
-        let layer = image.map_or(-1.0, |image| image.image as f32);
+        let layers = images.map(|image| image.map_or(-1.0, |image| image.image as f32));
         let cutoff = match material.alpha {
             Alpha::Opaque => -1.0,
             Alpha::Mask(cutoff) => cutoff,
@@ -50,7 +53,7 @@ impl MaterialData {
             Wrap::Mirror => 1,
             Wrap::Clamp => 2,
         };
-        let [across, down] = image.map_or([0; 2], |image| image.wrap.map(wrap));
+        let [across, down] = lies.map_or([0; 2], |image| image.wrap.map(wrap));
         let flag = |on: bool, bit: u16| if on { bit } else { 0 };
         let flags = flag(material.is_unlit, UNLIT)
             + flag(material.is_double_sided, DOUBLE)
@@ -63,10 +66,11 @@ impl MaterialData {
         let [red, green, blue] = material.emission.to_array();
         Self {
             color: material.base_colour.to_array(),
-            across: [x.x, y.x, moved.x, layer],
+            across: [x.x, y.x, moved.x, material.normal_scale],
             down: [x.y, y.y, moved.y, cutoff],
             emission: [red, green, blue, material.roughness],
             more: [material.metallic, f32::from(flags), 0.0, 0.0],
+            layers,
         }
     }
 }

@@ -1,10 +1,10 @@
-//! Materials (§3.9): those that some triangle has, and the images of their base colours.
+//! Materials (§3.9): those that some triangle has, and their images.
 
 use std::collections::BTreeMap;
 
 use ::gltf::json::Root;
 use ::gltf::json::extensions::texture::TextureTransform;
-use ::gltf::json::material::{AlphaMode, Material as Json};
+use ::gltf::json::material::{AlphaMode, Material as Json, NormalTexture};
 use ::gltf::json::texture::{Info, Sampler, WrappingMode};
 use ::gltf::json::validation::Checked;
 use glam::{Affine2, Vec2, Vec3, Vec4};
@@ -21,27 +21,66 @@ const MATERIALS_MOST: usize = 1 << 16;
 /// White paper in the sun is about 1.
 const MOST_LIGHT: f32 = 16.0;
 
-/// The base colour's image of a material, as either of its models has it.
-fn base_texture(material: &Json) -> Option<&Info> {
-    let metallic = material.pbr_metallic_roughness.base_color_texture.as_ref();
-    metallic.or_else(|| {
-        let extensions = material.extensions.as_ref()?;
-        let specular = extensions.pbr_specular_glossiness.as_ref()?;
-        specular.diffuse_texture.as_ref()
-    })
+/// An image that a material names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Use {
+    texture: usize,
+    /// Which of the texture coordinates it is put on with.
+    set: u32,
+    image_from_texture: Affine2,
 }
 
-fn transform(info: &Info) -> Option<&TextureTransform> {
-    info.extensions.as_ref()?.texture_transform.as_ref()
+impl Use {
+    fn of(info: &Info) -> Self {
+        let extensions = info.extensions.as_ref();
+        let transform = extensions.and_then(|all| all.texture_transform.as_ref());
+        Self {
+            texture: info.index.value(),
+            set: transform
+                .and_then(|transform| transform.tex_coord)
+                .unwrap_or(info.tex_coord),
+            image_from_texture: transform.map_or(Affine2::IDENTITY, affine),
+        }
+    }
+
+    /// One of normals. The crate leaves its transform as it stands in the file.
+    fn of_normals(normals: &NormalTexture) -> Self {
+        let extensions = normals.extensions.as_ref();
+        let value = extensions.and_then(|all| all.others.get("KHR_texture_transform"));
+        let transform =
+            value.and_then(|value| serde_json::from_value::<TextureTransform>(value.clone()).ok());
+        Self {
+            texture: normals.index.value(),
+            set: transform
+                .as_ref()
+                .and_then(|transform| transform.tex_coord)
+                .unwrap_or(normals.tex_coord),
+            image_from_texture: transform.as_ref().map_or(Affine2::IDENTITY, affine),
+        }
+    }
+
+    /// Base colour (as either of the models of materials has it), emission, metal and roughness, normals.
+    fn all(json: &Json) -> [Option<Self>; 4] {
+        let metallic = &json.pbr_metallic_roughness;
+        let extensions = json.extensions.as_ref();
+        let specular = extensions.and_then(|all| all.pbr_specular_glossiness.as_ref());
+        let base = metallic.base_color_texture.as_ref();
+        let base = base.or_else(|| specular?.diffuse_texture.as_ref());
+        let matter = metallic.metallic_roughness_texture.as_ref();
+        [
+            base.map(Self::of),
+            json.emissive_texture.as_ref().map(Self::of),
+            matter.filter(|_| specular.is_none()).map(Self::of),
+            json.normal_texture.as_ref().map(Self::of_normals),
+        ]
+    }
 }
 
-/// Which of the texture coordinates a material's base colour is put on with.
+/// Which of the texture coordinates a material's images are put on with.
 pub(super) fn texture_set(root: &Root, material: Option<usize>) -> u32 {
     let material = material.and_then(|number| root.materials.get(number));
-    material.and_then(base_texture).map_or(0, |info| {
-        let other = transform(info).and_then(|transform| transform.tex_coord);
-        other.unwrap_or(info.tex_coord)
-    })
+    let first = material.and_then(|json| Use::all(json).into_iter().flatten().next());
+    first.map_or(0, |first| first.set)
 }
 
 /// All that colours the surface; None where nothing does.
@@ -112,10 +151,12 @@ fn material(
     let metallic = &json.pbr_metallic_roughness;
     let extensions = json.extensions.as_ref();
     let specular = extensions.and_then(|all| all.pbr_specular_glossiness.as_ref());
-    let texture = match base_texture(json) {
-        Some(info) => texture(root, info, images, remarks)?,
-        None => None,
-    };
+    let [
+        base_colour_image,
+        emission_image,
+        metal_roughness_image,
+        normal_image,
+    ] = textures(root, json, images, remarks)?;
     let part = |value: f32| {
         if value.is_finite() {
             value.clamp(0.0, 1.0)
@@ -130,8 +171,17 @@ fn material(
     Ok(Material {
         name: json.name.as_deref().map(shown).unwrap_or_default(),
         base_colour: Vec4::from_array(colour.map(part)),
-        base_colour_image: texture,
+        base_colour_image,
         emission: emission(json),
+        emission_image,
+        metal_roughness_image,
+        normal_image,
+        normal_scale: json
+            .normal_texture
+            .as_ref()
+            .map(|normals| normals.scale)
+            .filter(|scale| scale.is_finite())
+            .unwrap_or(1.0),
         metallic: match specular {
             Some(_) => 0.0,
             None => part(metallic.metallic_factor.0),
@@ -163,20 +213,47 @@ fn emission(json: &Json) -> Vec3 {
     light.max(Vec3::ZERO).min(Vec3::splat(MOST_LIGHT))
 }
 
+/// The images of a material. All lie as the first does; what lies otherwise is left out.
+fn textures(
+    root: &Root,
+    json: &Json,
+    images: &mut Images<'_>,
+    remarks: &mut Remarks,
+) -> Result<[Option<Texture>; 4], Stop> {
+    let mut found: [Option<Texture>; 4] = [None; 4];
+    let mut first: Option<(u32, Texture)> = None;
+    for (place, wanted) in found.iter_mut().zip(Use::all(json)) {
+        let Some(wanted) = wanted else { continue };
+        let Some(texture) = texture(root, &wanted, images, remarks)? else {
+            continue;
+        };
+        let (set, like) = first.get_or_insert((wanted.set, texture));
+        let lies = |texture: &Texture| (texture.image_from_texture, texture.wrap);
+        if (*set, lies(like)) == (wanted.set, lies(&texture)) {
+            *place = Some(texture);
+        } else {
+            remarks.add(
+                "an image that does not lie on its surface as the base colour's does is not shown",
+            );
+        }
+    }
+    Ok(found)
+}
+
 fn texture(
     root: &Root,
-    info: &Info,
+    wanted: &Use,
     images: &mut Images<'_>,
     remarks: &mut Remarks,
 ) -> Result<Option<Texture>, Stop> {
-    let Some(texture) = root.textures.get(info.index.value()) else {
-        remarks.add(format!("texture {} is not there", info.index.value()));
+    let number = wanted.texture;
+    let Some(texture) = root.textures.get(number) else {
+        remarks.add(format!("texture {number} is not there"));
         return Ok(None);
     };
     if texture.source.value() >= root.images.len() {
         remarks.add(format!(
-            "texture {} has no image as PNG or JPEG and is not shown",
-            info.index.value()
+            "texture {number} has no image as PNG or JPEG and is not shown"
         ));
         return Ok(None);
     }
@@ -186,7 +263,7 @@ fn texture(
     let sampler = texture.sampler.and_then(|at| root.samplers.get(at.value()));
     Ok(Some(Texture {
         image,
-        image_from_texture: transform(info).map_or(Affine2::IDENTITY, affine),
+        image_from_texture: wanted.image_from_texture,
         wrap: sampler.map_or([Wrap::Repeat; 2], wrap),
     }))
 }

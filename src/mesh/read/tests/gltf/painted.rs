@@ -251,3 +251,43 @@ fn images_of_the_same_bytes_are_taken_once_and_remarks_come_to_an_end() {
     }
     assert_eq!(made.read().remarks.len(), 13);
 }
+
+#[test]
+fn all_images_of_a_material_are_read_where_they_lie_alike() {
+    let all = |normals: Value| {
+        let mut made = Made::with_pyramid();
+        made.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        let view = made.view(&png());
+        for number in 0..4 {
+            made.add("images", json!({ "bufferView": view }));
+            made.add("textures", json!({ "source": number }));
+        }
+        made.add(
+            "materials",
+            json!({
+                "pbrMetallicRoughness": {
+                    "baseColorTexture": { "index": 0 }, "metallicRoughnessTexture": { "index": 2 },
+                },
+                "emissiveTexture": { "index": 1 }, "emissiveFactor": [1, 0.5, 0],
+                "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 4 } },
+                "normalTexture": normals,
+            }),
+        );
+        paint(&made)
+    };
+    let (found, remarks) = all(json!({ "index": 3, "scale": 0.5 }));
+    assert!(remarks.is_empty(), "{remarks:?}");
+    let material = &found.materials[0];
+    let images = material.images().map(|image| image.map(|of| of.image));
+    assert_eq!(images, [Some(0), Some(1), Some(2), Some(3)]);
+    assert_eq!(material.normal_scale, 0.5);
+    assert_eq!(material.emission.to_array(), [4.0, 2.0, 0.0]);
+    for elsewhere in [
+        json!({ "index": 3, "texCoord": 1 }),
+        json!({ "index": 3, "extensions": { "KHR_texture_transform": { "offset": [0.5, 0] } } }),
+    ] {
+        let (found, remarks) = all(elsewhere);
+        assert!(found.materials[0].normal_image.is_none());
+        assert!(remarks[0].contains("does not lie"), "{remarks:?}");
+    }
+}
