@@ -29,22 +29,22 @@ fn a_model_comes_as_its_file_colours_it_and_stays_so_when_it_is_mended() {
     press(&mut visitor, "Models");
     press(&mut visitor, "branch.glb");
     let surface = |visitor: &super::visitor::Visitor| visitor.document().models[0].surface;
-    let materials = |visitor: &super::visitor::Visitor| {
+    let materials = |visitor: &mut super::visitor::Visitor| {
         let scene = visitor.workshop.scene();
         let textured = scene.models[0].display.textured.clone();
         textured.map(|textured| (textured.materials.len(), textured.layers.count))
     };
     assert_eq!(surface(&visitor), Some(SurfaceLook::Textured));
-    assert_eq!(materials(&visitor), Some((2, 2)));
+    assert_eq!(materials(&mut visitor), Some((2, 2)));
     press(&mut visitor, "shaded");
     assert_eq!(surface(&visitor), Some(SurfaceLook::Shaded));
-    assert_eq!(materials(&visitor), None);
+    assert_eq!(materials(&mut visitor), None);
     press(&mut visitor, "textured");
     // Colours that say something are shown instead, and hide nothing for good.
     press(&mut visitor, "parts");
-    assert_eq!(materials(&visitor), None);
+    assert_eq!(materials(&mut visitor), None);
     press(&mut visitor, "nothing");
-    assert_eq!(materials(&visitor), Some((2, 2)));
+    assert_eq!(materials(&mut visitor), Some((2, 2)));
     let before = visitor.workshop.scene().models[0]
         .display
         .mesh
@@ -58,14 +58,14 @@ fn a_model_comes_as_its_file_colours_it_and_stays_so_when_it_is_mended() {
         .triangles
         .len();
     assert!(after < before, "{after} of {before} triangles");
-    assert_eq!(materials(&visitor), Some((2, 2)));
+    assert_eq!(materials(&mut visitor), Some((2, 2)));
     press(&mut visitor, "As in the file");
     let again = visitor.workshop.scene().models[0]
         .display
         .mesh
         .triangles
         .len();
-    assert_eq!((again, materials(&visitor)), (before, Some((2, 2))));
+    assert_eq!((again, materials(&mut visitor)), (before, Some((2, 2))));
 }
 
 #[test]
