@@ -10,10 +10,12 @@ pub(super) const MOST_WAITING: usize = 16;
 
 /// A line of work, and the thread that does it.
 pub(super) struct Queue<Input, Output> {
-    worker: Worker<Input, Output>,
+    worker: Worker<(u64, Input), (u64, Output)>,
     waiting: VecDeque<Input>,
     /// What the thread is at.
     at: Option<Input>,
+    /// Its number: what was stopped in the moment in which it was done is told from it by another one.
+    number: u64,
 }
 
 impl<Input: Clone + Send + 'static, Output: Send + 'static> Queue<Input, Output> {
@@ -23,12 +25,16 @@ impl<Input: Clone + Send + 'static, Output: Send + 'static> Queue<Input, Output>
     /// Where the system gives no thread.
     pub(super) fn start(
         name: &str,
-        job: impl FnMut(&Input, &AtomicBool) -> Output + Send + 'static,
+        mut job: impl FnMut(&Input, &AtomicBool) -> Output + Send + 'static,
     ) -> std::io::Result<Self> {
+        let numbered = move |(number, input): &(u64, Input), cancel: &AtomicBool| {
+            (*number, job(input, cancel))
+        };
         Ok(Self {
-            worker: Worker::start(name, job)?,
+            worker: Worker::start(name, numbered)?,
             waiting: VecDeque::new(),
             at: None,
+            number: 0,
         })
     }
 
@@ -49,15 +55,23 @@ impl<Input: Clone + Send + 'static, Output: Send + 'static> Queue<Input, Output>
 
     /// Goes on; gives what was done since.
     pub(super) fn poll(&mut self) -> Option<Output> {
-        let done = self.at.as_ref().and_then(|_| self.worker.poll());
+        self.at.as_ref()?;
+        let done = self.worker.poll();
+        let done = done.filter(|(number, _)| *number == self.number);
         self.go_on(done.is_some());
-        done
+        Some(done?.1)
     }
 
     /// Waits for the next that is not done, if there is one.
     pub(super) fn wait(&mut self) -> Option<Output> {
         self.go_on(false);
-        let done = self.at.as_ref().and_then(|_| self.worker.wait());
+        self.at.as_ref()?;
+        let done = loop {
+            match self.worker.wait() {
+                Some((number, _)) if number != self.number => {}
+                done => break done.map(|(_, output)| output),
+            }
+        };
         self.go_on(true);
         done
     }
@@ -70,7 +84,8 @@ impl<Input: Clone + Send + 'static, Output: Send + 'static> Queue<Input, Output>
             && let Some(next) = self.waiting.pop_front()
         {
             self.at = Some(next.clone());
-            self.worker.ask(next);
+            self.number += 1;
+            self.worker.ask((self.number, next));
         }
     }
 
@@ -78,8 +93,6 @@ impl<Input: Clone + Send + 'static, Output: Send + 'static> Queue<Input, Output>
     pub(super) fn stop(&mut self) -> Option<Input> {
         let stopped = self.at.take()?;
         self.worker.cancel();
-        // It may have been done just now.
-        while self.worker.poll().is_some() {}
         self.go_on(false);
         Some(stopped)
     }
@@ -116,6 +129,30 @@ mod tests {
         assert_eq!(queue.stop(), Some(0));
         assert_eq!(queue.wait(), Some(7));
         assert!(queue.wait().is_none() && !queue.is_busy());
+    }
+
+    #[test]
+    fn what_was_stopped_as_it_ended_is_not_taken_for_the_next() {
+        let (began, begins) = std::sync::mpsc::channel();
+        let (lets, waits) = std::sync::mpsc::channel::<()>();
+        // It looks at its flag no more, as work does in its last moment.
+        let job = move |number: &usize, _: &AtomicBool| {
+            began.send(()).unwrap();
+            waits.recv().unwrap();
+            *number
+        };
+        let mut queue = Queue::start("test", job).unwrap();
+        for _ in 0..200 {
+            assert!(queue.ask(1) && queue.poll().is_none());
+            begins.recv().unwrap();
+            // From here on it ends in any moment.
+            lets.send(()).unwrap();
+            assert_eq!(queue.stop(), Some(1));
+            assert!(queue.ask(2));
+            lets.send(()).unwrap();
+            assert_eq!(queue.wait(), Some(2));
+            begins.recv().unwrap();
+        }
     }
 
     #[test]

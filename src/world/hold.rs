@@ -173,7 +173,7 @@ impl Tools {
         }
         self.check_pens(sketch);
         let models = &history.committed().models;
-        self.let_go_of_models(|at| at >= models.len());
+        self.check_models(models);
         for hand in &mut self.hands {
             if let Hold::End { model, at } = hand.hold
                 && models
@@ -188,6 +188,7 @@ impl Tools {
     /// Makes `shown` and the miniature follow the history and the hands.
     pub(super) fn show(&mut self, history: &History) {
         let committed = &*self.tried.over(history.committed());
+        self.models.seen = Arc::clone(&history.committed().models);
         let (models, platform) = self.arranged(committed, self.platform_in_hand());
         self.shown.models = models;
         self.shown.linked = committed.linked;

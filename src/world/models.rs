@@ -115,6 +115,8 @@ pub(super) struct Models {
     /// Colours by numbers that were worked out.
     painted: Vec<(Source, Colouring, Painting)>,
     grip: Option<(usize, PlatformGrip)>,
+    /// The list that hands hold models of by their place in it.
+    pub(super) seen: Arc<Vec<Model>>,
 }
 
 impl Models {
@@ -432,7 +434,16 @@ impl Tools {
         self.apply(hand, edit, self.params.haptics.choose, history);
     }
 
-    /// Puts a held model back, and lets go of models that are no more.
+    /// Lets go of models that are no more, and of those in whose place another one stands.
+    pub(super) fn check_models(&mut self, models: &[Model]) {
+        fn file(models: &[Model], at: usize) -> Option<&str> {
+            models.get(at).map(|model| model.file.as_str())
+        }
+        let seen = Arc::clone(&self.models.seen);
+        self.let_go_of_models(|at| at >= models.len() || file(&seen, at) != file(models, at));
+    }
+
+    /// Puts a held model back, and lets go of these models.
     pub(super) fn let_go_of_models(&mut self, of: impl Fn(usize) -> bool) {
         if self.models.grip.as_ref().is_some_and(|(at, _)| of(*at)) {
             self.models.grip = None;

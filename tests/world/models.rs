@@ -186,6 +186,25 @@ fn rim_of(platform: &ramus::world::document::Placement) -> Vec3 {
 }
 
 #[test]
+fn a_model_in_whose_place_another_stands_is_let_go() {
+    let mut person = with_models(3, false);
+    person.reach(RIGHT, rim_before(&person, 1));
+    person.press(RIGHT, Button::Squeeze);
+    person.frame();
+    // A panel takes the first one away: what was the second is the first now.
+    let mut models = person.world.document().models.to_vec();
+    models.remove(0);
+    let before = models.clone();
+    let edit = arrange(&person, models, false);
+    person.world.apply(edit).unwrap();
+    person.reach(RIGHT, Vec3::new(0.6, 1.2, -0.2));
+    person.frame();
+    person.release(RIGHT, Button::Squeeze);
+    person.frame();
+    assert_eq!(*person.world.document().models, before, "no other is moved");
+}
+
+#[test]
 fn a_model_that_goes_while_it_is_held_is_let_go() {
     let mut person = with_models(2, false);
     let rim = rim_before(&person, 1);

@@ -45,15 +45,20 @@ pub fn to_csv(endpoints: &[Endpoint]) -> String {
     for one in endpoints {
         let snapped = one.snapped.map(|snapped| {
             let [x, y, z] = snapped.centre.to_array();
-            [x, y, z, snapped.radius].map(|number| number.to_string())
+            [x, y, z, snapped.radius].map(written)
         });
         let fields = [one.name.clone(), one.kind.as_str().to_owned()];
-        let point = one.point.to_array().map(|number| number.to_string());
+        let point = one.point.to_array().map(written);
         let all = fields.into_iter().chain(point);
         let _ = out.write_record(all.chain(snapped.unwrap_or_default()));
     }
     let bytes = out.into_inner().unwrap_or_default();
     String::from_utf8(bytes).unwrap_or_default()
+}
+
+/// All digits of a number, and no row of zeros where it is next to nothing.
+fn written(number: f64) -> String {
+    format!("{number:?}")
 }
 
 /// Reads such a table. Columns may stand in any order; x, y and z must be there, others may be missing, and those of other names are passed over.
