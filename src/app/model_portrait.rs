@@ -15,8 +15,8 @@ use crate::mesh::unit::Unit;
 use crate::render::Backdrop;
 use crate::world::marks::{color_of, pin};
 use crate::world::model::up;
-use crate::world::models::{box_rods, box_signs};
-use crate::world::scene::{ModelLook, PlacedModel, Scene};
+use crate::world::models::{box_rods, box_signs, centerline_look};
+use crate::world::scene::{ModelLook, PlacedModel, Scene, SurfaceLook};
 
 /// How a model is shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,8 @@ pub struct ModelPortrait {
     pub boxed: bool,
     /// What its numbers count, which is written on the box.
     pub unit: Unit,
+    /// What lies inside and is seen where the surface hides nothing.
+    pub centerline: Option<Arc<Display>>,
     /// Endpoints that are shown on it, in the file's coordinates.
     pub endpoints: Vec<Endpoint>,
     /// Whether the file's third axis points up; else its second does.
@@ -90,6 +92,15 @@ pub fn of_model(display: Display, how: &ModelPortrait) -> Result<RgbaImage> {
         world_from_model,
         look: how.look,
     });
+    let seen_through = matches!(how.look.surface, None | Some(SurfaceLook::XRay));
+    if let Some(line) = how.centerline.as_ref().filter(|_| seen_through) {
+        scene.models.push(PlacedModel {
+            display: Arc::clone(line),
+            revision: 2,
+            world_from_model,
+            look: centerline_look(),
+        });
+    }
     let view = looking_at(eye, target, params.field);
     let gpu = open_gpu()?;
     let mut picture = Picture::before(&gpu, how.pixels, how.pixels, how.backdrop)?;

@@ -55,11 +55,11 @@ impl<Input: Clone + Send + 'static, Output: Send + 'static> Queue<Input, Output>
 
     /// Goes on; gives what was done since.
     pub(super) fn poll(&mut self) -> Option<Output> {
-        self.at.as_ref()?;
-        let done = self.worker.poll();
+        let done = self.at.as_ref().and_then(|_| self.worker.poll());
+        // What was stopped as it ended is nobody's.
         let done = done.filter(|(number, _)| *number == self.number);
         self.go_on(done.is_some());
-        Some(done?.1)
+        done.map(|(_, output)| output)
     }
 
     /// Waits for the next that is not done, if there is one.

@@ -8,6 +8,7 @@ use crate::app::queue::Queue;
 use crate::mesh::colour::{by_parts, by_problems};
 use crate::mesh::display::Display;
 use crate::mesh::intersect::{IntersectParams, intersections};
+use crate::mesh::line::along;
 use crate::mesh::mend::{Mend, mend_all};
 use crate::mesh::paint::Paint;
 use crate::mesh::pick::{Cache, Picker};
@@ -125,7 +126,7 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     let model = read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?;
     let (stated, format) = (model.scale(), model.format);
     let stopped = || "the reading of the model was cancelled".to_owned();
-    let remarks = model.remarks;
+    let (remarks, skeleton) = (model.remarks, model.skeleton);
     // Mends join and replace the vertices that materials are put on by.
     let before = (model.paint.is_some() && !mends.is_empty()).then(|| model.mesh.clone());
     let mut mended = progress.stage(mending);
@@ -156,6 +157,10 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     };
     let mut model = coloured.ok_or_else(stopped)?;
     model.remarks = [remarks, told].concat();
+    if let Some(skeleton) = &skeleton {
+        let line = Display::new(Arc::new(along(skeleton)), None, cancel).ok_or_else(stopped)?;
+        model.centerline = Some((Arc::new(line), new_revision()));
+    }
     let plain = Arc::clone(&model.plain);
     let guess = stated.or_else(|| Scale::guessed(report.size().max_element()));
     if plain.size().max_element() <= 0.0 || guess.is_none() {
@@ -372,6 +377,24 @@ pub(crate) mod tests {
         std::fs::write(folder.path().join("kept/notes.txt"), "").unwrap();
         forget_the_oldest(&folder.path().join("kept"));
         assert_eq!(files(), MOST_KEPT + 1, "and nothing else");
+    }
+
+    #[test]
+    fn a_skeleton_is_seen_inside_the_surface_that_is_made_of_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("neuron.swc");
+        std::fs::write(&path, "1 1 90 0 0 2 -1\n2 1 90 10 0 2 1\n3 1 95 18 0 1 2\n").unwrap();
+        let scan = Scan {
+            file: "neuron.swc".to_owned(),
+            path,
+            mends: Vec::new(),
+            cache: None,
+            comes: true,
+        };
+        let read = look(&scan, &Progress::default(), &AtomicBool::new(false)).unwrap();
+        let model = read.model;
+        let (line, _) = model.centerline.unwrap();
+        assert!(line.low.cmpge(model.plain.low).all() && line.high.cmple(model.plain.high).all());
     }
 
     #[test]

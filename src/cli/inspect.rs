@@ -85,6 +85,8 @@ pub(super) struct Loaded {
     pub(super) beside: Beside,
     /// What colours its surface.
     pub(super) paint: Option<Paint>,
+    /// What the surface was made around.
+    pub(super) skeleton: Option<Tree>,
     /// What of the file is not shown as it was meant.
     pub(super) remarks: Vec<String>,
     /// Whether its third axis points up in pictures.
@@ -121,6 +123,7 @@ pub(super) fn load(path: &Path, cancel: &AtomicBool) -> Result<Loaded> {
         },
         mesh: model.mesh,
         paint: model.paint,
+        skeleton: model.skeleton,
         remarks: model.remarks,
     })
 }
@@ -192,7 +195,11 @@ pub(super) fn run(
     } = inspected;
     let printed = print_result("the report", |out| out.write_all(text.as_bytes()));
     let Loaded {
-        mesh, z_up, paint, ..
+        mesh,
+        z_up,
+        paint,
+        skeleton,
+        ..
     } = loaded;
     let mesh = Arc::new(mesh);
     let mut surface = None;
@@ -208,6 +215,7 @@ pub(super) fn run(
             pixels: args.size,
             unit,
             endpoints,
+            skeleton,
         };
         let surface = || surface.map_or_else(|| with_surface(&mesh), Ok);
         let range = pictured::draw(

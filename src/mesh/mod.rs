@@ -7,6 +7,7 @@ mod error;
 pub mod field;
 pub mod intersect;
 pub mod levels;
+pub mod line;
 #[cfg(test)]
 pub(crate) mod made;
 pub mod measure;

@@ -222,6 +222,8 @@ pub struct LoadedModel {
     pub revisions: [u64; 3],
     /// The same as its file colours it, and its number; none where the file says nothing of colours.
     pub textured: Option<(Arc<Display>, u64)>,
+    /// The skeleton inside it and its number, where there is one: seen where the surface can be seen through.
+    pub centerline: Option<(Arc<Display>, u64)>,
     /// What of the file is not shown as it was meant, in a sentence each.
     pub remarks: Vec<String>,
     /// What is wrong with it, the worst first.
@@ -252,6 +254,7 @@ impl LoadedModel {
         let materials = |textured| (Arc::new(plain.textured(Arc::new(textured))), new_revision());
         Some(Self {
             textured: textured.map(materials),
+            centerline: None,
             remarks: Vec::new(),
             parts: Arc::clone(&plain),
             problems: Arc::clone(&plain),

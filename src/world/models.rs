@@ -14,7 +14,7 @@ use super::hover::{self, Pointer};
 use super::input::Pose;
 use super::marks::Marks;
 use super::model::{Colouring, LoadedModel, Model, SIDE_BOUNDS};
-use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene};
+use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene, SurfaceLook};
 use super::signs;
 use super::stage::{Palette, StageParams, furniture, rim};
 use super::tools::{Hand, Hold, Hover, Tools};
@@ -237,6 +237,37 @@ impl Models {
                 },
             });
         }
+        self.draw_centerlines(document, scene);
+    }
+
+    /// Describes what lies inside of models whose surface hides nothing.
+    fn draw_centerlines(&self, document: &Document, scene: &mut Scene) {
+        for model in document.models.iter() {
+            let seen_through = matches!(model.surface, None | Some(SurfaceLook::XRay));
+            let Some(loaded) = self.loaded(model).filter(|_| seen_through) else {
+                continue;
+            };
+            if let Some((display, revision)) = &loaded.centerline {
+                scene.models.push(PlacedModel {
+                    display: Arc::clone(display),
+                    revision: *revision,
+                    world_from_model: loaded.stage_from_model(model),
+                    look: ModelLook {
+                        cut: self.plane,
+                        lamp: self.lamp,
+                        ..centerline_look()
+                    },
+                });
+            }
+        }
+    }
+}
+
+/// How what lies inside of a model looks: it stands out from the blue of what is seen through.
+pub fn centerline_look() -> ModelLook {
+    ModelLook {
+        color: [0.85, 0.16, 0.02, 1.0],
+        ..ModelLook::default()
     }
 }
 

@@ -238,6 +238,7 @@ fn the_guide_shows_endpoints_and_colours_by_numbers() {
             },
             boxed: false,
             unit: Unit::Millimetres,
+            centerline: None,
             endpoints: if by.is_none() {
                 endpoints.clone()
             } else {
@@ -320,6 +321,7 @@ fn the_guide_shows_the_tab_and_a_model_in_five_ways() {
             look,
             boxed,
             unit: Unit::Millimetres,
+            centerline: None,
             endpoints: Vec::new(),
             z_up: false,
             turn: 0.5,

@@ -110,6 +110,7 @@ fn the_guide_shows_a_model_as_its_file_colours_it() {
             look,
             boxed: false,
             unit: Unit::Metres,
+            centerline: None,
             endpoints: Vec::new(),
             z_up: false,
             turn: 0.5,

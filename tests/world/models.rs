@@ -9,6 +9,7 @@ use ramus::mesh::surface::Surface;
 use ramus::mesh::unit::Unit;
 use ramus::world::model::{LoadedModel, MOST_MODELS, Model};
 use ramus::world::models::BOX_COLOR;
+use ramus::world::scene::SurfaceLook;
 
 use super::super::*;
 
@@ -219,6 +220,38 @@ fn a_model_that_goes_while_it_is_held_is_let_go() {
     person.release(LEFT, Button::Squeeze);
     assert_eq!(*person.world.document().models, one);
     assert_eq!(person.scene().models.len(), 1);
+}
+
+#[test]
+fn a_skeleton_is_seen_where_the_surface_hides_nothing() {
+    let mut person = with_models(2, false);
+    let model = person.world.document().models[1].clone();
+    let mut read = loaded(tetrahedron());
+    read.centerline = Some((Arc::clone(&read.plain), 77));
+    person.world.give_model(&model, Ok(read));
+    let seen = |person: &mut Person, surface: Option<SurfaceLook>| {
+        let mut models = person.world.document().models.to_vec();
+        models[1].surface = surface;
+        let edit = arrange(person, models, false);
+        person.world.apply(edit).unwrap();
+        let scene = person.scene();
+        let lines = scene.models.iter().filter(|placed| placed.revision == 77);
+        let places: Vec<_> = lines.map(|line| line.world_from_model).collect();
+        assert!(
+            places
+                .iter()
+                .all(|at| *at == scene.models[1].world_from_model)
+        );
+        places.len()
+    };
+    for (surface, lines) in [
+        (Some(SurfaceLook::Shaded), 0),
+        (Some(SurfaceLook::XRay), 1),
+        (None, 1),
+        (Some(SurfaceLook::Textured), 0),
+    ] {
+        assert_eq!(seen(&mut person, surface), lines, "{surface:?}");
+    }
 }
 
 #[test]

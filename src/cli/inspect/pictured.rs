@@ -16,11 +16,13 @@ use crate::mesh::colour::{Colour, by_parts, by_problems};
 use crate::mesh::display::Display;
 use crate::mesh::endpoints::Endpoint;
 use crate::mesh::intersect::Intersections;
+use crate::mesh::line::along;
 use crate::mesh::paint::Paint;
 use crate::mesh::report::Report;
 use crate::mesh::surface::Surface;
 use crate::mesh::textured::{LayerLimits, Textured, moved};
 use crate::mesh::unit::Unit;
+use crate::tree::Tree;
 use crate::world::model::Colouring;
 use crate::world::scene::{ModelLook, SurfaceLook};
 
@@ -72,6 +74,8 @@ pub(super) struct Subject<'a> {
     pub(super) pixels: u32,
     pub(super) unit: Unit,
     pub(super) endpoints: Vec<Endpoint>,
+    /// What the surface was made around.
+    pub(super) skeleton: Option<Tree>,
 }
 
 /// An axis of a file.
@@ -114,6 +118,7 @@ fn portrait(subject: &Subject<'_>) -> ModelPortrait {
         boxed: has(Look::Box),
         unit: subject.unit,
         endpoints: subject.endpoints.clone(),
+        centerline: None,
         z_up: subject.z_up,
         turn: TURN,
         backdrop: portrait::PAPER,
@@ -150,7 +155,12 @@ pub(super) fn draw(
     let stopped = || anyhow!("the drawing of the model was cancelled");
     let numbers = subject.looks.iter().find_map(|look| look.numbers());
     let (picture, range) = Progress::during("drawing", || {
-        let how = portrait(&subject);
+        let mut how = portrait(&subject);
+        if let Some(skeleton) = &subject.skeleton {
+            let line = Arc::new(along(skeleton));
+            let line = Display::for_picture(line, None, &never).ok_or_else(stopped)?;
+            how.centerline = Some(Arc::new(line));
+        }
         let paint = paint.filter(|_| how.look.surface == Some(SurfaceLook::Textured));
         let mut mesh = Arc::clone(mesh);
         let mut textured = None;
@@ -193,6 +203,7 @@ mod tests {
                 pixels: 64,
                 unit: Unit::Metres,
                 endpoints: Vec::new(),
+                skeleton: None,
             });
             (how.look.surface, how.look.wireframe, how.boxed)
         };

@@ -20,6 +20,7 @@ fn loaded(mesh: Mesh, unit: Option<Unit>) -> Loaded {
         scale: unit.map(Scale::stated),
         beside: Beside::default(),
         paint: None,
+        skeleton: None,
         remarks: Vec::new(),
         z_up: true,
     }
