@@ -1,17 +1,29 @@
 //! The readers of models, whichever the bytes are for: no bytes may stop them, and what they read is whole.
 #![no_main]
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use libfuzzer_sys::fuzz_target;
+use ramus::mesh::display::Display;
 use ramus::mesh::paint::{ImageLimits, Paint};
-use ramus::mesh::{Format, Mesh, ReadLimits, read_bytes};
+use ramus::mesh::textured::{LayerLimits, Textured};
+use ramus::mesh::{Format, Mesh, Model, ReadLimits, read_bytes};
 
 /// What is read at most: a glTF scene may repeat a mesh as often as it likes.
 const LIMITS: ReadLimits = ReadLimits {
     bytes: 1 << 30,
     vertices: 1 << 18,
     triangles: 1 << 18,
+};
+
+/// Larger ones take too long for a fuzzer to be drawn, too.
+const MOST_DRAWN: usize = 1 << 12;
+
+const LAYERS: LayerLimits = LayerLimits {
+    count: 2,
+    side_px: 16,
+    bytes: 1 << 12,
 };
 
 /// Small, so that time is spent on models and not on pictures.
@@ -42,6 +54,9 @@ fuzz_target!(|bytes: &[u8]| {
     if let Some(paint) = &model.paint {
         check_paint(paint, mesh);
     }
+    if vertices <= MOST_DRAWN && mesh.triangles.len() <= MOST_DRAWN {
+        check_display(&model);
+    }
     // What is made of a byte at most; more would be a reader that takes more than it was given. Blocks of zlib hold a thousand times
     // their length, and a node of a skeleton gets rings around it.
     let most = match model.format {
@@ -63,6 +78,21 @@ fuzz_target!(|bytes: &[u8]| {
         "a skeleton is a tree"
     );
 });
+
+/// That it can be made ready to be drawn, whatever its triangles and materials are.
+fn check_display(model: &Model) {
+    let never = AtomicBool::new(false);
+    let paint = model.paint.clone().unwrap_or_default();
+    let (textured, _) = Textured::new(paint, &LAYERS, &never).expect("nobody stops it");
+    let mesh = Arc::new(model.mesh.clone());
+    let display = Display::new(mesh, textured.as_ref(), &never).expect("nobody stops it");
+    let vertices = display.mesh.positions.len();
+    let corners = display.levels.triangles.as_flattened();
+    assert!(
+        corners.iter().all(|vertex| (*vertex as usize) < vertices),
+        "what is drawn is there"
+    );
+}
 
 fn check_paint(paint: &Paint, mesh: &Mesh) {
     let is_all = |length: usize, all: usize| length == 0 || length == all;
