@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::super::super::numerals::{self, Value};
 use super::super::super::{Stop, Task};
-use super::super::number::{self, Kind, NUMBERS};
+use super::super::number::{self, Kind, NUMBERS, Plain};
 use super::blocks::{self, Blocks};
 use super::document::{Array, Document, Place};
 
@@ -256,6 +256,20 @@ fn too_few(at: usize, count: usize, found: &str) -> Stop {
 }
 
 impl Stored<'_> {
+    /// So many numbers where they stand in the file as they are.
+    pub(super) fn as_it_is(&self, count: usize) -> Option<Plain<'_>> {
+        let Form::Plain(Bytes::Raw(bytes)) = &self.form else {
+            return None;
+        };
+        Some(Plain {
+            bytes: bytes.get(..count.checked_mul(self.kind.bytes())?)?,
+            kind: self.kind,
+            is_big: self.is_big,
+            at: self.at,
+            is_placed: false,
+        })
+    }
+
     /// Reads all its numbers.
     pub(super) fn read<V: Value>(&self, to: &mut [V], task: &Task<'_>) -> Result<(), Stop> {
         match &self.form {

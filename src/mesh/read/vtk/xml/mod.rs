@@ -7,7 +7,7 @@ mod document;
 use super::super::points::{Coordinate, mesh};
 use super::super::{Stop, Surface, Task, zeroed};
 use super::cells::{Shape, Triangles, are_triangles, points_of};
-use super::number::Kind;
+use super::number::{Kind, Plain};
 use array::Arrays;
 use document::{Cells, Document, Piece};
 
@@ -73,6 +73,12 @@ fn add_points<C: Coordinate>(
     let stored = arrays.find(array, count.saturating_mul(3))?;
     // Now it is known that the file has them.
     let from = points.len();
+    if from == 0
+        && let Some(numbers) = stored.as_it_is(3 * count)
+    {
+        *points = numbers.points(count, task)?;
+        return Ok(u32::try_from(count).unwrap_or(u32::MAX));
+    }
     if from == 0 {
         *points = zeroed(count)?;
     } else {
@@ -110,6 +116,14 @@ fn cells(
     }
     let task = triangles.task;
     let stored = arrays.find(ends, cells.count)?;
+    let are_threes = |ends: Plain<'_>| ends.are_threes(3, cells.count, task);
+    if shape == Shape::Polygon && stored.as_it_is(cells.count).is_some_and(are_threes) {
+        let stored = arrays.find(points, 3 * cells.count)?;
+        return match stored.as_it_is(3 * cells.count) {
+            Some(numbers) => triangles.plain(points.at, cells.count, &numbers),
+            None => triangles.all(points.at, cells.count, |to| stored.read(to, task)),
+        };
+    }
     let mut end_of = zeroed::<u32>(cells.count)?;
     stored.read(&mut end_of, task)?;
     let count = points_of(ends.at, &end_of)?;
