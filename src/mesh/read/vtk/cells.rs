@@ -88,9 +88,9 @@ impl<'a> Triangles<'a> {
         }
         self.task.check_triangles(count)?;
         let (before, points) = (self.before, self.points);
-        self.made = made::rows(count, self.task, |first, to: &mut [[u32; 3]]| {
+        self.made = made::rows_by(count, self.task, |window, first, to: &mut [[u32; 3]]| {
             let to = to.as_flattened_mut();
-            from.fill(3 * first, to)?;
+            from.fill(window, 3 * first, to)?;
             let most = to.iter().fold(0, |most, point| (*point).max(most));
             if most >= points && !to.is_empty() {
                 let wrong = to.iter().find(|point| **point >= points);

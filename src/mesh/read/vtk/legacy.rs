@@ -6,6 +6,7 @@
 use super::super::cursor::Cursor;
 use super::super::numerals::{self, Value};
 use super::super::points::{Coordinate, mesh};
+use super::super::stretch::Stretch;
 use super::super::{Stop, Surface, Task, zeroed};
 use super::cells::{Shape, Triangles, are_triangles, points_of};
 use super::number::{Kind, Plain};
@@ -218,7 +219,7 @@ impl<'a> Reader<'a> {
         }
         let numbers = self.plain(kind, to.len())?;
         numbers.fill_all(to, self.task)?;
-        self.cursor.at += numbers.bytes.len();
+        self.cursor.at += to.len() * kind.bytes();
         Ok(())
     }
 
@@ -232,7 +233,7 @@ impl<'a> Reader<'a> {
             Stop::fault(bytes.len(), problem)
         })?;
         Ok(Plain {
-            bytes,
+            bytes: Stretch::Read(bytes),
             kind,
             is_big: true,
             at,
@@ -282,7 +283,7 @@ impl<'a> Reader<'a> {
         self.cursor.skip_line();
         let numbers = self.plain(kind, count.saturating_mul(3))?;
         let points = numbers.points(count, self.task)?;
-        self.cursor.at += numbers.bytes.len();
+        self.cursor.at += 3 * count * kind.bytes();
         Ok(points)
     }
 
@@ -351,7 +352,7 @@ impl<'a> Reader<'a> {
             self.cursor.skip_line();
             let ends = self.plain(kind, first)?;
             if second == 3 * (first - 1) && ends.are_threes(0, first, self.task) {
-                self.cursor.at += ends.bytes.len();
+                self.cursor.at += first * kind.bytes();
                 return self.triangles(at, first - 1, triangles);
             }
             self.cursor.at = before;
@@ -391,7 +392,7 @@ impl<'a> Reader<'a> {
         self.cursor.skip_line();
         let numbers = self.plain(kind, 3 * count)?;
         triangles.plain(at, count, &numbers)?;
-        self.cursor.at += numbers.bytes.len();
+        self.cursor.at += 3 * count * kind.bytes();
         Ok(())
     }
 

@@ -3,13 +3,13 @@
 //! Files of plain numbers are read about as fast as memory is, so each is looked at once: in one pass all threads turn bytes, narrow,
 //! check and write what the mesh keeps. Places of triangles in a list are compared with what they must be, and never stored. *Tried*: zeroed
 //! vectors, filled, then checked for points that are not there; a way out of the loop at the first number that is none, with which each is
-//! made by itself: both together took half as long again. *Left*: to read pieces of the file straight into the nearer caches, and never the whole
-//! into memory: readers look at all bytes of a file.
+//! made by itself: both together took half as long again.
 
 use rayon::prelude::*;
 
 use super::super::cursor::Cursor;
 use super::super::numerals::{Value, at_once};
+use super::super::stretch::{Stretch, Window};
 use super::super::{Stop, Task, made};
 
 /// Numbers that a thread takes at once.
@@ -152,7 +152,7 @@ pub(super) fn shown(bytes: &[u8], kind: Kind, is_big: bool) -> f64 {
 #[derive(Clone, Copy)]
 pub(super) struct Plain<'a> {
     /// As long as all of them.
-    pub(super) bytes: &'a [u8],
+    pub(super) bytes: Stretch<'a>,
     pub(super) kind: Kind,
     pub(super) is_big: bool,
     /// Where they begin in the file, or what begins the array.
@@ -163,22 +163,32 @@ pub(super) struct Plain<'a> {
 
 impl Plain<'_> {
     /// Makes values of those from one on, as many as are asked for.
-    pub(super) fn fill<V: Value>(&self, first: usize, to: &mut [V]) -> Result<(), Stop> {
+    pub(super) fn fill<V: Value>(
+        &self,
+        window: &mut Window,
+        first: usize,
+        to: &mut [V],
+    ) -> Result<(), Stop> {
         let word = self.kind.bytes();
-        let rest = |number: usize| self.bytes.get(number * word..).unwrap_or_default();
-        fill(rest(first), self.kind, self.is_big, to).map_err(|place| {
+        let bytes = self.bytes.get(first * word, to.len() * word, window);
+        let bytes = bytes.ok_or_else(|| {
+            let problem = "begins an array of which the bytes cannot be read any more: the file has changed meanwhile, read it again";
+            Stop::fault(self.at, problem)
+        })?;
+        fill(bytes, self.kind, self.is_big, to).map_err(|place| {
             let number = first + place;
             let at = self.at + if self.is_placed { number * word } else { 0 };
-            V::refused(at, shown(rest(number), self.kind, self.is_big))
+            let rest = bytes.get(place * word..).unwrap_or_default();
+            V::refused(at, shown(rest, self.kind, self.is_big))
         })
     }
 
     /// The same by all threads, of all from the first on.
     pub(super) fn fill_all<V: Value>(&self, to: &mut [V], task: &Task<'_>) -> Result<(), Stop> {
         let chunks = to.par_chunks_mut(NUMBERS).enumerate();
-        chunks.try_for_each(|(chunk, to)| {
+        chunks.try_for_each_init(Window::default, |window, (chunk, to)| {
             task.go_on()?;
-            self.fill(chunk * NUMBERS, to)
+            self.fill(window, chunk * NUMBERS, to)
         })
     }
 
@@ -188,20 +198,20 @@ impl Plain<'_> {
         count: usize,
         task: &Task<'_>,
     ) -> Result<Vec<[V; 3]>, Stop> {
-        made::rows(count, task, |first, to: &mut [[V; 3]]| {
-            self.fill(3 * first, to.as_flattened_mut())
+        made::rows_by(count, task, |window, first, to: &mut [[V; 3]]| {
+            self.fill(window, 3 * first, to.as_flattened_mut())
         })
     }
 
     /// Whether so many are the places before or behind triangles in a list of their points: the first is as it is given, each other is by 3 more.
     pub(super) fn are_threes(&self, first: u32, count: usize, task: &Task<'_>) -> bool {
         /// Numbers that are looked at together.
-        const SOME: usize = 1024;
-        let is_good = |block: usize| {
+        const SOME: usize = 4096;
+        let is_good = |window: &mut Window, block: usize| {
             let mut values = [0_u32; SOME];
             let from = block * SOME;
             let values = &mut values[..SOME.min(count - from)];
-            let is_read = task.go_on().is_ok() && self.fill(from, values).is_ok();
+            let is_read = task.go_on().is_ok() && self.fill(window, from, values).is_ok();
             let expected = u32::try_from(3 * from as u64 + u64::from(first));
             is_read
                 && expected.is_ok_and(|expected| {
@@ -212,7 +222,10 @@ impl Plain<'_> {
                 })
         };
         let blocks = (0..count.div_ceil(SOME)).into_par_iter();
-        blocks.with_min_len(NUMBERS / SOME).all(is_good)
+        let blocks = blocks.with_min_len(NUMBERS / SOME);
+        blocks
+            .map_init(Window::default, is_good)
+            .all(|is_good| is_good)
     }
 }
 

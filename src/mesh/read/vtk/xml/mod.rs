@@ -4,6 +4,8 @@ mod array;
 mod blocks;
 mod document;
 
+use std::fs::File;
+
 use super::super::points::{Coordinate, mesh};
 use super::super::{Stop, Surface, Task, zeroed};
 use super::cells::{Shape, Triangles, are_triangles, points_of};
@@ -16,18 +18,35 @@ pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surfa
     let document = document::read(bytes, task)?;
     let points = document.pieces.iter().filter_map(|piece| piece.points);
     if points.clone().any(|array| array.kind.is_wide()) {
-        read_as::<f64>(bytes, &document, task)
+        read_as::<f64>(bytes, None, &document, task)
     } else {
-        read_as::<f32>(bytes, &document, task)
+        read_as::<f32>(bytes, None, &document, task)
     }
+}
+
+/// Reads a VTP file of which only the start is in memory, where that has all but raw arrays behind it; none where it has not.
+pub(in crate::mesh::read) fn read_start(
+    start: &[u8],
+    file: (&File, usize),
+    task: &Task<'_>,
+) -> Option<Result<Surface, Stop>> {
+    let document = document::read(start, task).ok()?;
+    document.appended.filter(|appended| !appended.is_base64)?;
+    let mut points = document.pieces.iter().filter_map(|piece| piece.points);
+    Some(if points.any(|array| array.kind.is_wide()) {
+        read_as::<f64>(start, Some(file), &document, task)
+    } else {
+        read_as::<f32>(start, Some(file), &document, task)
+    })
 }
 
 fn read_as<C: Coordinate>(
     bytes: &[u8],
+    file: Option<(&File, usize)>,
     document: &Document,
     task: &Task<'_>,
 ) -> Result<Surface, Stop> {
-    let mut arrays = Arrays::new(bytes, document, task);
+    let mut arrays = Arrays::new(bytes, file, document, task);
     let mut points: Vec<[C; 3]> = Vec::new();
     let mut triangles = Triangles::new(task);
     let mut surface = Surface::default();
