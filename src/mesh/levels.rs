@@ -26,6 +26,7 @@ pub mod cut;
 mod group;
 mod leaves;
 mod local;
+mod split;
 #[cfg(test)]
 mod tests;
 
@@ -39,7 +40,7 @@ use super::Mesh;
 
 /// Triangles of a cluster at most.
 pub const MOST_TRIANGLES: usize = 128;
-/// Vertices of a cluster at most: what the clusterizer can count in a byte.
+/// Vertices of a cluster at most: they can be counted in a byte.
 const MOST_VERTICES: usize = 255;
 /// Meshes of at most so many triangles have one level: to draw them whole costs less than to choose.
 const SMALL: usize = 2_048;
@@ -206,17 +207,6 @@ impl Levels {
             .filter_map(count)
             .map(|count| count as usize)
             .sum()
-    }
-
-    /// Adds a cluster's triangles with those of the mesh that they stand for.
-    fn push(&mut self, cluster: Cluster, triangles: &[[u32; 3]], stands_for: &[u32]) {
-        self.clusters.push(Cluster {
-            first: u32::try_from(self.triangles.len()).unwrap_or(u32::MAX),
-            count: u32::try_from(triangles.len()).unwrap_or(u32::MAX),
-            ..cluster
-        });
-        self.triangles.extend_from_slice(triangles);
-        self.stands_for.extend_from_slice(stands_for);
     }
 }
 

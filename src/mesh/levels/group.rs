@@ -53,10 +53,7 @@ impl Source<'_> {
 
 /// A group of clusters that became coarser.
 struct Coarser {
-    local: Local,
     clustered: Clustered,
-    /// For each triangle given to the clusterizer, the mesh's.
-    stands_for: Vec<u32>,
     /// What its clusters have in common.
     made: Cluster,
 }
@@ -181,8 +178,7 @@ fn simplified(
     }
     let stands_for = stand_ins(&local, &indices, &stood_for);
     Some(Coarser {
-        clustered: local.clusters(&indices),
-        stands_for,
+        clustered: local.clusters(&indices, &stands_for),
         made: Cluster {
             own,
             parent: own,
@@ -192,7 +188,6 @@ fn simplified(
             parent_grain: -1.0,
             ..Cluster::default()
         },
-        local,
     })
 }
 
@@ -321,11 +316,17 @@ fn stand_ins(local: &Local, coarse: &[u32], stood_for: &[u32]) -> Vec<u32> {
                 let (first, end) = run.unwrap_or_default();
                 around.get(first..end).unwrap_or_default()
             });
-            let far = |number: usize| middles.get(number).map_or(f32::MAX, |m| m.distance(at));
-            let best = candidates.min_by(|a, b| far(**a).total_cmp(&far(**b)).then(a.cmp(b)));
-            best.and_then(|number| stood_for.get(*number))
-                .copied()
-                .unwrap_or(0)
+            // Of equally near ones the first; distances that are no number are the largest.
+            let mut best = (f32::INFINITY, usize::MAX);
+            for &number in candidates {
+                let far = middles
+                    .get(number)
+                    .map_or(f32::INFINITY, |m| m.distance_squared(at));
+                if far < best.0 || (far == best.0 && number < best.1) {
+                    best = (far, number);
+                }
+            }
+            stood_for.get(best.1).copied().unwrap_or(0)
         })
         .collect()
 }
@@ -334,10 +335,9 @@ fn stand_ins(local: &Local, coarse: &[u32], stood_for: &[u32]) -> Vec<u32> {
 fn replace(levels: &mut Levels, group: &[u32], coarser: &Coarser) -> std::ops::Range<u32> {
     let number = |levels: &Levels| u32::try_from(levels.clusters.len()).unwrap_or(u32::MAX);
     let first = number(levels);
-    let stands_for = |place: u32| coarser.stands_for.get(place as usize).copied().unwrap_or(0);
     let made = coarser.made;
     let cluster = |sphere: Vec4| Cluster { sphere, ..made };
-    levels.push_all(&coarser.local, &coarser.clustered, stands_for, cluster);
+    levels.push_all(&coarser.clustered, cluster);
     for cluster in group {
         if let Some(cluster) = levels.clusters.get_mut(*cluster as usize) {
             cluster.parent = made.own;

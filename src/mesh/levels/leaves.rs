@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::group::Source;
 use super::local::{Clustered, Local};
-use super::{Cluster, Levels, around};
+use super::{Cluster, Levels};
 
 /// Triangles of a block.
 const BLOCK: usize = 1 << 14;
@@ -28,9 +28,9 @@ pub(super) fn leaves(source: &Source<'_>, cancel: &AtomicBool) -> Option<Levels>
         }
         let seen = |(_, number): &(u64, u32)| source.seen(*number).unwrap_or_default();
         let triangles: Vec<[u32; 3]> = numbers.iter().map(seen).collect();
+        let original: Vec<u32> = numbers.iter().map(|(_, number)| *number).collect();
         let local = Local::new(source.mesh, &triangles);
-        let clusters = local.clusters(&local.indices);
-        Some((local, clusters))
+        Some(local.clusters(&local.indices, &original))
     };
     let mut levels = Levels {
         triangles: Vec::with_capacity(2 * order.len()),
@@ -39,15 +39,9 @@ pub(super) fn leaves(source: &Source<'_>, cancel: &AtomicBool) -> Option<Levels>
     };
     // So many blocks at a time, so that they do not stand beside the result all at once.
     for blocks in order.chunks(BLOCK * 64) {
-        let done: Vec<Option<(Local, Clustered)>> = blocks.par_chunks(BLOCK).map(block).collect();
-        for ((local, clustered), numbers) in done
-            .into_iter()
-            .collect::<Option<Vec<_>>>()?
-            .iter()
-            .zip(blocks.chunks(BLOCK))
-        {
-            let original = |place: u32| numbers.get(place as usize).map_or(0, |(_, n)| *n);
-            levels.push_all(local, clustered, original, |sphere| Cluster {
+        let done: Vec<Option<Clustered>> = blocks.par_chunks(BLOCK).map(block).collect();
+        for clustered in done.into_iter().collect::<Option<Vec<_>>>()? {
+            levels.push_all(&clustered, |sphere| Cluster {
                 sphere,
                 own: sphere,
                 parent: sphere,
@@ -61,25 +55,18 @@ pub(super) fn leaves(source: &Source<'_>, cancel: &AtomicBool) -> Option<Levels>
 }
 
 impl Levels {
-    /// Adds clusters of local triangles; `original`: the mesh's triangle that one of those given stands for.
-    pub(super) fn push_all(
-        &mut self,
-        local: &Local,
-        clustered: &Clustered,
-        original: impl Fn(u32) -> u32,
-        cluster: impl Fn(Vec4) -> Cluster,
-    ) {
-        let mut first = 0;
-        for count in &clustered.counts {
-            let range = first..first + count;
+    /// Adds clusters.
+    pub(super) fn push_all(&mut self, clustered: &Clustered, cluster: impl Fn(Vec4) -> Cluster) {
+        let mut first = self.triangles.len();
+        self.triangles.extend_from_slice(&clustered.triangles);
+        self.stands_for.extend_from_slice(&clustered.stands_for);
+        for (count, sphere) in &clustered.clusters {
+            self.clusters.push(Cluster {
+                first: u32::try_from(first).unwrap_or(u32::MAX),
+                count: u32::try_from(*count).unwrap_or(u32::MAX),
+                ..cluster(*sphere)
+            });
             first += count;
-            let triangles = clustered.triangles.get(range.clone()).unwrap_or_default();
-            let numbers = clustered.numbers.get(range).unwrap_or_default();
-            let corners = triangles.as_flattened().iter();
-            let sphere = around(corners.map(|corner| local.position(*corner)));
-            let whole: Vec<_> = triangles.iter().map(|t| local.globally(*t)).collect();
-            let stands_for: Vec<_> = numbers.iter().map(|number| original(*number)).collect();
-            self.push(cluster(sphere), &whole, &stands_for);
         }
     }
 }
@@ -92,9 +79,11 @@ fn order(source: &Source<'_>) -> Vec<(u64, u32)> {
         let corner = |vertex: u32| source.position(vertex).as_dvec3() / 3.0;
         Some(triangle.map(corner).into_iter().sum::<DVec3>().as_vec3())
     };
-    let middles = || (0..count).into_par_iter().filter_map(middle);
-    let low = middles().reduce(|| Vec3::INFINITY, Vec3::min);
-    let high = middles().reduce(|| Vec3::NEG_INFINITY, Vec3::max);
+    let middles = (0..count).into_par_iter().filter_map(middle);
+    let (low, high) = middles.map(|at| (at, at)).reduce(
+        || (Vec3::INFINITY, Vec3::NEG_INFINITY),
+        |(low, high), (least, most)| (low.min(least), high.max(most)),
+    );
     let size = (high.as_dvec3() - low.as_dvec3()).max_element();
     let scale = f64::from((1_u32 << BITS) - 1) / size.max(f64::MIN_POSITIVE);
     let place = |number: u32| {

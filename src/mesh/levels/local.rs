@@ -1,42 +1,41 @@
 //! A few triangles with vertices numbered anew from 0, as the clusterizer and the simplifier take them: both look at all vertices that they are given.
 
-use glam::Vec3;
+use std::hash::{BuildHasher as _, RandomState};
+
+use glam::{Vec3, Vec4};
 use meshopt::VertexDataAdapter;
 
-use super::{MOST_TRIANGLES, MOST_VERTICES};
+use super::split::split;
+use super::{MOST_TRIANGLES, around};
 use crate::mesh::Mesh;
 
 /// Triangles by vertices of their own.
 pub(super) struct Local {
-    /// The mesh's vertices, ascending.
+    /// The mesh's vertices, as they first come.
     pub(super) vertices: Vec<u32>,
     pub(super) positions: Vec<Vec3>,
     /// Three a triangle.
     pub(super) indices: Vec<u32>,
 }
 
-/// Which of the triangles that were given, in clusters.
+/// Clusters of triangles.
+#[derive(Default)]
 pub(super) struct Clustered {
-    /// Three local vertices each, cluster after cluster.
+    /// By the mesh's vertices, cluster after cluster.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// For each its number among those given.
-    pub(super) numbers: Vec<u32>,
-    /// Triangles of each cluster.
-    pub(super) counts: Vec<usize>,
+    /// For each the mesh's that it stands for.
+    pub(super) stands_for: Vec<u32>,
+    /// Of each cluster the triangles and the sphere around them.
+    pub(super) clusters: Vec<(usize, Vec4)>,
 }
 
 impl Local {
     /// Of triangles whose vertices the mesh has.
     pub(super) fn new(mesh: &Mesh, triangles: &[[u32; 3]]) -> Self {
         let corners = triangles.as_flattened();
-        let mut vertices = corners.to_vec();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let number = |vertex: &u32| u32::try_from(vertices.binary_search(vertex).unwrap_or(0));
-        let indices = corners
-            .iter()
-            .map(|vertex| number(vertex).unwrap_or(0))
-            .collect();
+        let mut numbers = Numbers::with_room(corners.len());
+        let indices = corners.iter().map(|vertex| numbers.of(*vertex)).collect();
+        let vertices = numbers.vertices;
         let position = |vertex: &u32| mesh.positions.get(*vertex as usize).copied();
         let positions = vertices
             .iter()
@@ -66,34 +65,28 @@ impl Local {
         triangle.map(|vertex| self.vertices.get(vertex as usize).copied().unwrap_or(0))
     }
 
-    /// Cuts triangles of these vertices into clusters.
-    pub(super) fn clusters(&self, indices: &[u32]) -> Clustered {
-        let mut found = Clustered {
-            triangles: Vec::with_capacity(indices.len() / 3),
-            numbers: Vec::with_capacity(indices.len() / 3),
-            counts: Vec::new(),
-        };
-        // The clusterizer squares distances, which of very large coordinates are none, and loses triangles then.
-        let most = self.positions.iter().map(|at| at.abs().max_element());
-        let most = most.fold(f32::MIN_POSITIVE, f32::max);
-        let scaled: Vec<Vec3> = self.positions.iter().map(|at| *at / most).collect();
-        let Some(adapter) = adapter(&scaled) else {
-            return found;
-        };
+    /// Cuts triangles of these vertices into clusters; `stands_for` has for each the mesh's.
+    pub(super) fn clusters(&self, indices: &[u32], stands_for: &[u32]) -> Clustered {
         let (triangles, _) = indices.as_chunks::<3>();
-        let mut numbers = Numbers::new(triangles);
-        let made = meshopt::build_meshlets(indices, &adapter, MOST_VERTICES, MOST_TRIANGLES, 0.0);
-        for cluster in made.iter() {
-            let (corners, _) = cluster.triangles.as_chunks::<3>();
-            for corners in corners {
-                let vertex = |corner: u8| cluster.vertices.get(usize::from(corner)).copied();
-                let triangle = corners.map(|corner| vertex(corner).unwrap_or(0));
-                found.triangles.push(triangle);
-                found.numbers.push(numbers.take(triangle));
-            }
-            found.counts.push(corners.len());
+        let mut made = Clustered {
+            triangles: Vec::with_capacity(triangles.len()),
+            stands_for: Vec::with_capacity(triangles.len()),
+            clusters: Vec::with_capacity(triangles.len() / MOST_TRIANGLES + 1),
+        };
+        for cluster in split(self, triangles) {
+            let all = || {
+                cluster
+                    .iter()
+                    .filter_map(|number| triangles.get(*number as usize))
+            };
+            let corners = all().flatten().map(|vertex| self.position(*vertex));
+            made.clusters.push((cluster.len(), around(corners)));
+            made.triangles
+                .extend(all().map(|triangle| self.globally(*triangle)));
+            let original = |number: &u32| stands_for.get(*number as usize).copied().unwrap_or(0);
+            made.stands_for.extend(cluster.iter().map(original));
         }
-        found
+        made
     }
 }
 
@@ -105,39 +98,47 @@ pub(super) fn adapter(positions: &[Vec3]) -> Option<VertexDataAdapter<'_>> {
         .filter(|adapter| adapter.vertex_count > 0)
 }
 
-/// Finds triangles again whose corners were turned round: the clusterizer says no numbers.
+/// Numbers from 0 for the mesh's vertices, as they first come. An open table, probed in a row; where it looks first is another each time, so that no
+/// file can be made that fills one place of it.
 struct Numbers {
-    /// Ascending corners with numbers, sorted.
-    sorted: Vec<([u32; 3], u32)>,
-    /// Of the first of equal ones, how many were taken.
-    taken: Vec<u32>,
+    /// The mesh's vertices by their numbers.
+    vertices: Vec<u32>,
+    /// Numbers and 1, or 0.
+    slots: Vec<u32>,
+    seed: u64,
+    /// Bits of a hash that are no slot's number.
+    shift: u32,
 }
 
 impl Numbers {
-    fn new(triangles: &[[u32; 3]]) -> Self {
-        let key = |triangle: &[u32; 3]| ascending(*triangle);
-        let mut sorted: Vec<_> = triangles.iter().map(key).zip(0..).collect();
-        sorted.sort_unstable();
+    /// For so many vertices at most.
+    fn with_room(vertices: usize) -> Self {
+        let slots = (vertices + vertices / 3 + 1).next_power_of_two().max(2);
         Self {
-            taken: vec![0; sorted.len()],
-            sorted,
+            vertices: Vec::with_capacity(vertices / 5),
+            slots: vec![0; slots],
+            seed: RandomState::new().hash_one(0) | 1,
+            shift: u64::BITS - slots.ilog2(),
         }
     }
 
-    /// The number of a triangle; of equal ones each once.
-    fn take(&mut self, triangle: [u32; 3]) -> u32 {
-        let key = ascending(triangle);
-        let first = self.sorted.partition_point(|(other, _)| *other < key);
-        let Some(taken) = self.taken.get_mut(first) else {
-            return 0;
-        };
-        let found = self.sorted.get(first + *taken as usize);
-        *taken += 1;
-        found.map_or(0, |(_, number)| *number)
+    fn of(&mut self, vertex: u32) -> u32 {
+        let hash = self.seed.wrapping_mul(u64::from(vertex) + 1);
+        let mut at = usize::try_from(hash >> self.shift).unwrap_or(0);
+        loop {
+            let Some(slot) = self.slots.get_mut(at) else {
+                at = 0;
+                continue;
+            };
+            if *slot == 0 {
+                self.vertices.push(vertex);
+                *slot = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
+                return *slot - 1;
+            }
+            if self.vertices.get(*slot as usize - 1) == Some(&vertex) {
+                return *slot - 1;
+            }
+            at += 1;
+        }
     }
-}
-
-fn ascending(mut triangle: [u32; 3]) -> [u32; 3] {
-    triangle.sort_unstable();
-    triangle
 }

@@ -116,7 +116,7 @@ pub(super) fn is_text(byte: u8) -> bool {
 }
 
 /// Whether this is XML that begins a VTK file of any kind, before which comments may stand.
-fn is_vtk_xml(head: &[u8]) -> bool {
+pub(super) fn is_vtk_xml(head: &[u8]) -> bool {
     const ROOT: &[u8] = b"<VTKFile";
     let head = head.strip_prefix(BOM).unwrap_or(head).trim_ascii_start();
     let root = head.windows(ROOT.len()).position(|part| part == ROOT);

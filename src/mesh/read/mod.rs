@@ -6,20 +6,22 @@
 //!                      └─▶ gltf, with the files that it names ─▶ Mesh, Paint
 //! ```
 //!
-//! The file is read whole before it is understood: mapping it would be no faster from the system's cache, and a mapped file that
-//! another program shortens ends the process. Its format is told by its content, since names of files lie. No number in a file
-//! makes memory be taken that the rest of the file could not fill. Faults are met where they stand, as bytes from the start;
+//! The file is read whole before it is understood (but for VTP files with raw arrays, of which each thread reads what it needs): mapping it would be no faster from the system's cache, and a mapped file that
+//! another program shortens ends the process. All threads read it, each a piece. Its format is told by its content, since names of
+//! files lie. No number in a file makes memory be taken that the rest of the file could not fill. Faults are met where they stand, as bytes from the start;
 //! lines are counted only for the message.
 
 mod cursor;
 mod gltf;
 mod join;
 mod kind;
+mod made;
 mod numerals;
 mod obj;
 mod ply;
 mod points;
 mod stl;
+mod stretch;
 mod swc;
 #[cfg(test)]
 mod tests;
@@ -27,19 +29,24 @@ mod text;
 mod vtk;
 
 use std::fs::File;
-use std::io::{ErrorKind, Read as _};
+use std::io::{ErrorKind, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bytemuck::Zeroable;
+use rayon::prelude::*;
 
 use super::paint::Paint;
 use super::unit::{Scale, Unit};
 use super::{Mesh, MeshError, Place};
 use crate::tree::{Cells, Tree, TreeError};
 
-/// Bytes that are read at once between two looks at whether to go on.
-const PIECE: usize = 8 << 20;
+/// Bytes that a thread reads at once between two looks at whether to go on.
+const PIECE: usize = 1 << 20;
+/// Files from so many bytes on are looked at for whether they have to be in memory.
+const STARTED_FROM: u64 = 4 << 20;
+/// The start of a file that is looked at for that.
+const START: usize = 256 << 10;
 
 /// How much is read of a model; more is refused.
 #[derive(Clone, Copy, Debug)]
@@ -167,7 +174,12 @@ pub fn read(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Mod
         cancel,
         folder: Some(path.parent().unwrap_or(Path::new(""))),
     };
-    let model = load(path, limits, cancel).and_then(|bytes| read_model(&bytes, &task));
+    let model = open(path, limits).and_then(|(file, length)| {
+        if let Some(model) = read_start(&file, length, &task) {
+            return model;
+        }
+        read_model(&load(file, length, limits, cancel)?, &task)
+    });
     model.map_err(|fault| match fault {
         MeshError::Cancelled => fault,
         fault => MeshError::In {
@@ -194,6 +206,21 @@ pub fn read_bytes(
     read_model(bytes, &task)
 }
 
+/// Reads a large file of which the start says where all else stands, without ever having the whole in memory; none where it is no such file.
+fn read_start(file: &File, length: u64, task: &Task<'_>) -> Option<Result<Model, MeshError>> {
+    if length < STARTED_FROM {
+        return None;
+    }
+    let mut start = vec![0; START];
+    let filled = fill(file, 0, &mut start, task.cancel).ok()?;
+    let start = start.get(..filled)?;
+    if !kind::is_vtk_xml(start) {
+        return None;
+    }
+    let read = vtk::xml::read_start(start, (file, usize::try_from(length).ok()?), task)?;
+    Some(model(read, Format::Vtp, start, length))
+}
+
 fn read_model(bytes: &[u8], task: &Task<'_>) -> Result<Model, MeshError> {
     let file_bytes = bytes.len() as u64;
     check_length(file_bytes, task.limits)?;
@@ -209,6 +236,16 @@ fn read_model(bytes: &[u8], task: &Task<'_>) -> Result<Model, MeshError> {
         Format::Vtk => vtk::legacy::read(bytes, task),
         Format::Swc => swc::read(bytes, task),
     };
+    model(read, format, bytes, file_bytes)
+}
+
+/// What a reader made, or the fault that people are told; `bytes`: what it looked at.
+fn model(
+    read: Result<Surface, Stop>,
+    format: Format,
+    bytes: &[u8],
+    file_bytes: u64,
+) -> Result<Model, MeshError> {
     let Surface {
         mesh,
         skipped_faces,
@@ -248,36 +285,67 @@ fn check_length(bytes: u64, limits: &ReadLimits) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// The whole file, in huge pages where the system has them: to touch fresh small ones takes as long as the copy.
-fn load(path: &Path, limits: &ReadLimits, cancel: &AtomicBool) -> Result<Cells<u8>, MeshError> {
+/// Opens a file, and says how long it is.
+fn open(path: &Path, limits: &ReadLimits) -> Result<(File, u64), MeshError> {
     // Asked before it is opened: to open a pipe waits for its other end.
     let about = std::fs::metadata(path)?;
     if !about.is_file() {
         return Err(MeshError::NotAFile);
     }
     check_length(about.len(), limits)?;
-    let length = usize::try_from(about.len()).ok();
-    let bytes = length.and_then(Cells::unwritten);
-    let mut bytes = bytes.ok_or(MeshError::Memory(about.len()))?;
-    let mut file = File::open(path)?;
+    Ok((File::open(path)?, about.len()))
+}
+
+/// The whole file, in huge pages where the system has them: to touch fresh small ones takes as long as the copy. By all threads, since of a file in the
+/// system's cache the copy is a third of what reading plain numbers takes.
+fn load(
+    mut file: File,
+    length: u64,
+    limits: &ReadLimits,
+    cancel: &AtomicBool,
+) -> Result<Cells<u8>, MeshError> {
+    let bytes = usize::try_from(length).ok().and_then(Cells::unwritten);
+    let mut bytes = bytes.ok_or(MeshError::Memory(length))?;
+    let pieces = bytes.par_chunks_mut(PIECE).enumerate();
+    let filled = pieces.map(|(piece, to)| fill(&file, (piece * PIECE) as u64, to, cancel));
+    let filled: Vec<usize> = filled.collect::<Result<_, _>>()?;
+    // What one lacks at its end, those behind it lack whole.
+    let filled: usize = filled.into_iter().sum();
+    if filled < bytes.len() {
+        bytes.resize(filled, 0); // it has become shorter meanwhile
+        return Ok(bytes);
+    }
+    file.seek(SeekFrom::Start(length))?;
+    rest(bytes, file, limits, cancel)
+}
+
+/// Fills a piece with what stands in a file from a byte on, and says with how much.
+fn fill(file: &File, from: u64, to: &mut [u8], cancel: &AtomicBool) -> Result<usize, MeshError> {
     let mut filled = 0;
-    while filled < bytes.len() {
+    while filled < to.len() {
         if cancel.load(Ordering::Relaxed) {
             return Err(MeshError::Cancelled);
         }
-        let end = bytes.len().min(filled + PIECE);
-        match file.read(&mut bytes[filled..end]) {
+        match read_at(file, &mut to[filled..], from + filled as u64) {
             Ok(0) => break,
             Ok(read) => filled += read,
             Err(fault) if fault.kind() == ErrorKind::Interrupted => {}
             Err(fault) => return Err(fault.into()),
         }
     }
-    if filled < bytes.len() {
-        bytes.resize(filled, 0); // it has become shorter meanwhile
-        return Ok(bytes);
-    }
-    rest(bytes, file, limits, cancel)
+    Ok(filled)
+}
+
+/// Reads from a byte on, whichever was read before.
+#[cfg(unix)]
+fn read_at(file: &File, to: &mut [u8], from: u64) -> std::io::Result<usize> {
+    std::os::unix::fs::FileExt::read_at(file, to, from)
+}
+
+/// Reads from a byte on, whichever was read before.
+#[cfg(windows)]
+fn read_at(file: &File, to: &mut [u8], from: u64) -> std::io::Result<usize> {
+    std::os::windows::fs::FileExt::seek_read(file, to, from)
 }
 
 /// What a file has grown by since it was asked for its length: nothing, nearly always.

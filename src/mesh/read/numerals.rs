@@ -19,11 +19,36 @@ pub(super) trait Value: Copy + Default + Send + Sync {
     /// Made of a whole number, where it may be one.
     fn of_whole(value: i64) -> Option<Self>;
 
+    /// Made of a number in single precision, and 0; of one that may be none anything, and not 0: so many are made at once.
+    #[inline]
+    fn of_single_at_once(value: f32) -> (Self, u32) {
+        at_once(Self::of_real(value.into()))
+    }
+
+    /// The same of a whole number.
+    #[inline]
+    fn of_whole_at_once(value: i64) -> (Self, u32) {
+        at_once(Self::of_whole(value))
+    }
+
+    /// The same of a whole number of which the highest byte comes first.
+    #[inline]
+    fn of_big_at_once(number: [u8; 8]) -> (Self, u32) {
+        Self::of_whole_at_once(i64::from_be_bytes(number))
+    }
+
     /// The number that stands in a text and ends at a blank, where it may be one; else the cursor may stand anywhere.
     fn of_text(cursor: &mut Cursor<'_>) -> Option<Self>;
 
     /// The fault of a number that is none.
     fn refused(at: usize, value: f64) -> Stop;
+}
+
+/// A value, where there is one, and whether there is none.
+#[inline]
+pub(super) fn at_once<V: Default>(value: Option<V>) -> (V, u32) {
+    let is_none = u32::from(value.is_none());
+    (value.unwrap_or_default(), is_none)
 }
 
 /// A coordinate is within its bounds.
@@ -62,6 +87,23 @@ coordinate_value!(f64);
 
 /// A count, or the number of a point.
 impl Value for u32 {
+    #[inline]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the lower half, and the upper one, which is 0"
+    )]
+    fn of_whole_at_once(value: i64) -> (Self, u32) {
+        (value as u32, (value >> 32) as u32)
+    }
+
+    /// Only the lower half is turned round.
+    #[inline]
+    fn of_big_at_once([a, b, c, d, e, f, g, h]: [u8; 8]) -> (Self, u32) {
+        let upper = Self::from_ne_bytes([a, b, c, d]);
+        (Self::from_be_bytes([e, f, g, h]), upper)
+    }
+
     #[inline]
     fn of_real(_: f64) -> Option<Self> {
         None

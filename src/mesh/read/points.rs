@@ -2,6 +2,7 @@
 
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::join::Pages;
 use super::numerals::Value;
@@ -15,11 +16,13 @@ pub(super) const LARGEST: f64 = 1e15;
 const FAR: f64 = 8.0;
 
 /// One coordinate in a file's precision.
-pub(super) trait Coordinate: Value + Into<f64> + PartialEq + Zeroable {
+pub(super) trait Coordinate: Value + Into<f64> + PartialOrd + Zeroable {
     /// The nearest to a value.
     fn nearest(value: f64) -> Self;
     /// Bits that are equal where the coordinates are.
     fn bits(self) -> u64;
+    /// Points as they are, where positions are the same bytes.
+    fn positions(points: Vec<[Self; 3]>) -> Result<Vec<Vec3>, Vec<[Self; 3]>>;
 }
 
 impl Coordinate for f32 {
@@ -31,6 +34,10 @@ impl Coordinate for f32 {
         // −0 + 0 is 0.
         u64::from((self + 0.0).to_bits())
     }
+
+    fn positions(points: Vec<[Self; 3]>) -> Result<Vec<Vec3>, Vec<[Self; 3]>> {
+        bytemuck::allocation::try_cast_vec(points).map_err(|(_, points)| points)
+    }
 }
 
 impl Coordinate for f64 {
@@ -40,6 +47,10 @@ impl Coordinate for f64 {
 
     fn bits(self) -> u64 {
         (self + 0.0).to_bits()
+    }
+
+    fn positions(points: Vec<[Self; 3]>) -> Result<Vec<Vec3>, Vec<[Self; 3]>> {
+        Err(points)
     }
 }
 
@@ -71,13 +82,60 @@ pub(super) fn no_coordinate(at: usize, value: f64) -> Stop {
 
 /// The mesh of these vertices and triangles.
 pub(super) fn mesh<C: Coordinate>(points: Vec<[C; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
-    let origin = origin(points.iter().copied());
-    // In place where the file has single precision.
-    let positions = points.into_iter().map(|point| position(point, origin));
+    let [least, most] = bounds(&points);
+    let origin = origin_of(least, most);
+    let positions = match origin == DVec3::ZERO {
+        true => C::positions(points),
+        false => Err(points),
+    };
     Mesh {
         origin,
-        positions: positions.collect(),
+        // In place where the file has single precision.
+        positions: positions.unwrap_or_else(|points| {
+            let positions = points.into_iter().map(|point| position(point, origin));
+            positions.collect()
+        }),
         triangles,
+    }
+}
+
+/// The corners between which all points lie, looked for by all threads.
+fn bounds<C: Coordinate>(points: &[[C; 3]]) -> [DVec3; 2] {
+    let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    points
+        .par_chunks(POINTS)
+        .map(|points| {
+            let Some(first) = points.first() else {
+                return none;
+            };
+            let [mut least, mut most] = [[*first; TOGETHER]; 2];
+            // Points that stand one behind the other, and none of which waits for the last: several are compared at once.
+            let (some, rest) = points.as_chunks::<TOGETHER>();
+            for points in some {
+                widen(least.as_flattened_mut(), most.as_flattened_mut(), points);
+            }
+            for point in rest {
+                widen(least[0].as_mut_slice(), most[0].as_mut_slice(), &[*point]);
+            }
+            let corner = |point: [C; 3]| DVec3::from_array(point.map(Into::into));
+            [
+                least.map(corner).into_iter().fold(none[0], DVec3::min),
+                most.map(corner).into_iter().fold(none[1], DVec3::max),
+            ]
+        })
+        .reduce(|| none, |a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
+/// Points that a thread takes at once.
+const POINTS: usize = 1 << 14;
+/// Points that are compared at once: coordinates of so many fill whole registers.
+const TOGETHER: usize = 4;
+
+#[inline]
+fn widen<C: Coordinate>(least: &mut [C], most: &mut [C], points: &[[C; 3]]) {
+    for ((least, most), value) in least.iter_mut().zip(most).zip(points.as_flattened()) {
+        *least = if *value < *least { *value } else { *least };
+        *most = if *value > *most { *value } else { *most };
     }
 }
 

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use percent_encoding::percent_decode_str;
 
-use super::super::{ReadLimits, Task, load};
+use super::super::{ReadLimits, Task, load, open};
 use super::shown;
 use crate::mesh::MeshError;
 use crate::tree::Cells;
@@ -49,7 +49,8 @@ impl<'a> Folder<'a> {
             bytes: self.left.get(),
             ..*self.task.limits
         };
-        let bytes = load(&path, &limits, self.task.cancel);
+        let bytes = open(&path, &limits)
+            .and_then(|(file, length)| load(file, length, &limits, self.task.cancel));
         let bytes = bytes.map_err(|fault| match fault {
             MeshError::Cancelled => Refusal::Cancelled,
             MeshError::TooLong { .. } => Refusal::Problem(format!(

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::super::{Stop, Task, zeroed};
-use super::number::NUMBERS;
+use super::super::{Stop, Task, made, zeroed};
+use super::number::{NUMBERS, Plain};
 
 /// Cells, or corners of one, between two looks at whether to go on.
 const CELLS: usize = 1 << 14;
@@ -77,6 +77,31 @@ impl<'a> Triangles<'a> {
             }
             Ok(())
         })
+    }
+
+    /// Takes so many triangles as they are, as [`all`](Self::all), from numbers that stand in the file: read, checked and counted from the piece in one
+    /// pass.
+    pub(super) fn plain(&mut self, at: usize, count: usize, from: &Plain<'_>) -> Result<(), Stop> {
+        if !self.made.is_empty() {
+            let task = self.task;
+            return self.all(at, count, |to| from.fill_all(to, task));
+        }
+        self.task.check_triangles(count)?;
+        let (before, points) = (self.before, self.points);
+        self.made = made::rows_by(count, self.task, |window, first, to: &mut [[u32; 3]]| {
+            let to = to.as_flattened_mut();
+            from.fill(window, 3 * first, to)?;
+            let most = to.iter().fold(0, |most, point| (*point).max(most));
+            if most >= points && !to.is_empty() {
+                let wrong = to.iter().find(|point| **point >= points);
+                return Err(no_point(at, wrong.copied().unwrap_or(most), points));
+            }
+            if before > 0 {
+                to.iter_mut().for_each(|point| *point += before);
+            }
+            Ok(())
+        })?;
+        Ok(())
     }
 
     /// Cuts a cell into triangles.

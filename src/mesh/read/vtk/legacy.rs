@@ -6,9 +6,10 @@
 use super::super::cursor::Cursor;
 use super::super::numerals::{self, Value};
 use super::super::points::{Coordinate, mesh};
+use super::super::stretch::Stretch;
 use super::super::{Stop, Surface, Task, zeroed};
 use super::cells::{Shape, Triangles, are_triangles, points_of};
-use super::number::{Kind, fill_all};
+use super::number::{Kind, Plain};
 
 /// How the first line begins.
 pub(in crate::mesh::read) const MAGIC: &[u8] = b"# vtk DataFile Version";
@@ -83,7 +84,7 @@ fn kind_named(name: &[u8]) -> Option<Kind> {
     })
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     /// The version, the title, and how numbers are written.
     fn header(&mut self) -> Result<(), Stop> {
         let cursor = &mut self.cursor;
@@ -216,16 +217,28 @@ impl Reader<'_> {
             self.cursor.at = numerals::read(bytes, self.cursor.at, to, self.task)?;
             return Ok(());
         }
-        let at = self.cursor.at;
-        let length = to.len() * kind.bytes();
+        let numbers = self.plain(kind, to.len())?;
+        numbers.fill_all(to, self.task)?;
+        self.cursor.at += to.len() * kind.bytes();
+        Ok(())
+    }
+
+    /// So many numbers that stand here as bytes.
+    fn plain(&self, kind: Kind, count: usize) -> Result<Plain<'a>, Stop> {
+        let (bytes, at) = (self.cursor.bytes, self.cursor.at);
+        let length = count.saturating_mul(kind.bytes());
         let numbers = bytes.get(at..).and_then(|rest| rest.get(..length));
-        let numbers = numbers.ok_or_else(|| {
+        let bytes = numbers.ok_or_else(|| {
             let problem = "is the end, amid numbers: the file is cut short, save it again";
             Stop::fault(bytes.len(), problem)
         })?;
-        fill_all(numbers, at, kind, true, to, self.task)?;
-        self.cursor.at = at + length;
-        Ok(())
+        Ok(Plain {
+            bytes: Stretch::Read(bytes),
+            kind,
+            is_big: true,
+            at,
+            is_placed: true,
+        })
     }
 
     /// Passes over numbers, which begin on the next line.
@@ -262,8 +275,15 @@ impl Reader<'_> {
     }
 
     fn points_as<C: Coordinate>(&mut self, kind: Kind, count: usize) -> Result<Vec<[C; 3]>, Stop> {
-        let mut points: Vec<[C; 3]> = zeroed(count)?;
-        self.numbers(kind, points.as_flattened_mut())?;
+        if self.is_text {
+            let mut points: Vec<[C; 3]> = zeroed(count)?;
+            self.numbers(kind, points.as_flattened_mut())?;
+            return Ok(points);
+        }
+        self.cursor.skip_line();
+        let numbers = self.plain(kind, count.saturating_mul(3))?;
+        let points = numbers.points(count, self.task)?;
+        self.cursor.at += 3 * count * kind.bytes();
         Ok(points)
     }
 
@@ -327,6 +347,16 @@ impl Reader<'_> {
             return Err(Stop::fault(at, problem));
         }
         self.check_room(at, kind, first)?;
+        if !self.is_text && shape == Shape::Polygon && first > 0 {
+            let before = self.cursor.at;
+            self.cursor.skip_line();
+            let ends = self.plain(kind, first)?;
+            if second == 3 * (first - 1) && ends.are_threes(0, first, self.task) {
+                self.cursor.at += first * kind.bytes();
+                return self.triangles(at, first - 1, triangles);
+            }
+            self.cursor.at = before;
+        }
         let mut ends = zeroed::<u32>(first)?;
         self.numbers(kind, &mut ends)?;
         let kind = self.connectivity(at)?;
@@ -348,6 +378,22 @@ impl Reader<'_> {
         let mut points = zeroed::<u32>(second)?;
         self.numbers(kind, &mut points)?;
         triangles.ending(at, shape, ends, &points)
+    }
+
+    /// So many triangles, of which the points stand here as bytes.
+    fn triangles(
+        &mut self,
+        at: usize,
+        count: usize,
+        triangles: &mut Triangles<'_>,
+    ) -> Result<(), Stop> {
+        let kind = self.connectivity(at)?;
+        self.check_room(at, kind, 3 * count)?;
+        self.cursor.skip_line();
+        let numbers = self.plain(kind, 3 * count)?;
+        triangles.plain(at, count, &numbers)?;
+        self.cursor.at += 3 * count * kind.bytes();
+        Ok(())
     }
 
     /// Passes over cells that are no surface, and returns how many there are.

@@ -1,10 +1,16 @@
 //! Numbers of any type as bytes, and what they may become: coordinates and point numbers.
+//!
+//! Files of plain numbers are read about as fast as memory is, so each is looked at once: in one pass all threads turn bytes, narrow,
+//! check and write what the mesh keeps. Places of triangles in a list are compared with what they must be, and never stored. *Tried*: zeroed
+//! vectors, filled, then checked for points that are not there; a way out of the loop at the first number that is none, with which each is
+//! made by itself: both together took half as long again.
 
 use rayon::prelude::*;
 
 use super::super::cursor::Cursor;
-use super::super::numerals::Value;
-use super::super::{Stop, Task};
+use super::super::numerals::{Value, at_once};
+use super::super::stretch::{Stretch, Window};
+use super::super::{Stop, Task, made};
 
 /// Numbers that a thread takes at once.
 pub(super) const NUMBERS: usize = 1 << 16;
@@ -50,21 +56,33 @@ impl Kind {
 
 /// Goes through numbers of one length.
 #[inline]
-fn each<const LENGTH: usize, V>(
+fn each<const LENGTH: usize, V: Default>(
     bytes: &[u8],
     to: &mut [V],
     is_big: bool,
-    value: impl Fn([u8; LENGTH]) -> Option<V>,
+    value: impl Fn([u8; LENGTH]) -> (V, u32),
 ) -> Result<(), usize> {
     let (numbers, _) = bytes.as_chunks::<LENGTH>();
-    for (at, (to, number)) in to.iter_mut().zip(numbers).enumerate() {
+    let of = |number: &[u8; LENGTH]| {
         let mut number = *number;
         if is_big {
             number.reverse();
         }
-        *to = value(number).ok_or(at)?;
+        value(number)
+    };
+    // Without a way out of the loop, so that several are made at once.
+    let mut wrong = 0;
+    for (to, number) in to.iter_mut().zip(numbers) {
+        let (value, none) = of(number);
+        wrong |= none;
+        *to = value;
     }
-    Ok(())
+    if wrong == 0 {
+        return Ok(());
+    }
+    let mut all = numbers.iter().take(to.len());
+    let first = all.position(|number| of(number).1 != 0);
+    first.map_or(Ok(()), Err)
 }
 
 /// Makes values of the numbers that bytes hold, as many as are asked for and there; fails with the place of the first that is none.
@@ -82,17 +100,20 @@ pub(super) fn fill<V: Value>(
         };
     }
     match kind {
-        Kind::I8 => of_kind!(i8, |value: i8| V::of_whole(value.into())),
-        Kind::U8 => of_kind!(u8, |value: u8| V::of_whole(value.into())),
-        Kind::I16 => of_kind!(i16, |value: i16| V::of_whole(value.into())),
-        Kind::U16 => of_kind!(u16, |value: u16| V::of_whole(value.into())),
-        Kind::I32 => of_kind!(i32, |value: i32| V::of_whole(value.into())),
-        Kind::U32 => of_kind!(u32, |value: u32| V::of_whole(value.into())),
-        Kind::I64 => of_kind!(i64, V::of_whole),
+        Kind::I8 => of_kind!(i8, |value: i8| V::of_whole_at_once(value.into())),
+        Kind::U8 => of_kind!(u8, |value: u8| V::of_whole_at_once(value.into())),
+        Kind::I16 => of_kind!(i16, |value: i16| V::of_whole_at_once(value.into())),
+        Kind::U16 => of_kind!(u16, |value: u16| V::of_whole_at_once(value.into())),
+        Kind::I32 => of_kind!(i32, |value: i32| V::of_whole_at_once(value.into())),
+        Kind::U32 => of_kind!(u32, |value: u32| V::of_whole_at_once(value.into())),
+        Kind::I64 if is_big => each(bytes, to, false, V::of_big_at_once),
+        Kind::I64 => of_kind!(i64, V::of_whole_at_once),
         // Beyond i64 nothing is counted, and no coordinate is.
-        Kind::U64 => of_kind!(u64, |value: u64| V::of_whole(i64::try_from(value).ok()?)),
-        Kind::F32 => of_kind!(f32, |value: f32| V::of_real(value.into())),
-        Kind::F64 => of_kind!(f64, V::of_real),
+        Kind::U64 => of_kind!(u64, |value: u64| {
+            at_once(i64::try_from(value).ok().and_then(V::of_whole))
+        }),
+        Kind::F32 => of_kind!(f32, V::of_single_at_once),
+        Kind::F64 => of_kind!(f64, |value: f64| at_once(V::of_real(value))),
     }
 }
 
@@ -127,26 +148,85 @@ pub(super) fn shown(bytes: &[u8], kind: Kind, is_big: bool) -> f64 {
     }
 }
 
-/// Makes values of numbers that stand in a file as they are, from a byte of it on, by all threads.
-pub(super) fn fill_all<V: Value>(
-    bytes: &[u8],
-    at: usize,
-    kind: Kind,
-    is_big: bool,
-    to: &mut [V],
-    task: &Task<'_>,
-) -> Result<(), Stop> {
-    let chunks = to.par_chunks_mut(NUMBERS).enumerate();
-    chunks.try_for_each(|(chunk, to)| {
-        task.go_on()?;
-        let from = chunk * NUMBERS * kind.bytes();
-        let rest = bytes.get(from..).unwrap_or_default();
-        fill(rest, kind, is_big, to).map_err(|place| {
-            let from = from + place * kind.bytes();
-            let value = shown(bytes.get(from..).unwrap_or_default(), kind, is_big);
-            V::refused(at + from, value)
+/// Numbers that stand in a file as they are.
+#[derive(Clone, Copy)]
+pub(super) struct Plain<'a> {
+    /// As long as all of them.
+    pub(super) bytes: Stretch<'a>,
+    pub(super) kind: Kind,
+    pub(super) is_big: bool,
+    /// Where they begin in the file, or what begins the array.
+    pub(super) at: usize,
+    /// Whether faults are told of the number itself, else of what begins the array.
+    pub(super) is_placed: bool,
+}
+
+impl Plain<'_> {
+    /// Makes values of those from one on, as many as are asked for.
+    pub(super) fn fill<V: Value>(
+        &self,
+        window: &mut Window,
+        first: usize,
+        to: &mut [V],
+    ) -> Result<(), Stop> {
+        let word = self.kind.bytes();
+        let bytes = self.bytes.get(first * word, to.len() * word, window);
+        let bytes = bytes.ok_or_else(|| {
+            let problem = "begins an array of which the bytes cannot be read any more: the file has changed meanwhile, read it again";
+            Stop::fault(self.at, problem)
+        })?;
+        fill(bytes, self.kind, self.is_big, to).map_err(|place| {
+            let number = first + place;
+            let at = self.at + if self.is_placed { number * word } else { 0 };
+            let rest = bytes.get(place * word..).unwrap_or_default();
+            V::refused(at, shown(rest, self.kind, self.is_big))
         })
-    })
+    }
+
+    /// The same by all threads, of all from the first on.
+    pub(super) fn fill_all<V: Value>(&self, to: &mut [V], task: &Task<'_>) -> Result<(), Stop> {
+        let chunks = to.par_chunks_mut(NUMBERS).enumerate();
+        chunks.try_for_each_init(Window::default, |window, (chunk, to)| {
+            task.go_on()?;
+            self.fill(window, chunk * NUMBERS, to)
+        })
+    }
+
+    /// Points of this kind of numbers, three a point.
+    pub(super) fn points<V: Value>(
+        &self,
+        count: usize,
+        task: &Task<'_>,
+    ) -> Result<Vec<[V; 3]>, Stop> {
+        made::rows_by(count, task, |window, first, to: &mut [[V; 3]]| {
+            self.fill(window, 3 * first, to.as_flattened_mut())
+        })
+    }
+
+    /// Whether so many are the places before or behind triangles in a list of their points: the first is as it is given, each other is by 3 more.
+    pub(super) fn are_threes(&self, first: u32, count: usize, task: &Task<'_>) -> bool {
+        /// Numbers that are looked at together.
+        const SOME: usize = 4096;
+        let is_good = |window: &mut Window, block: usize| {
+            let mut values = [0_u32; SOME];
+            let from = block * SOME;
+            let values = &mut values[..SOME.min(count - from)];
+            let is_read = task.go_on().is_ok() && self.fill(window, from, values).is_ok();
+            let expected = u32::try_from(3 * from as u64 + u64::from(first));
+            is_read
+                && expected.is_ok_and(|expected| {
+                    let expected = (0_u32..).map(|step| expected.wrapping_add(3 * step));
+                    // Without a way out of the loop, as above.
+                    let pairs = values.iter().zip(expected);
+                    pairs.fold(0, |all, (value, other)| all | (value ^ other)) == 0
+                })
+        };
+        let blocks = (0..count.div_ceil(SOME)).into_par_iter();
+        let blocks = blocks.with_min_len(NUMBERS / SOME);
+        blocks
+            .map_init(Window::default, is_good)
+            .all(|is_good| is_good)
+    }
 }
 
 #[cfg(test)]

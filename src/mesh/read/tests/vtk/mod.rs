@@ -526,3 +526,74 @@ fn arrays_that_share_their_bytes_are_refused() {
     let found = fault(&many);
     assert!(found.contains("shares its bytes with others"), "{found}");
 }
+
+#[test]
+fn large_files_are_read_alike_from_memory_and_from_their_arrays() {
+    let points: Vec<[f32; 3]> = (0..60_000_u16)
+        .map(|number| [f32::from(number), f32::from(number % 7), 1.5])
+        .collect();
+    // Without a pattern, so that they stay long when they are packed.
+    let corner = |number: u32| number.wrapping_mul(2_654_435_769) % 60_000;
+    let triangles: Vec<[u32; 3]> = (0..300_000)
+        .map(|number| [0, 1, 2].map(|step| corner(3 * number + step)))
+        .collect();
+    let mut wrong = triangles.clone();
+    wrong[70_000] = [1, 60_000, 2];
+    wrong[140_000] = [1, 60_001, 2];
+    let whole: Vec<&[u32]> = triangles.iter().map(|cell| &cell[..]).collect();
+    let mut mixed = whole.clone();
+    mixed[100_000] = &[1, 2, 3, 4];
+    let wrong: Vec<&[u32]> = wrong.iter().map(|cell| &cell[..]).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.vtp");
+    let alike = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        let limits = ReadLimits::default();
+        let from_file = super::super::read(&path, &limits, &AtomicBool::new(false));
+        match (read(bytes), from_file) {
+            (Ok(model), Ok(other)) => {
+                assert_eq!(model, other);
+                String::new()
+            }
+            (Err(fault), Err(other)) => {
+                let told = fault.to_string();
+                assert!(
+                    other.to_string().starts_with(&told),
+                    "{other} is not {told}"
+                );
+                told
+            }
+            (one, other) => panic!("{one:?} is not {other:?}"),
+        }
+    };
+    for compressor in ["", LZ4] {
+        for is_big in [false, true] {
+            let way = Way {
+                stand: Stand::Raw,
+                compressor,
+                is_big,
+                block: 1 << 15,
+                ..PLAIN
+            };
+            for (polygons, told) in [
+                (&whole, ""),
+                (&mixed, ""),
+                (&wrong, "names the point 60000"),
+            ] {
+                let bytes = way.file(&[Piece {
+                    points: &points,
+                    polygons,
+                    ..pyramid()
+                }]);
+                assert!(bytes.len() > 4 << 20, "{}", bytes.len());
+                let fault = alike(&bytes);
+                assert!(
+                    fault.contains(told) && fault.is_empty() == told.is_empty(),
+                    "{fault}"
+                );
+                let cut = alike(&bytes[..bytes.len() - (300 << 10)]);
+                assert!(!cut.is_empty(), "it is cut short");
+            }
+        }
+    }
+}

@@ -4,6 +4,7 @@
 //! numbers there are before memory is taken for them; a file that announces more than it holds is refused by then.
 
 use std::borrow::Cow;
+use std::fs::File;
 
 use base64::Engine as _;
 use base64::alphabet::STANDARD;
@@ -11,8 +12,9 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use rayon::prelude::*;
 
 use super::super::super::numerals::{self, Value};
+use super::super::super::stretch::{Stretch, Window};
 use super::super::super::{Stop, Task};
-use super::super::number::{self, Kind, NUMBERS};
+use super::super::number::{self, Kind, NUMBERS, Plain};
 use super::blocks::{self, Blocks};
 use super::document::{Array, Document, Place};
 
@@ -30,6 +32,8 @@ const LINE: usize = 4096;
 /// Finds arrays in a file.
 pub(super) struct Arrays<'a> {
     bytes: &'a [u8],
+    /// The file that begins with these and goes on to a length; else they are all.
+    file: Option<(&'a File, usize)>,
     document: &'a Document,
     task: &'a Task<'a>,
     /// Bytes of the file that the arrays so far stand in.
@@ -54,7 +58,7 @@ enum Form<'a> {
 
 /// Bytes that may stand there as base64.
 pub(super) enum Bytes<'a> {
-    Raw(&'a [u8]),
+    Raw(Stretch<'a>),
     Base64 {
         text: Cow<'a, [u8]>,
         /// Bytes at the start that are passed over.
@@ -63,20 +67,20 @@ pub(super) enum Bytes<'a> {
 }
 
 impl<'a> Bytes<'a> {
-    /// As many bytes from one on as there are, up to a length. `scratch` keeps what has to be decoded.
-    fn get<'s>(&'s self, from: usize, length: usize, scratch: &'s mut Vec<u8>) -> Option<&'s [u8]> {
+    /// As many bytes from one on as there are, up to a length. `window` keeps what has to be read or decoded.
+    fn get<'s>(&'s self, from: usize, length: usize, window: &'s mut Window) -> Option<&'s [u8]> {
         match self {
-            Bytes::Raw(bytes) => bytes.get(from..from.checked_add(length)?),
+            Bytes::Raw(bytes) => bytes.get(from, length, window),
             Bytes::Base64 { text, skipped } => {
                 let from = from.checked_add(*skipped)?;
                 let end = from.checked_add(length)?;
                 // Four letters are three bytes.
                 let letters = from / 3 * 4..end.div_ceil(3).checked_mul(4)?.min(text.len());
                 let text = text.get(letters)?;
-                scratch.resize(text.len().div_ceil(4) * 3, 0);
-                let decoded = BASE64.decode_slice(text, scratch).ok()?;
+                let room = window.room(text.len().div_ceil(4) * 3);
+                let decoded = BASE64.decode_slice(text, room).ok()?;
                 let first = from % 3;
-                scratch.get(..decoded)?.get(first..first + length)
+                room.get(..decoded)?.get(first..first + length)
             }
         }
     }
@@ -85,7 +89,7 @@ impl<'a> Bytes<'a> {
     /// some programs part these, too, which padding tells).
     fn behind(self, header: usize, is_apart: bool) -> Option<Self> {
         let text = match self {
-            Bytes::Raw(bytes) => return bytes.get(header..).map(Bytes::Raw),
+            Bytes::Raw(bytes) => return bytes.behind(header).map(Bytes::Raw),
             Bytes::Base64 { text, .. } => text,
         };
         let letters = header.div_ceil(3) * 4;
@@ -116,9 +120,15 @@ impl<'a> Bytes<'a> {
 }
 
 impl<'a> Arrays<'a> {
-    pub(super) fn new(bytes: &'a [u8], document: &'a Document, task: &'a Task<'a>) -> Self {
+    pub(super) fn new(
+        bytes: &'a [u8],
+        file: Option<(&'a File, usize)>,
+        document: &'a Document,
+        task: &'a Task<'a>,
+    ) -> Self {
         Self {
             bytes,
+            file,
             document,
             task,
             taken: 0,
@@ -129,7 +139,7 @@ impl<'a> Arrays<'a> {
     pub(super) fn find(&mut self, array: &Array, count: usize) -> Result<Stored<'a>, Stop> {
         self.task.go_on()?;
         let (form, taken) = match array.place {
-            _ if count == 0 => (Form::Plain(Bytes::Raw(&[])), 0),
+            _ if count == 0 => (Form::Plain(Bytes::Raw(Stretch::Read(&[]))), 0),
             Place::Text(from, end) => {
                 let text = self.bytes.get(..end).unwrap_or(self.bytes);
                 // A digit and a blank each.
@@ -142,7 +152,7 @@ impl<'a> Arrays<'a> {
         };
         // Arrays that stand in the same bytes would make much of little.
         self.taken = self.taken.saturating_add(taken);
-        if self.taken > self.bytes.len() {
+        if self.taken > self.file.map_or(self.bytes.len(), |(_, length)| length) {
             let problem = "begins an array that shares its bytes with others: save the file again";
             return Err(Stop::fault(array.at, problem));
         }
@@ -189,9 +199,14 @@ impl<'a> Arrays<'a> {
         let (text, skipped) = match array.place {
             Place::Appended(offset) => {
                 let appended = self.document.appended?;
+                if let Some((file, length)) = self.file {
+                    let from = appended.at.checked_add(offset)?;
+                    let rest = length.checked_sub(from)?;
+                    return Some(Bytes::Raw(Stretch::Unread(file, from as u64, rest)));
+                }
                 let rest = self.bytes.get(appended.at.checked_add(offset)?..)?;
                 if !appended.is_base64 {
-                    return Some(Bytes::Raw(rest));
+                    return Some(Bytes::Raw(Stretch::Read(rest)));
                 }
                 (Cow::Borrowed(rest), 0)
             }
@@ -215,8 +230,8 @@ impl<'a> Arrays<'a> {
         if bytes.most() < length {
             return None;
         }
-        let mut scratch = Vec::new();
-        let header = bytes.get(0, length, &mut scratch)?;
+        let mut window = Window::default();
+        let header = bytes.get(0, length, &mut window)?;
         let words = header.chunks_exact(word).map(|word| {
             let value = number_of(word, self.document.is_big);
             usize::try_from(value).unwrap_or(usize::MAX)
@@ -256,6 +271,22 @@ fn too_few(at: usize, count: usize, found: &str) -> Stop {
 }
 
 impl Stored<'_> {
+    /// So many numbers where they stand in the file as they are.
+    pub(super) fn as_it_is(&self, count: usize) -> Option<Plain<'_>> {
+        let Form::Plain(Bytes::Raw(bytes)) = &self.form else {
+            return None;
+        };
+        let bytes = *bytes;
+        (count.checked_mul(self.kind.bytes())? <= bytes.len()).then_some(())?;
+        Some(Plain {
+            bytes,
+            kind: self.kind,
+            is_big: self.is_big,
+            at: self.at,
+            is_placed: false,
+        })
+    }
+
     /// Reads all its numbers.
     pub(super) fn read<V: Value>(&self, to: &mut [V], task: &Task<'_>) -> Result<(), Stop> {
         match &self.form {
@@ -306,10 +337,10 @@ impl Stored<'_> {
     ) -> Result<(), Stop> {
         let word = self.kind.bytes();
         let chunks = to.par_chunks_mut(NUMBERS).enumerate();
-        chunks.try_for_each_init(Vec::new, |scratch, (chunk, to)| {
+        chunks.try_for_each_init(Window::default, |window, (chunk, to)| {
             task.go_on()?;
             let from = chunk * NUMBERS * word;
-            let Some(bytes) = bytes.get(from, to.len() * word, scratch) else {
+            let Some(bytes) = bytes.get(from, to.len() * word, window) else {
                 let problem = "begins an array that is cut short or no base64: save the file again";
                 return Err(Stop::fault(self.at, problem));
             };

@@ -3,6 +3,7 @@
 use zlib_rs::{Inflate, InflateFlush, Status};
 
 use super::super::super::Stop;
+use super::super::super::stretch::Window;
 use super::document::Compressor;
 
 /// Bits of the window that zlib may look back in: the largest.
@@ -26,8 +27,8 @@ pub(super) struct Blocks {
 /// What a thread unpacks blocks with.
 #[derive(Default)]
 pub(super) struct Scratch {
-    /// Of base64.
-    pub(super) stored: Vec<u8>,
+    /// As they are stored.
+    pub(super) stored: Window,
     pub(super) whole: Vec<u8>,
     pub(super) inflate: Option<Inflate>,
 }

@@ -4,10 +4,12 @@ mod array;
 mod blocks;
 mod document;
 
+use std::fs::File;
+
 use super::super::points::{Coordinate, mesh};
 use super::super::{Stop, Surface, Task, zeroed};
 use super::cells::{Shape, Triangles, are_triangles, points_of};
-use super::number::Kind;
+use super::number::{Kind, Plain};
 use array::Arrays;
 use document::{Cells, Document, Piece};
 
@@ -16,18 +18,35 @@ pub(in crate::mesh::read) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surfa
     let document = document::read(bytes, task)?;
     let points = document.pieces.iter().filter_map(|piece| piece.points);
     if points.clone().any(|array| array.kind.is_wide()) {
-        read_as::<f64>(bytes, &document, task)
+        read_as::<f64>(bytes, None, &document, task)
     } else {
-        read_as::<f32>(bytes, &document, task)
+        read_as::<f32>(bytes, None, &document, task)
     }
+}
+
+/// Reads a VTP file of which only the start is in memory, where that has all but raw arrays behind it; none where it has not.
+pub(in crate::mesh::read) fn read_start(
+    start: &[u8],
+    file: (&File, usize),
+    task: &Task<'_>,
+) -> Option<Result<Surface, Stop>> {
+    let document = document::read(start, task).ok()?;
+    document.appended.filter(|appended| !appended.is_base64)?;
+    let mut points = document.pieces.iter().filter_map(|piece| piece.points);
+    Some(if points.any(|array| array.kind.is_wide()) {
+        read_as::<f64>(start, Some(file), &document, task)
+    } else {
+        read_as::<f32>(start, Some(file), &document, task)
+    })
 }
 
 fn read_as<C: Coordinate>(
     bytes: &[u8],
+    file: Option<(&File, usize)>,
     document: &Document,
     task: &Task<'_>,
 ) -> Result<Surface, Stop> {
-    let mut arrays = Arrays::new(bytes, document, task);
+    let mut arrays = Arrays::new(bytes, file, document, task);
     let mut points: Vec<[C; 3]> = Vec::new();
     let mut triangles = Triangles::new(task);
     let mut surface = Surface::default();
@@ -73,6 +92,12 @@ fn add_points<C: Coordinate>(
     let stored = arrays.find(array, count.saturating_mul(3))?;
     // Now it is known that the file has them.
     let from = points.len();
+    if from == 0
+        && let Some(numbers) = stored.as_it_is(3 * count)
+    {
+        *points = numbers.points(count, task)?;
+        return Ok(u32::try_from(count).unwrap_or(u32::MAX));
+    }
     if from == 0 {
         *points = zeroed(count)?;
     } else {
@@ -110,6 +135,14 @@ fn cells(
     }
     let task = triangles.task;
     let stored = arrays.find(ends, cells.count)?;
+    let are_threes = |ends: Plain<'_>| ends.are_threes(3, cells.count, task);
+    if shape == Shape::Polygon && stored.as_it_is(cells.count).is_some_and(are_threes) {
+        let stored = arrays.find(points, 3 * cells.count)?;
+        return match stored.as_it_is(3 * cells.count) {
+            Some(numbers) => triangles.plain(points.at, cells.count, &numbers),
+            None => triangles.all(points.at, cells.count, |to| stored.read(to, task)),
+        };
+    }
     let mut end_of = zeroed::<u32>(cells.count)?;
     stored.read(&mut end_of, task)?;
     let count = points_of(ends.at, &end_of)?;
