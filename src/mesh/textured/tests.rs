@@ -1,3 +1,5 @@
+//! Images become layers as bright as they were, seams stay, and paint follows what is mended.
+
 #![allow(
     clippy::unwrap_used,
     clippy::missing_assert_message,
