@@ -149,14 +149,13 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     let surface = picker
         .and_then(|picker| Surface::new(picker, cancel))
         .ok_or_else(stopped)?;
-    let mut told = Vec::new();
     let coloured = match (model.paint, before) {
-        (Some(paint), None) => painted(surface, paint, &mut told, cancel),
-        (Some(paint), Some(before)) => repainted(surface, &paint, before, &mut told, cancel),
+        (Some(paint), None) => painted(surface, paint, cancel),
+        (Some(paint), Some(before)) => repainted(surface, &paint, before, cancel),
         (None, _) => LoadedModel::new(surface, cancel),
     };
     let mut model = coloured.ok_or_else(stopped)?;
-    model.remarks = [remarks, told].concat();
+    model.remarks.splice(..0, remarks);
     if let Some(skeleton) = &skeleton {
         let line = Display::new(Arc::new(along(skeleton)), None, cancel).ok_or_else(stopped)?;
         model.centerline = Some((Arc::new(line), new_revision()));
@@ -182,15 +181,11 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
 }
 
 /// A model with the colours of its file; what is not shown of them is told.
-fn painted(
-    surface: Surface,
-    paint: Paint,
-    told: &mut Vec<String>,
-    cancel: &AtomicBool,
-) -> Option<LoadedModel> {
+fn painted(surface: Surface, paint: Paint, cancel: &AtomicBool) -> Option<LoadedModel> {
     let (textured, remarks) = Textured::new(paint, &LayerLimits::default(), cancel)?;
-    *told = remarks;
-    LoadedModel::with_materials(surface, textured, cancel)
+    let mut model = LoadedModel::with_materials(surface, textured, cancel)?;
+    model.remarks = remarks;
+    Some(model)
 }
 
 /// The same of a model that was mended, whose vertices are not those of its file.
@@ -198,13 +193,12 @@ fn repainted(
     surface: Surface,
     paint: &Paint,
     before: Mesh,
-    told: &mut Vec<String>,
     cancel: &AtomicBool,
 ) -> Option<LoadedModel> {
     let (mesh, paint) = moved(paint, before, surface.mesh(), cancel)?;
     let (textured, remarks) = Textured::new(paint, &LayerLimits::default(), cancel)?;
-    *told = remarks;
     let mut model = LoadedModel::new(surface, cancel)?;
+    model.remarks = remarks;
     if let Some(textured) = textured {
         let display = Display::new(Arc::new(mesh), Some(&textured), cancel)?;
         let display = display.textured(Arc::new(textured));

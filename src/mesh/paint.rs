@@ -292,6 +292,9 @@ fn damaged(kind: ImageKind, error: &image::ImageError) -> String {
 fn check_size([width, height]: [u32; 2], limits: &ImageLimits) -> Result<(), String> {
     let side = limits.side_px;
     let bytes = 4 * u64::from(width) * u64::from(height);
+    if bytes == 0 {
+        return Err("it has no pixels: save it again".into());
+    }
     if width > side || height > side || bytes > limits.bytes {
         return Err(format!(
             "it has {width} × {height} pixels, more than {side} a side or {} in all: make it smaller",
@@ -380,6 +383,14 @@ mod tests {
             bytes: 1 << 20,
         };
         assert!(look(&png).unwrap().decode(&small).is_err());
+    }
+
+    #[test]
+    fn images_of_no_pixels_are_refused() {
+        for size_px in [[0, 0], [0, 5], [5, 0]] {
+            let fault = check_size(size_px, &ImageLimits::default()).unwrap_err();
+            assert!(fault.contains("no pixels"), "{fault}");
+        }
     }
 
     /// The sum that ends a PNG chunk, bit by bit.

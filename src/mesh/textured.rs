@@ -17,7 +17,7 @@ pub use self::layers::{LayerLimits, Layers, Part};
 pub use self::moved::moved;
 use super::Mesh;
 use super::colour::Colour;
-use super::paint::{Alpha, ImageLimits, Material, Paint, VertexColour};
+use super::paint::{Alpha, Image, ImageLimits, Material, Paint, Pixels, VertexColour};
 use super::report::NONE;
 use super::srgb::byte;
 
@@ -46,43 +46,18 @@ impl Textured {
         limits: &LayerLimits,
         cancel: &AtomicBool,
     ) -> Option<(Option<Self>, Vec<String>)> {
-        let mut remarks = Vec::new();
         if paint.materials.is_empty() && paint.colours.is_empty() {
-            return Some((None, remarks));
+            return Some((None, Vec::new()));
         }
         let mut materials = paint.materials;
         if materials.is_empty() {
             materials.push(painted_only());
         }
-        let mut images = Vec::new();
-        // For each image its layer, where it has one.
-        let mut places = Vec::new();
-        for image in &paint.images {
-            if cancel.load(Ordering::Relaxed) {
-                return None;
-            }
-            // Decoded ones wait for each other: as many as the layers may hold, each made as small as those are.
-            let room = u64::try_from(images.len()).unwrap_or(u64::MAX) < u64::from(limits.count);
-            let decoded = if room {
-                image
-                    .decode(&ImageLimits::default())
-                    .map_err(|fault| fault.to_string())
-            } else {
-                Err(format!("more than {} images are not shown", limits.count))
-            };
-            places.push(match decoded {
-                Ok(pixels) => {
-                    images.push(limits.fitted(pixels, paint.images.len()));
-                    u32::try_from(images.len() - 1).ok()
-                }
-                Err(remark) => {
-                    if !remarks.contains(&remark) {
-                        remarks.push(remark);
-                    }
-                    None
-                }
-            });
-        }
+        let Decoded {
+            images,
+            places,
+            remarks,
+        } = decoded(&paint.images, limits, cancel)?;
         for image in materials.iter_mut().flat_map(Material::images_mut) {
             *image = image.and_then(|mut texture| {
                 texture.image = places.get(texture.image as usize).copied().flatten()?;
@@ -171,6 +146,68 @@ impl Textured {
     pub fn colour(&self, vertex: u32) -> Colour {
         let known = self.colours.get(vertex as usize);
         known.copied().unwrap_or([u8::MAX; 4])
+    }
+}
+
+/// Images of a model, the same ones once.
+#[derive(Default)]
+struct Decoded {
+    images: Vec<Pixels>,
+    /// For each that was given which of them it is; none where it cannot be shown.
+    places: Vec<Option<u32>>,
+    remarks: Vec<String>,
+}
+
+/// Decodes images. `None` when somebody asked to stop.
+fn decoded(given: &[Image], limits: &LayerLimits, cancel: &AtomicBool) -> Option<Decoded> {
+    // By number the first of the same bytes: files may name one image by the hundred.
+    let same = |image: &Image| {
+        given
+            .iter()
+            .position(|other| other.encoded == image.encoded)
+    };
+    let firsts: Vec<Option<usize>> = given.iter().map(same).collect();
+    let is_first = |number: usize| firsts.get(number) == Some(&Some(number));
+    let count = (0..given.len()).filter(|number| is_first(*number)).count();
+    let mut all = Decoded::default();
+    for ((number, image), first) in given.iter().enumerate().zip(&firsts) {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        let place = if is_first(number) {
+            all.decode(image, limits, count)
+        } else {
+            first.and_then(|first| all.places.get(first).copied().flatten())
+        };
+        all.places.push(place);
+    }
+    Some(all)
+}
+
+impl Decoded {
+    /// Decodes one of so many, and says which it has become. Decoded ones wait for each other: as many as the layers may hold, each made as small as
+    /// those are.
+    fn decode(&mut self, image: &Image, limits: &LayerLimits, count: usize) -> Option<u32> {
+        let place = u32::try_from(self.images.len()).ok();
+        let place = place.filter(|place| *place < limits.count);
+        let decoded = match place {
+            Some(_) => image
+                .decode(&ImageLimits::default())
+                .map_err(|fault| fault.to_string()),
+            None => Err(format!("more than {} images are not shown", limits.count)),
+        };
+        match decoded {
+            Ok(pixels) => {
+                self.images.push(limits.fitted(pixels, count));
+                place
+            }
+            Err(remark) => {
+                if !self.remarks.contains(&remark) {
+                    self.remarks.push(remark);
+                }
+                None
+            }
+        }
     }
 }
 

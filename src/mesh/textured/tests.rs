@@ -165,6 +165,21 @@ fn images_become_layers_of_one_size_within_their_limits() {
 }
 
 #[test]
+fn the_same_image_a_hundred_times_is_one_layer() {
+    let one = image(8, 8, |x, _| [x as u8 * 30, 0, 0, 255]);
+    let (found, remarks) = of_images(vec![one; 300], &LayerLimits::default());
+    assert!(remarks.is_empty(), "{remarks:?}");
+    assert_eq!((found.layers.count, found.layers.size_px), (1, [8, 8]));
+    let layer = |material: &Material| material.base_colour_image.map(|image| image.image);
+    assert!(
+        found
+            .materials
+            .iter()
+            .all(|material| layer(material) == Some(0))
+    );
+}
+
+#[test]
 fn a_broken_image_is_told_and_the_others_stay() {
     let good = image(4, 4, |_, _| [9, 8, 7, 255]);
     let whole = image(64, 64, |x, y| [x as u8, y as u8, 3, 255]);

@@ -208,9 +208,16 @@ fn emission(json: &Json) -> Vec3 {
         let strength = all.emissive_strength.as_ref()?;
         Some(strength.emissive_strength.0)
     });
-    let light = Vec3::from_array(json.emissive_factor.0) * strength.unwrap_or(1.0);
-    // Numbers that are none are no light.
-    light.max(Vec3::ZERO).min(Vec3::splat(MOST_LIGHT))
+    let light = json.emissive_factor.0.map(|part| {
+        let light = part * strength.unwrap_or(1.0);
+        // Numbers that are none are no light.
+        if light.is_nan() {
+            0.0
+        } else {
+            light.clamp(0.0, MOST_LIGHT)
+        }
+    });
+    Vec3::from_array(light)
 }
 
 /// The images of a material. All lie as the first does; what lies otherwise is left out.
