@@ -1,8 +1,7 @@
 //! A few triangles with vertices numbered anew from 0, as the clusterizer and the simplifier take them: both look at all vertices that they are given.
 
-use std::hash::{BuildHasher as _, RandomState};
-
 use glam::{Vec3, Vec4};
+use hashbrown::HashMap;
 use meshopt::VertexDataAdapter;
 
 use super::split::split;
@@ -33,9 +32,15 @@ impl Local {
     /// Of triangles whose vertices the mesh has.
     pub(super) fn new(mesh: &Mesh, triangles: &[[u32; 3]]) -> Self {
         let corners = triangles.as_flattened();
-        let mut numbers = Numbers::with_room(corners.len());
-        let indices = corners.iter().map(|vertex| numbers.of(*vertex)).collect();
-        let vertices = numbers.vertices;
+        let mut vertices = Vec::with_capacity(corners.len() / 5);
+        let mut numbers = HashMap::with_capacity(corners.len() / 5);
+        let number = |vertex: &u32| {
+            *numbers.entry(*vertex).or_insert_with(|| {
+                vertices.push(*vertex);
+                u32::try_from(vertices.len() - 1).unwrap_or(u32::MAX)
+            })
+        };
+        let indices = corners.iter().map(number).collect();
         let position = |vertex: &u32| mesh.positions.get(*vertex as usize).copied();
         let positions = vertices
             .iter()
@@ -96,49 +101,4 @@ pub(super) fn adapter(positions: &[Vec3]) -> Option<VertexDataAdapter<'_>> {
     VertexDataAdapter::new(bytes, size_of::<Vec3>(), 0)
         .ok()
         .filter(|adapter| adapter.vertex_count > 0)
-}
-
-/// Numbers from 0 for the mesh's vertices, as they first come. An open table, probed in a row; where it looks first is another each time, so that no
-/// file can be made that fills one place of it.
-struct Numbers {
-    /// The mesh's vertices by their numbers.
-    vertices: Vec<u32>,
-    /// Numbers and 1, or 0.
-    slots: Vec<u32>,
-    seed: u64,
-    /// Bits of a hash that are no slot's number.
-    shift: u32,
-}
-
-impl Numbers {
-    /// For so many vertices at most.
-    fn with_room(vertices: usize) -> Self {
-        let slots = (vertices + vertices / 3 + 1).next_power_of_two().max(2);
-        Self {
-            vertices: Vec::with_capacity(vertices / 5),
-            slots: vec![0; slots],
-            seed: RandomState::new().hash_one(0) | 1,
-            shift: u64::BITS - slots.ilog2(),
-        }
-    }
-
-    fn of(&mut self, vertex: u32) -> u32 {
-        let hash = self.seed.wrapping_mul(u64::from(vertex) + 1);
-        let mut at = usize::try_from(hash >> self.shift).unwrap_or(0);
-        loop {
-            let Some(slot) = self.slots.get_mut(at) else {
-                at = 0;
-                continue;
-            };
-            if *slot == 0 {
-                self.vertices.push(vertex);
-                *slot = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
-                return *slot - 1;
-            }
-            if self.vertices.get(*slot as usize - 1) == Some(&vertex) {
-                return *slot - 1;
-            }
-            at += 1;
-        }
-    }
 }
