@@ -179,6 +179,23 @@ impl Picker {
         Some(self.place(number, weights, limit.sqrt()))
     }
 
+    /// Calls `visit` with the triangles whose boxes come as near to a point as `most`, in the order of the hierarchy: each by its number and its
+    /// corners.
+    pub fn within(&self, point: Vec3, most: f32, mut visit: impl FnMut(u32, [Vec3; 3])) {
+        let limit = f64::from(most) * f64::from(most);
+        if point.is_finite() && limit.is_finite() {
+            self.around(point, limit, |number, corners| {
+                visit(number, corners);
+                limit
+            });
+        }
+    }
+
+    /// The point of a triangle that is nearest to a point.
+    pub fn nearest_of(corners: [Vec3; 3], point: DVec3) -> DVec3 {
+        triangle::at(corners.map(Vec3::as_dvec3), triangle::nearest(corners, point).0)
+    }
+
     /// Corners of a triangle, from the mesh's origin; None where it cannot be picked.
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         build::usable(&self.mesh, *self.mesh.triangles.get(triangle as usize)?)

@@ -1,0 +1,125 @@
+//! Balls that cover the wall, and which are next to each other.
+//!
+//! From each vertex that no ball has yet, the largest ball inside that touches it; what else of the wall that ball all but touches, as far
+//! as it hangs together, is its. Two balls are linked where they have a vertex in common or an edge of the wall leads from the one's to
+//! the other's. A tube of any number of triangles becomes a chain of some four balls to a radius, a sheet a net, and what hangs together
+//! as a surface hangs together as balls, however thin a neck is. Centres are on the medial structure (the poles of Amenta, Choi and
+//! Kolluri 2001), so ways from ball to ball run in the middle.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::skin::{Ball, Skin};
+use crate::mesh::report::NONE;
+
+/// How much farther than the ball, in radii, the wall is still its: so much that balls on a tube are a quarter of a radius apart.
+const SLACK: f64 = 0.03;
+
+/// Vertices between two looks at whether to stop.
+const STEPS: u32 = 1 << 8;
+
+/// Balls and their links.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cover {
+    pub(super) balls: Vec<Ball>,
+    /// The first ball of each vertex, [`NONE`] where it has none.
+    pub(super) of_vertex: Vec<u32>,
+    /// Balls next to each ball, sorted.
+    pub(super) links: Vec<Vec<u32>>,
+}
+
+impl Cover {
+    /// None when `cancel` was set.
+    pub(super) fn new(skin: &Skin, cancel: &AtomicBool) -> Option<Self> {
+        let graph = skin.surface.graph();
+        let mut cover = Self {
+            of_vertex: vec![NONE; skin.normals.len()],
+            ..Self::default()
+        };
+        let mut seen = vec![NONE; skin.normals.len()];
+        for vertex in 0..graph.vertices() {
+            if vertex.is_multiple_of(STEPS) && cancel.load(Ordering::Relaxed) {
+                return None;
+            }
+            if cover.of_vertex[vertex as usize] == NONE
+                && !graph.neighbours(vertex).is_empty()
+                && let Some(ball) = skin.ball_at(vertex)
+            {
+                cover.add(skin, vertex, ball, &mut seen);
+            }
+        }
+        cover.link_across_edges(skin);
+        Some(cover)
+    }
+
+    /// Adds a ball and gives it what it touches, from a vertex on.
+    fn add(&mut self, skin: &Skin, vertex: u32, ball: Ball, seen: &mut [u32]) {
+        let number = self.push(ball);
+        let reach = (ball.radius * (1.0 + SLACK)).powi(2);
+        self.of_vertex[vertex as usize] = number;
+        seen[vertex as usize] = number;
+        let mut open = vec![vertex];
+        while let Some(at) = open.pop() {
+            for next in skin.surface.graph().neighbours(at) {
+                let place = *next as usize;
+                if seen[place] == number {
+                    continue;
+                }
+                let from_centre = skin.surface.position(*next) - ball.centre;
+                let is_touched = from_centre.length_squared() <= reach
+                    && from_centre.dot(skin.normals[place]) > 0.0;
+                if !is_touched {
+                    continue;
+                }
+                seen[place] = number;
+                open.push(*next);
+                match self.of_vertex[place] {
+                    NONE => self.of_vertex[place] = number,
+                    other => self.links[number as usize].push(other),
+                }
+            }
+        }
+    }
+
+    /// Adds a ball without links.
+    pub(super) fn push(&mut self, ball: Ball) -> u32 {
+        let number = u32::try_from(self.balls.len()).unwrap_or(NONE);
+        self.balls.push(ball);
+        self.links.push(Vec::new());
+        number
+    }
+
+    /// Links two balls.
+    pub(super) fn link(&mut self, one: u32, other: u32) {
+        for (from, to) in [(one, other), (other, one)] {
+            let links = &mut self.links[from as usize];
+            if let Err(place) = links.binary_search(&to) {
+                links.insert(place, to);
+            }
+        }
+    }
+
+    fn link_across_edges(&mut self, skin: &Skin) {
+        let graph = skin.surface.graph();
+        for vertex in 0..graph.vertices() {
+            let one = self.of_vertex[vertex as usize];
+            for next in graph.neighbours(vertex) {
+                let other = self.of_vertex[*next as usize];
+                if one != NONE && other != NONE && one != other {
+                    self.links[one as usize].push(other);
+                }
+            }
+        }
+        // What was found from one side only is told to the other.
+        let one_way: Vec<(u32, u32)> = (0_u32..)
+            .zip(&self.links)
+            .flat_map(|(from, links)| links.iter().map(move |to| (*to, from)))
+            .collect();
+        one_way
+            .into_iter()
+            .for_each(|(from, to)| self.links[from as usize].push(to));
+        for links in &mut self.links {
+            links.sort_unstable();
+            links.dedup();
+        }
+    }
+}

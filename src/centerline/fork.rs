@@ -1,0 +1,417 @@
+//! Where tubes meet: forks are where their axes would meet, and not where balls grow.
+//!
+//! Inside a fork the largest balls leave the tubes' axes: they move out to where there is most room. So tubes are
+//! [followed](super::tube::follow) into the fork as far as there is wall, what balls say counts the less the nearer it is, and
+//! each line goes on as [smoothly](super::spline) as it came. The fork is the point that is nearest to all of them by least squares, and the
+//! lines are led there. Forks that come out nearer to each other than their radius are one, of more branches.
+
+use glam::{DMat3, DVec3};
+
+use super::line::Sample;
+use super::skin::{Ball, Skin, WallPoint};
+use super::spline::{Knot, Smooth, smooth};
+use super::tube::Tube;
+use crate::mesh::report::NONE;
+
+/// A line between two forks or from a fork to an end.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    /// Forks, by number, where it begins and ends; the source and ends are some, too.
+    pub(super) from: u32,
+    pub(super) to: u32,
+    pub(super) samples: Vec<Sample>,
+}
+
+/// Where lines meet, or one ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fork {
+    pub(super) ball: Ball,
+    /// Lines that meet here.
+    pub(super) lines: usize,
+}
+
+/// How far off the axis balls may be for what they are larger than the tube.
+const GROWN: f64 = 1.0;
+/// How far, in radii of its ball, a fork reaches at most.
+const REACH: f64 = 3.0;
+/// Points nearer than so many radii to a sibling's line are not a line's own.
+const OWN: f64 = 0.5;
+/// Nearer than so many radii, two forks are one.
+const ONE: f64 = 0.6;
+/// Steps of following at most.
+const FOLLOWED_MOST: usize = 40;
+/// A tube that is followed does not get so much wider or narrower.
+const WIDER: f64 = 0.05;
+/// Distance between balls that are compared at an end, in radii.
+const END_STEP: f64 = 0.05;
+/// Distance between points, in radii.
+const SPACING: f64 = 0.25;
+/// Rounds in which forks and lines are fitted to each other.
+const ROUNDS: usize = 5;
+
+/// Lines with the forks that they meet in.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Network {
+    pub(super) forks: Vec<Fork>,
+    pub(super) lines: Vec<Line>,
+}
+
+impl Network {
+    /// Leaves out points that are a sibling's as well.
+    fn keep_own(&mut self) {
+        for number in 0..self.lines.len() {
+            let siblings: Vec<usize> = (0..self.lines.len())
+                .filter(|other| *other != number && self.lines[*other].from == self.lines[number].from)
+                .collect();
+            let mut own = 0;
+            for (place, sample) in self.lines[number].samples.iter().enumerate() {
+                let shared = siblings.iter().any(|sibling| {
+                    let near = self.lines[*sibling].samples.iter().take(40);
+                    near.map(|other| other.point.distance(sample.point)).fold(f64::INFINITY, f64::min)
+                        < OWN * sample.radius
+                });
+                if shared {
+                    own = place + 1;
+                } else if place > own + 8 {
+                    break;
+                }
+            }
+            let shared = &mut self.lines[number].samples[..own];
+            shared.iter_mut().for_each(|sample| sample.spread = f64::INFINITY);
+        }
+    }
+
+    fn is_fork(&self, fork: u32) -> bool {
+        self.forks[fork as usize].lines > 2
+    }
+
+    /// Follows lines' tubes into their forks as far as there is wall.
+    fn follow(&mut self, skin: &Skin) {
+        let mut scratch = Vec::new();
+        for number in 0..self.lines.len() {
+            let Line { from, to, .. } = self.lines[number];
+            for (fork, at_end) in [(from, false), (to, true)] {
+                if self.is_fork(fork) {
+                    let ball = self.forks[fork as usize].ball;
+                    let samples = &mut self.lines[number].samples;
+                    if !at_end {
+                        samples.reverse();
+                    }
+                    follow(skin, samples, ball, &mut scratch);
+                    if !at_end {
+                        samples.reverse();
+                    }
+                }
+            }
+        }
+    }
+
+    /// Moves ends to where on their tubes' axes balls begin to lie within each other.
+    fn end(&mut self, skin: &Skin) {
+        for number in 0..self.lines.len() {
+            let Line { from, to, .. } = self.lines[number];
+            for (fork, at_end) in [(from, false), (to, true)] {
+                if self.forks[fork as usize].lines == 1 {
+                    let samples = &mut self.lines[number].samples;
+                    if !at_end {
+                        samples.reverse();
+                    }
+                    if let Some(ball) = end(skin, samples, self.forks[fork as usize].ball) {
+                        self.forks[fork as usize].ball = ball;
+                    }
+                    if !at_end {
+                        samples.reverse();
+                    }
+                }
+            }
+        }
+    }
+
+    /// The knots of a line between its forks; with the forks themselves known where `pinned`.
+    fn knots(&self, number: usize, pinned: bool) -> Vec<Knot> {
+        let Line { from, to, samples } = &self.lines[number];
+        let [start, end] = [*from, *to].map(|fork| self.forks[fork as usize]);
+        let of_fork = |fork: &Fork| Knot {
+            known: fork.ball.centre,
+            spread: match (pinned, fork.lines > 2) {
+                (true, true) => 1e-4 * fork.ball.radius,
+                (false, true) => f64::INFINITY,
+                (_, false) => 0.03 * fork.ball.radius,
+            },
+            radius: fork.ball.radius,
+        };
+        let own = samples.iter().filter(|sample| sample.spread.is_finite());
+        let own: Vec<Sample> = own.copied().collect();
+        let inner = between(&own, start.ball.centre, end.ball.centre);
+        let g: f64 = std::env::var("DRIFT").ok().and_then(|k| k.parse::<f64>().ok()).unwrap_or(GROWN);
+        // In a fork balls grow, and so much they may be off the axis of the tube that the line has beside them.
+        let drift = |sample: &Sample| {
+            let near = inner.iter().filter(|other| other.tube.is_some());
+            let near = near.min_by(|a, b| {
+                let [a, b] = [a, b].map(|other| other.point.distance(sample.point));
+                a.total_cmp(&b)
+            });
+            match (sample.tube, near) {
+                (None, Some(tube)) => g * (sample.radius - tube.radius).max(0.0),
+                _ => 0.0,
+            }
+        };
+        let inner = inner.iter().map(|sample| Knot {
+            known: sample.point,
+            spread: sample.spread * sample.radius + drift(sample),
+            radius: sample.radius,
+        });
+        let mut knots = vec![of_fork(&start)];
+        knots.extend(inner);
+        knots.push(of_fork(&end));
+        knots
+    }
+
+    /// Moves forks to where their lines meet, once.
+    fn settle(&mut self) {
+        let lines: Vec<Option<Smooth>> = (0..self.lines.len())
+            .map(|number| smooth(&self.knots(number, false)))
+            .collect();
+        let mut sums: Vec<(DMat3, DVec3)> = self
+            .forks
+            .iter()
+            .map(|fork| {
+                // Where it was is a weak guess.
+                let prior = (std::env::var("PRIOR").ok().and_then(|k| k.parse::<f64>().ok()).unwrap_or(2.0) * fork.ball.radius).powi(-2);
+                (DMat3::from_diagonal(DVec3::splat(prior)), prior * fork.ball.centre)
+            })
+            .collect();
+        for (line, smooth) in self.lines.iter().zip(&lines) {
+            let Some(Smooth { points, ends }) = smooth else {
+                continue;
+            };
+            let [first, last] = [0, points.len() - 1];
+            for (fork, place, next, spread) in [
+                (line.from, first, first + 1, ends[0]),
+                (line.to, last, last - 1, ends[1]),
+            ] {
+                let Some(tangent) = (points[place] - points[next]).try_normalize() else {
+                    continue;
+                };
+                let radius = self.forks[fork as usize].ball.radius;
+                let weight = spread.max(0.003 * radius).powi(-2);
+                let across = DMat3::IDENTITY - DMat3::from_cols(tangent * tangent.x, tangent * tangent.y, tangent * tangent.z);
+                let (matrix, right) = &mut sums[fork as usize];
+                *matrix += weight * across;
+                *right += weight * (across * points[place]);
+            }
+        }
+        for (fork, (matrix, right)) in self.forks.iter_mut().zip(sums) {
+            let point = matrix.inverse() * right;
+            if fork.lines > 2 && point.is_finite() && point.distance(fork.ball.centre) < 2.0 * fork.ball.radius {
+                fork.ball.centre = point;
+            }
+        }
+    }
+
+    /// Makes forks one that are in one place.
+    fn unite(&mut self, skin: &Skin) -> bool {
+        let mut united = false;
+        for number in 0..self.lines.len() {
+            let Line { from, to, .. } = self.lines[number];
+            if from == to || !self.is_fork(to) || !self.is_fork(from) {
+                continue;
+            }
+            let [one, other] = [from, to].map(|fork| self.forks[fork as usize].ball.centre);
+            let radius = skin.distance(one).min(skin.distance(other));
+            if one.distance(other) >= ONE * radius {
+                continue;
+            }
+            united = true;
+            self.forks[from as usize].lines += self.forks[to as usize].lines - 2;
+            self.forks[from as usize].ball.centre = one.midpoint(other);
+            for line in &mut self.lines {
+                line.from = if line.from == to { from } else { line.from };
+                line.to = if line.to == to { from } else { line.to };
+            }
+        }
+        self.lines.retain(|line| line.from != line.to);
+        united
+    }
+
+    /// Leads lines to their forks.
+    pub(super) fn join(&mut self, skin: &Skin) {
+        self.keep_own();
+        self.follow(skin);
+        self.end(skin);
+        if std::env::var("D").is_ok() { for l in &self.lines { println!("  line {} {}",l.from,l.to); for x in &l.samples { println!("    s {:.3} {:.3} {:.3} r {:.3} {} dev {:.4} fits {:.2} gap {:.2}",x.point.x,x.point.y,x.point.z,x.radius,x.tube.is_some(),x.spread,x.tube.map_or(0.0,|t| t.fits),x.tube.map_or(0.0,|t| t.gap)); } } }
+        for _ in 0..ROUNDS {
+            self.settle();
+        }
+        if self.unite(skin) {
+            for _ in 0..ROUNDS {
+                self.settle();
+            }
+        }
+        if std::env::var("D").is_ok() {
+            for (n,l) in self.lines.iter().enumerate() {
+                if let Some(sm)=smooth(&self.knots(n,false)) { for (f,p,e) in [(l.from,0,0),(l.to,sm.points.len()-1,1)] { if self.is_fork(f) { let q=sm.points[p]; let t=(q-sm.points[if p==0 {1} else {p-1}]).normalize(); let b=self.forks[f as usize].ball; let k=self.knots(n,false); let near=k[if p==0 {1} else {p-1}]; let off=q-b.centre; println!("  e {:.3} {:.3} {:.3} r {:.3} fork {f} line {n} spread {:.3} last knot {:.2}R off across {:.3}R along {:.3}R",b.centre.x,b.centre.y,b.centre.z,b.radius,sm.ends[e]/b.radius,near.known.distance(b.centre)/b.radius,(off-off.dot(t)*t).length()/b.radius,off.dot(t)/b.radius); } } }
+            }
+        }
+        let smoothed: Vec<Vec<Sample>> = (0..self.lines.len()).map(|number| self.smoothed(skin, number)).collect();
+        for (line, samples) in self.lines.iter_mut().zip(smoothed) {
+            line.samples = samples;
+        }
+    }
+
+    /// A line from fork to fork.
+    fn smoothed(&self, skin: &Skin, number: usize) -> Vec<Sample> {
+        let knots = with_middles(&self.knots(number, true));
+        let points = match smooth(&knots) {
+            Some(smooth) => smooth.points,
+            None => knots.iter().map(|knot| knot.known).collect(),
+        };
+        let samples = &self.lines[number].samples;
+        let sag = sag(skin, samples);
+        let of = |point: DVec3, knot: &Knot| {
+            let own = samples.iter().find(|sample| sample.point == knot.known);
+            match own {
+                Some(sample) if sample.tube.is_some() => Sample { point, ..*sample },
+                _ => Sample::free(point, skin.distance(point) + sag),
+            }
+        };
+        let mut line: Vec<Sample> = points.into_iter().zip(&knots).map(|(point, knot)| of(point, knot)).collect();
+        for place in (1..line.len().saturating_sub(1)).step_by(2) {
+            if line[place - 1].tube.is_some() && line[place + 1].tube.is_some() {
+                line[place].radius = f64::midpoint(line[place - 1].radius, line[place + 1].radius);
+            }
+        }
+        line
+    }
+}
+
+/// Knots with another one between any two: chords of a bent line are nearer to it that way.
+fn with_middles(knots: &[Knot]) -> Vec<Knot> {
+    let mut all = Vec::with_capacity(2 * knots.len());
+    for pair in knots.windows(2) {
+        all.push(pair[0]);
+        all.push(Knot {
+            known: pair[0].known.midpoint(pair[1].known),
+            spread: f64::INFINITY,
+            radius: f64::midpoint(pair[0].radius, pair[1].radius),
+        });
+    }
+    all.extend(knots.last());
+    all
+}
+
+/// What of a line is between the planes across it through where it begins and ends.
+fn between(samples: &[Sample], start: DVec3, end: DVec3) -> &[Sample] {
+    let along = |place: usize| {
+        let (from, to) = (place.saturating_sub(1), (place + 1).min(samples.len() - 1));
+        (samples[to].point - samples[from].point).normalize_or_zero()
+    };
+    let clear = |sample: &Sample| SPACING * sample.radius;
+    let mut kept = 0..samples.len();
+    while kept.len() > 1 {
+        let sample = &samples[kept.start];
+        if (sample.point - start).dot(along(kept.start)) > clear(sample) {
+            break;
+        }
+        kept.start += 1;
+    }
+    while kept.len() > 1 {
+        let sample = &samples[kept.end - 1];
+        if (end - sample.point).dot(along(kept.end - 1)) > clear(sample) {
+            break;
+        }
+        kept.end -= 1;
+    }
+    &samples[kept]
+}
+
+/// Follows the tube at the end of a line, which is within a ball.
+fn follow(skin: &Skin, samples: &mut Vec<Sample>, end: Ball, scratch: &mut Vec<WallPoint>) {
+    let Some(first) = samples.iter().rposition(|sample| sample.tube.is_some() && sample.spread.is_finite()) else {
+        return;
+    };
+    let Some(mut tube) = samples[first].tube else {
+        return;
+    };
+    if tube.point.distance(end.centre) > REACH * end.radius {
+        return;
+    }
+    let onwards = samples[first].point - samples[first.saturating_sub(1)].point;
+    if tube.tangent.dot(onwards) < 0.0 {
+        tube.tangent = -tube.tangent;
+    }
+    let rest = samples.split_off(first + 1);
+    let radius = tube.radius;
+    let mut followed = 0;
+    for _ in 0..FOLLOWED_MOST {
+        let s = SPACING * tube.radius;
+        let guess = Tube {
+            point: tube.point + s * tube.tangent + s * s / 2.0 * tube.bend,
+            tangent: (tube.tangent + s * tube.bend).normalize_or_zero(),
+            radius,
+            taper: 0.0,
+            ..tube
+        };
+        if (guess.point - end.centre).dot(guess.tangent) > 0.25 * end.radius {
+            break;
+        }
+        let Some(next) = super::tube::follow(skin, &guess, scratch) else {
+            break;
+        };
+        if (next.radius / radius - 1.0).abs() > WIDER {
+            break;
+        }
+        tube = next;
+        samples.push(Sample {
+            point: tube.point,
+            radius: tube.radius,
+            spread: 0.005 + 0.4 * tube.deviation + 0.04 * (1.0 - tube.fits),
+            tube: Some(tube),
+        });
+        followed += 1;
+    }
+    // What is left of the balls, ahead of the last tube.
+    let clear = 0.5 * SPACING * tube.radius;
+    let ahead = |sample: &Sample| followed == 0 || (sample.point - tube.point).dot(tube.tangent) > clear;
+    samples.extend(rest.into_iter().filter(ahead));
+}
+
+/// The last ball of a tube that ends: those on its axis behind it lie within it. Leaves out samples beyond.
+fn end(skin: &Skin, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
+    let last = samples.iter().rposition(|sample| sample.tube.is_some())?;
+    let tube = samples[last].tube?;
+    let far = tube.point.distance(tip.centre) + tip.radius;
+    if far > 2.0 * REACH * tube.radius {
+        return None;
+    }
+    let onwards = samples[last].point - samples[last.saturating_sub(1)].point;
+    let tangent = if tube.tangent.dot(onwards) < 0.0 { -tube.tangent } else { tube.tangent };
+    let step = END_STEP * tube.radius;
+    let mut balls = Vec::new();
+    let mut s = -2.0 * tube.radius;
+    while s < far {
+        let centre = tube.point + s * tangent + s * s / 2.0 * tube.bend;
+        balls.push((s, Ball { centre, radius: skin.distance(centre) }));
+        s += step;
+    }
+    // In a cap balls shrink as fast as they go on; in a tube hardly. Where their radius plus half their way is most, the one becomes the other.
+    let inside = balls.iter().take_while(|(_, ball)| ball.radius > 0.1 * tube.radius);
+    let reach = |(s, ball): &(f64, Ball)| s / 2.0 + ball.radius;
+    let (s, ball) = *inside.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
+    samples.truncate(last + 1);
+    while samples.last().is_some_and(|sample| (sample.point - tube.point).dot(tangent) > s - SPACING / 2.0 * tube.radius) && samples.len() > 1 {
+        samples.pop();
+    }
+    Some(ball)
+}
+
+/// By how much the balls of fits are larger than those between triangles: the median.
+fn sag(skin: &Skin, samples: &[Sample]) -> f64 {
+    let mut sags: Vec<f64> = samples
+        .iter()
+        .filter(|sample| sample.tube.is_some())
+        .map(|sample| sample.radius - skin.distance(sample.point))
+        .collect();
+    sags.sort_by(f64::total_cmp);
+    sags.get(sags.len() / 2).copied().unwrap_or(0.0).max(0.0)
+}

@@ -1,0 +1,194 @@
+//! A way of balls becomes a line in the middle of its tube.
+//!
+//! Twice: points are spread along the way, each is fitted by a [tube](super::tube), and where there is no tube, as in forks and on flat
+//! parts, moved to the [largest ball](super::ball) across the way. The second time they stand closer, and start from the first.
+
+use glam::DVec3;
+
+use super::ball::largest;
+use super::skin::{Ball, Skin, WallPoint};
+use super::tube::{Tube, fit};
+
+/// A point of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sample {
+    pub(super) point: DVec3,
+    pub(super) radius: f64,
+    /// How far it may be from the axis, in radii; infinite where that is not known.
+    pub(super) spread: f64,
+    /// The tube that the wall there is.
+    pub(super) tube: Option<Tube>,
+}
+
+impl Sample {
+    /// A point without a wall of its own.
+    pub(super) fn free(point: DVec3, radius: f64) -> Self {
+        Self {
+            point,
+            radius,
+            spread: f64::INFINITY,
+            tube: None,
+        }
+    }
+}
+
+/// Distances between points, in radii, of the two times.
+const SPACING: [f64; 2] = [0.5, 0.25];
+/// Half the length of a fit's window, in radii.
+const WINDOW: f64 = 0.75;
+/// How far off the middle of a ball may be, in radii, where there is no tube; and the best tube's.
+const BALL_SPREAD: f64 = 0.05;
+const TUBE_SPREAD: f64 = 0.002;
+/// Points of a line at most.
+const MOST: usize = 1 << 16;
+
+/// The line of a way of balls.
+pub(super) fn centred(skin: &Skin, balls: &[Ball]) -> Vec<Sample> {
+    let mut way = without_outliers(balls);
+    let mut scratch = Vec::new();
+    let mut line = Vec::new();
+    for spacing in SPACING {
+        line = spread(&way, spacing)
+            .into_iter()
+            .map(|place| sample(skin, place, &mut scratch))
+            .collect();
+        without_returns(&mut line);
+        way = line
+            .iter()
+            .map(|sample| Ball {
+                centre: sample.point,
+                radius: sample.radius,
+            })
+            .collect();
+    }
+    line
+}
+
+/// Balls that are much smaller than those around are of bumps.
+fn without_outliers(balls: &[Ball]) -> Vec<Ball> {
+    let kept = balls.iter().enumerate().filter(|(place, ball)| {
+        let around = &balls[place.saturating_sub(2)..(place + 3).min(balls.len())];
+        let mut radii: Vec<f64> = around.iter().map(|ball| ball.radius).collect();
+        radii.sort_by(f64::total_cmp);
+        let is_end = *place == 0 || place + 1 == balls.len();
+        is_end || ball.radius > 0.6 * radii[radii.len() / 2]
+    });
+    let mut kept: Vec<Ball> = kept.map(|(_, ball)| *ball).collect();
+    let mut radii: Vec<f64> = kept.iter().map(|ball| ball.radius).collect();
+    radii.sort_by(f64::total_cmp);
+    let least = 0.25 * radii.get(radii.len() / 2).copied().unwrap_or(0.0);
+    kept.iter_mut().for_each(|ball| ball.radius = ball.radius.max(least));
+    kept
+}
+
+/// Points along a way with the tangent and the radius there, both ends too.
+pub(super) fn spread(way: &[Ball], spacing: f64) -> Vec<(DVec3, DVec3, f64)> {
+    let path = Path::new(way);
+    // At least so far apart that there are not more than the most.
+    let least = path.length() / MOST as f64;
+    let mut places = Vec::new();
+    let mut at = 0.0;
+    while at < path.length() {
+        places.push(at);
+        at += (spacing * path.at(at).radius).max(least);
+    }
+    // The last step is not a tiny one.
+    if places.len() > 1 && path.length() - places[places.len() - 1] < 0.3 * spacing * path.at(path.length()).radius {
+        places.pop();
+    }
+    places.push(path.length());
+    let with_tangents = places.into_iter().map(|at| {
+        let Ball { centre, radius } = path.at(at);
+        (centre, path.tangent(at, WINDOW * radius), radius)
+    });
+    with_tangents.collect()
+}
+
+/// A way by its length.
+pub(super) struct Path<'a> {
+    way: &'a [Ball],
+    lengths: Vec<f64>,
+}
+
+impl<'a> Path<'a> {
+    pub(super) fn new(way: &'a [Ball]) -> Self {
+        let mut sum = 0.0;
+        let steps = way.windows(2).map(|pair| {
+            sum += pair[0].centre.distance(pair[1].centre);
+            sum
+        });
+        Self {
+            lengths: std::iter::once(0.0).chain(steps).collect(),
+            way,
+        }
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        self.lengths.last().copied().unwrap_or(0.0)
+    }
+
+    pub(super) fn at(&self, length: f64) -> Ball {
+        let next = self.lengths.partition_point(|one| *one <= length);
+        let next = next.min(self.way.len() - 1);
+        let last = next.saturating_sub(1);
+        let step = self.lengths[next] - self.lengths[last];
+        let part = if step > 0.0 {
+            ((length - self.lengths[last]) / step).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let (from, to) = (self.way[last], self.way[next]);
+        Ball {
+            centre: from.centre.lerp(to.centre, part),
+            radius: from.radius + part * (to.radius - from.radius),
+        }
+    }
+
+    pub(super) fn tangent(&self, at: f64, half: f64) -> DVec3 {
+        let [from, to] = [(at - half).max(0.0), (at + half).min(self.length())].map(|at| self.at(at).centre);
+        (to - from).normalize_or_zero()
+    }
+}
+
+fn sample(skin: &Skin, (point, tangent, radius): (DVec3, DVec3, f64), scratch: &mut Vec<WallPoint>) -> Sample {
+    if let Some(tube) = fit(skin, &Tube::guess(point, tangent, DVec3::ZERO, radius), scratch)
+        && is_tube(&tube)
+    {
+        return Sample {
+            point: tube.point,
+            // The ball within a cone touches it behind its own middle.
+            radius: tube.radius / (1.0 + tube.taper * tube.taper).sqrt(),
+            spread: TUBE_SPREAD + 0.4 * tube.deviation,
+            tube: Some(tube),
+        };
+    }
+    let ball = largest(skin, point, tangent, radius).unwrap_or(Ball {
+        centre: point,
+        radius: skin.distance(point),
+    });
+    Sample {
+        point: ball.centre,
+        radius: ball.radius.max(0.5 * radius),
+        spread: BALL_SPREAD,
+        tube: None,
+    }
+}
+
+/// Whether it is one well enough to stand in its middle.
+fn is_tube(tube: &Tube) -> bool {
+    tube.fits > 0.85 && tube.gap < 1.1 && tube.deviation < 0.05
+}
+
+/// Leaves out points from which the line turns back.
+fn without_returns(line: &mut Vec<Sample>) {
+    let mut place = 1;
+    while place + 1 < line.len() {
+        let [before, here, after] = [place - 1, place, place + 1].map(|at| line[at].point);
+        if (here - before).dot(after - here) < 0.0 {
+            line.remove(place);
+            place = place.saturating_sub(1).max(1);
+        } else {
+            place += 1;
+        }
+    }
+}

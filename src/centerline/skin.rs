@@ -1,0 +1,111 @@
+//! The wall that balls are measured against: a surface, its vertices' outward normals and areas.
+
+use glam::{DVec3, Vec3};
+
+use crate::mesh::measure::inscribed;
+use crate::mesh::report::NONE;
+use crate::mesh::surface::Surface;
+
+/// A ball inside; coordinates are from the mesh's origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ball {
+    pub(super) centre: DVec3,
+    pub(super) radius: f64,
+}
+
+/// A surface whose inside is known.
+#[derive(Clone, Debug)]
+pub(super) struct Skin {
+    pub(super) surface: Surface,
+    /// Outward, of length 1; zero where there is none.
+    pub(super) normals: Vec<DVec3>,
+    pub(super) areas: Vec<f64>,
+    /// The triangle that a vertex is looked up by.
+    by_triangle: Vec<u32>,
+}
+
+/// A vertex of the wall.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WallPoint {
+    pub(super) position: DVec3,
+    pub(super) normal: DVec3,
+    pub(super) area: f64,
+    pub(super) vertex: u32,
+}
+
+impl Skin {
+    pub(super) fn new(surface: Surface) -> Self {
+        let outward = if surface.picker().is_inside_out() {
+            -1.0
+        } else {
+            1.0
+        };
+        let sums = surface.vertex_normals().into_iter();
+        let normals = sums.map(|sum| outward * sum.normalize_or_zero()).collect();
+        let mut by_triangle = vec![NONE; surface.mesh().positions.len()];
+        for (triangle, face) in surface.triangles() {
+            for vertex in face {
+                let first = &mut by_triangle[vertex as usize];
+                *first = (*first).min(triangle);
+            }
+        }
+        Self {
+            areas: surface.vertex_areas(),
+            normals,
+            by_triangle,
+            surface,
+        }
+    }
+
+    /// The largest ball that touches the wall at a point of it; None where nothing is opposite.
+    pub(super) fn ball(&self, point: Vec3, outward: DVec3) -> Option<Ball> {
+        let picker = self.surface.picker();
+        let of_triangles = if picker.is_inside_out() {
+            -outward
+        } else {
+            outward
+        };
+        let ball = inscribed(picker, point, of_triangles.as_vec3())?;
+        Some(Ball {
+            centre: ball.centre.as_dvec3(),
+            radius: f64::from(ball.radius),
+        })
+    }
+
+    /// The same at a vertex.
+    pub(super) fn ball_at(&self, vertex: u32) -> Option<Ball> {
+        let place = self.surface.position(vertex).as_vec3();
+        self.ball(place, self.normals[vertex as usize])
+    }
+
+    /// How far a point is from the wall.
+    #[allow(clippy::cast_possible_truncation, reason = "the mesh is in single precision")]
+    pub(super) fn distance(&self, point: DVec3) -> f64 {
+        let near = self.surface.picker().nearest(point.as_vec3(), f32::INFINITY);
+        near.map_or(0.0, |near| near.point.as_dvec3().distance(point))
+    }
+
+    /// Vertices within a distance or a little more.
+    #[allow(clippy::cast_possible_truncation, reason = "the mesh is in single precision")]
+    pub(super) fn vertices_within(&self, point: DVec3, most: f64, into: &mut Vec<WallPoint>) {
+        into.clear();
+        let faces = self.surface.faces();
+        self.surface
+            .picker()
+            .within(point.as_vec3(), most as f32, |triangle, corners| {
+                let Some(face) = faces.get(triangle as usize) else {
+                    return;
+                };
+                for (vertex, corner) in face.iter().zip(corners) {
+                    if *vertex != NONE && self.by_triangle[*vertex as usize] == triangle {
+                        into.push(WallPoint {
+                            position: corner.as_dvec3(),
+                            normal: self.normals[*vertex as usize],
+                            area: self.areas[*vertex as usize],
+                            vertex: *vertex,
+                        });
+                    }
+                }
+            });
+    }
+}
