@@ -2,10 +2,12 @@
 //!
 //! One idea holds the house together: everything is a [`tree::Tree`]. Strokes
 //! become a [`sketch`], the sketch a grammar, the [`lsystem`] engine derives and
-//! interprets it, and the resulting tree is shown by [`render`] and exported by
+//! interprets it; a scanned [`mesh`] becomes a [`centerline`]; and the resulting tree is shown by [`render`] and measured and exported by
 //! [`tree`]. Rooms import only rooms below them; `tests/layering.rs` holds that.
 
 pub mod app;
+#[forbid(unsafe_code)]
+pub mod centerline;
 pub mod cli;
 #[forbid(unsafe_code)]
 pub mod lsystem;

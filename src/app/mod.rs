@@ -7,6 +7,7 @@
 
 pub mod again;
 pub mod album;
+pub mod centerlines;
 pub mod convert;
 pub mod demonstration;
 pub mod doctor;

@@ -14,16 +14,22 @@ const SOFT: f64 = 0.02;
 const STILL: f64 = 1e-4;
 
 /// Moves a point across a direction to the largest ball near it, not farther than `most`. None where it does not stay inside.
-#[allow(clippy::cast_possible_truncation, reason = "the mesh is in single precision")]
-pub(super) fn largest(skin: &Skin, start: DVec3, across: DVec3, most: f64) -> Option<Ball> {
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the mesh is in single precision"
+)]
+pub(super) fn largest(skin: &Skin<'_>, start: DVec3, across: DVec3, most: f64) -> Option<Ball> {
     let distance = skin.distance(start);
-    if !(distance > 0.0) {
+    if distance == 0.0 {
         return None;
     }
     let picker = skin.surface.picker();
     let mut walls: Vec<([glam::Vec3; 3], f64)> = Vec::new();
     let mut known = (start, 0.0);
-    let mut ball = Ball { centre: start, radius: distance };
+    let mut ball = Ball {
+        centre: start,
+        radius: distance,
+    };
     for _ in 0..ROUNDS {
         // Walls are gathered anew where the point has left the middle of those that are known.
         let needed = ball.radius * (1.0 + 6.0 * SOFT);
@@ -42,7 +48,10 @@ pub(super) fn largest(skin: &Skin, start: DVec3, across: DVec3, most: f64) -> Op
                 (from, from.length(), *area)
             })
             .collect();
-        let nearest = near.iter().map(|(_, length, _)| *length).fold(f64::INFINITY, f64::min);
+        let nearest = near
+            .iter()
+            .map(|(_, length, _)| *length)
+            .fold(f64::INFINITY, f64::min);
         if !(nearest > 0.0 && nearest.is_finite()) {
             return None;
         }

@@ -9,10 +9,14 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::skin::{Ball, Skin};
+use crate::mesh::pick::Winding;
 use crate::mesh::report::NONE;
 
 /// How much farther than the ball, in radii, the wall is still its: so much that balls on a tube are a quarter of a radius apart.
 const SLACK: f64 = 0.03;
+
+/// How far out of a neighbour, in its radii, a ball may stick that is none of its own.
+const BUMP: f64 = 0.1;
 
 /// Vertices between two looks at whether to stop.
 const STEPS: u32 = 1 << 8;
@@ -28,8 +32,12 @@ pub(super) struct Cover {
 }
 
 impl Cover {
-    /// None when `cancel` was set.
-    pub(super) fn new(skin: &Skin, cancel: &AtomicBool) -> Option<Self> {
+    /// `winding` tells of each ball whether its middle is inside, where that is not sure. None when `cancel` was set.
+    pub(super) fn new(
+        skin: &Skin<'_>,
+        winding: Option<&Winding<'_>>,
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
         let graph = skin.surface.graph();
         let mut cover = Self {
             of_vertex: vec![NONE; skin.normals.len()],
@@ -43,16 +51,17 @@ impl Cover {
             if cover.of_vertex[vertex as usize] == NONE
                 && !graph.neighbours(vertex).is_empty()
                 && let Some(ball) = skin.ball_at(vertex)
+                && winding.is_none_or(|winding| winding.is_inside(ball.centre))
             {
                 cover.add(skin, vertex, ball, &mut seen);
             }
         }
         cover.link_across_edges(skin);
-        Some(cover)
+        Some(cover.without_bumps())
     }
 
     /// Adds a ball and gives it what it touches, from a vertex on.
-    fn add(&mut self, skin: &Skin, vertex: u32, ball: Ball, seen: &mut [u32]) {
+    fn add(&mut self, skin: &Skin<'_>, vertex: u32, ball: Ball, seen: &mut [u32]) {
         let number = self.push(ball);
         let reach = (ball.radius * (1.0 + SLACK)).powi(2);
         self.of_vertex[vertex as usize] = number;
@@ -98,7 +107,115 @@ impl Cover {
         }
     }
 
-    fn link_across_edges(&mut self, skin: &Skin) {
+    /// Balls that lie within a neighbour, but for a little, are of bumps, folds and slivers: the neighbour takes their place.
+    fn without_bumps(self) -> Self {
+        let count = self.balls.len();
+        let mut order: Vec<u32> = (0_u32..).take(count).collect();
+        let radius = |ball: &u32| self.balls[*ball as usize].radius;
+        order.sort_by(|a, b| radius(b).total_cmp(&radius(a)).then(a.cmp(b)));
+        // Larger balls first, so that who takes a ball's place stays.
+        let mut place: Vec<u32> = (0_u32..).take(count).collect();
+        for one in &order {
+            let ball = self.balls[*one as usize];
+            let holds = |other: &&u32| {
+                let there = self.balls[**other as usize];
+                (there.radius > ball.radius || there.radius == ball.radius && *other < one)
+                    && there.centre.distance(ball.centre) + ball.radius
+                        <= (1.0 + BUMP) * there.radius
+            };
+            let largest = self.links[*one as usize]
+                .iter()
+                .filter(holds)
+                .max_by(|a, b| radius(a).total_cmp(&radius(b)).then(b.cmp(a)));
+            if let Some(larger) = largest {
+                place[*one as usize] = place[*larger as usize];
+            }
+        }
+        let mut number = vec![NONE; count];
+        let mut cover = Self::default();
+        for one in (0_u32..)
+            .take(count)
+            .filter(|one| place[*one as usize] == *one)
+        {
+            number[one as usize] = cover.push(self.balls[one as usize]);
+        }
+        let of = |ball: u32| {
+            if ball == NONE {
+                NONE
+            } else {
+                number[place[ball as usize] as usize]
+            }
+        };
+        for (one, links) in (0_u32..).zip(&self.links) {
+            let others = links
+                .iter()
+                .map(|other| of(*other))
+                .filter(|other| *other != of(one));
+            cover.links[of(one) as usize].extend(others);
+        }
+        for links in &mut cover.links {
+            links.sort_unstable();
+            links.dedup();
+        }
+        cover.of_vertex = self.of_vertex.iter().map(|ball| of(*ball)).collect();
+        cover
+    }
+
+    /// The set of balls that hang together which each ball is in, by its first ball.
+    pub(super) fn sets(&self) -> Vec<u32> {
+        let mut sets = vec![NONE; self.balls.len()];
+        let mut open = Vec::new();
+        for first in (0_u32..).take(self.balls.len()) {
+            if sets[first as usize] != NONE {
+                continue;
+            }
+            sets[first as usize] = first;
+            open.push(first);
+            while let Some(at) = open.pop() {
+                for next in &self.links[at as usize] {
+                    if sets[*next as usize] == NONE {
+                        sets[*next as usize] = first;
+                        open.push(*next);
+                    }
+                }
+            }
+        }
+        sets
+    }
+
+    /// Links balls that do not hang together where `near` says so of their distance, surface to surface, and the smaller radius; it must not
+    /// for distances above `most`.
+    pub(super) fn bridge(&mut self, most: f64, near: impl Fn(f64, f64) -> bool) {
+        let sets = self.sets();
+        let mut order: Vec<u32> = (0_u32..).take(self.balls.len()).collect();
+        let first = |ball: &Ball| ball.centre.x - ball.radius;
+        order.sort_by(|a, b| {
+            let [one, other] = [a, b].map(|ball| first(&self.balls[*ball as usize]));
+            one.total_cmp(&other).then(a.cmp(b))
+        });
+        let mut bridges = Vec::new();
+        for (place, one) in order.iter().enumerate() {
+            let ball = self.balls[*one as usize];
+            let last = ball.centre.x + ball.radius + most;
+            for other in &order[place + 1..] {
+                let there = self.balls[*other as usize];
+                if first(&there) > last {
+                    break;
+                }
+                let gap = ball.centre.distance(there.centre) - ball.radius - there.radius;
+                if sets[*one as usize] != sets[*other as usize]
+                    && near(gap, ball.radius.min(there.radius))
+                {
+                    bridges.push((*one, *other));
+                }
+            }
+        }
+        bridges
+            .into_iter()
+            .for_each(|(one, other)| self.link(one, other));
+    }
+
+    fn link_across_edges(&mut self, skin: &Skin<'_>) {
         let graph = skin.surface.graph();
         for vertex in 0..graph.vertices() {
             let one = self.of_vertex[vertex as usize];

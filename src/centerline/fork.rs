@@ -11,7 +11,6 @@ use super::line::Sample;
 use super::skin::{Ball, Skin, WallPoint};
 use super::spline::{Knot, Smooth, smooth};
 use super::tube::Tube;
-use crate::mesh::report::NONE;
 
 /// A line between two forks or from a fork to an end.
 #[derive(Clone, Debug)]
@@ -46,6 +45,8 @@ const WIDER: f64 = 0.05;
 const END_STEP: f64 = 0.05;
 /// Distance between points, in radii.
 const SPACING: f64 = 0.25;
+/// How far off the first guess of a fork is, in radii.
+const PRIOR: f64 = 2.0;
 /// Rounds in which forks and lines are fitted to each other.
 const ROUNDS: usize = 5;
 
@@ -61,13 +62,16 @@ impl Network {
     fn keep_own(&mut self) {
         for number in 0..self.lines.len() {
             let siblings: Vec<usize> = (0..self.lines.len())
-                .filter(|other| *other != number && self.lines[*other].from == self.lines[number].from)
+                .filter(|other| {
+                    *other != number && self.lines[*other].from == self.lines[number].from
+                })
                 .collect();
             let mut own = 0;
             for (place, sample) in self.lines[number].samples.iter().enumerate() {
                 let shared = siblings.iter().any(|sibling| {
                     let near = self.lines[*sibling].samples.iter().take(40);
-                    near.map(|other| other.point.distance(sample.point)).fold(f64::INFINITY, f64::min)
+                    near.map(|other| other.point.distance(sample.point))
+                        .fold(f64::INFINITY, f64::min)
                         < OWN * sample.radius
                 });
                 if shared {
@@ -77,7 +81,9 @@ impl Network {
                 }
             }
             let shared = &mut self.lines[number].samples[..own];
-            shared.iter_mut().for_each(|sample| sample.spread = f64::INFINITY);
+            shared
+                .iter_mut()
+                .for_each(|sample| sample.spread = f64::INFINITY);
         }
     }
 
@@ -86,7 +92,7 @@ impl Network {
     }
 
     /// Follows lines' tubes into their forks as far as there is wall.
-    fn follow(&mut self, skin: &Skin) {
+    fn follow(&mut self, skin: &Skin<'_>) {
         let mut scratch = Vec::new();
         for number in 0..self.lines.len() {
             let Line { from, to, .. } = self.lines[number];
@@ -107,7 +113,7 @@ impl Network {
     }
 
     /// Moves ends to where on their tubes' axes balls begin to lie within each other.
-    fn end(&mut self, skin: &Skin) {
+    fn end(&mut self, skin: &Skin<'_>) {
         for number in 0..self.lines.len() {
             let Line { from, to, .. } = self.lines[number];
             for (fork, at_end) in [(from, false), (to, true)] {
@@ -143,22 +149,15 @@ impl Network {
         let own = samples.iter().filter(|sample| sample.spread.is_finite());
         let own: Vec<Sample> = own.copied().collect();
         let inner = between(&own, start.ball.centre, end.ball.centre);
-        let g: f64 = std::env::var("DRIFT").ok().and_then(|k| k.parse::<f64>().ok()).unwrap_or(GROWN);
         // In a fork balls grow, and so much they may be off the axis of the tube that the line has beside them.
-        let drift = |sample: &Sample| {
-            let near = inner.iter().filter(|other| other.tube.is_some());
-            let near = near.min_by(|a, b| {
-                let [a, b] = [a, b].map(|other| other.point.distance(sample.point));
-                a.total_cmp(&b)
-            });
-            match (sample.tube, near) {
-                (None, Some(tube)) => g * (sample.radius - tube.radius).max(0.0),
-                _ => 0.0,
-            }
+        let beside = tubes_beside(inner);
+        let drift = |place: usize| match (inner[place].tube, beside[place]) {
+            (None, Some(radius)) => GROWN * (inner[place].radius - radius).max(0.0),
+            _ => 0.0,
         };
-        let inner = inner.iter().map(|sample| Knot {
+        let inner = inner.iter().enumerate().map(|(place, sample)| Knot {
             known: sample.point,
-            spread: sample.spread * sample.radius + drift(sample),
+            spread: sample.spread * sample.radius + drift(place),
             radius: sample.radius,
         });
         let mut knots = vec![of_fork(&start)];
@@ -177,8 +176,11 @@ impl Network {
             .iter()
             .map(|fork| {
                 // Where it was is a weak guess.
-                let prior = (std::env::var("PRIOR").ok().and_then(|k| k.parse::<f64>().ok()).unwrap_or(2.0) * fork.ball.radius).powi(-2);
-                (DMat3::from_diagonal(DVec3::splat(prior)), prior * fork.ball.centre)
+                let prior = (PRIOR * fork.ball.radius).powi(-2);
+                (
+                    DMat3::from_diagonal(DVec3::splat(prior)),
+                    prior * fork.ball.centre,
+                )
             })
             .collect();
         for (line, smooth) in self.lines.iter().zip(&lines) {
@@ -195,7 +197,12 @@ impl Network {
                 };
                 let radius = self.forks[fork as usize].ball.radius;
                 let weight = spread.max(0.003 * radius).powi(-2);
-                let across = DMat3::IDENTITY - DMat3::from_cols(tangent * tangent.x, tangent * tangent.y, tangent * tangent.z);
+                let across = DMat3::IDENTITY
+                    - DMat3::from_cols(
+                        tangent * tangent.x,
+                        tangent * tangent.y,
+                        tangent * tangent.z,
+                    );
                 let (matrix, right) = &mut sums[fork as usize];
                 *matrix += weight * across;
                 *right += weight * (across * points[place]);
@@ -203,14 +210,17 @@ impl Network {
         }
         for (fork, (matrix, right)) in self.forks.iter_mut().zip(sums) {
             let point = matrix.inverse() * right;
-            if fork.lines > 2 && point.is_finite() && point.distance(fork.ball.centre) < 2.0 * fork.ball.radius {
+            if fork.lines > 2
+                && point.is_finite()
+                && point.distance(fork.ball.centre) < 2.0 * fork.ball.radius
+            {
                 fork.ball.centre = point;
             }
         }
     }
 
     /// Makes forks one that are in one place.
-    fn unite(&mut self, skin: &Skin) -> bool {
+    fn unite(&mut self, skin: &Skin<'_>) -> bool {
         let mut united = false;
         for number in 0..self.lines.len() {
             let Line { from, to, .. } = self.lines[number];
@@ -235,11 +245,10 @@ impl Network {
     }
 
     /// Leads lines to their forks.
-    pub(super) fn join(&mut self, skin: &Skin) {
+    pub(super) fn join(&mut self, skin: &Skin<'_>) {
         self.keep_own();
         self.follow(skin);
         self.end(skin);
-        if std::env::var("D").is_ok() { for l in &self.lines { println!("  line {} {}",l.from,l.to); for x in &l.samples { println!("    s {:.3} {:.3} {:.3} r {:.3} {} dev {:.4} fits {:.2} gap {:.2}",x.point.x,x.point.y,x.point.z,x.radius,x.tube.is_some(),x.spread,x.tube.map_or(0.0,|t| t.fits),x.tube.map_or(0.0,|t| t.gap)); } } }
         for _ in 0..ROUNDS {
             self.settle();
         }
@@ -248,19 +257,16 @@ impl Network {
                 self.settle();
             }
         }
-        if std::env::var("D").is_ok() {
-            for (n,l) in self.lines.iter().enumerate() {
-                if let Some(sm)=smooth(&self.knots(n,false)) { for (f,p,e) in [(l.from,0,0),(l.to,sm.points.len()-1,1)] { if self.is_fork(f) { let q=sm.points[p]; let t=(q-sm.points[if p==0 {1} else {p-1}]).normalize(); let b=self.forks[f as usize].ball; let k=self.knots(n,false); let near=k[if p==0 {1} else {p-1}]; let off=q-b.centre; println!("  e {:.3} {:.3} {:.3} r {:.3} fork {f} line {n} spread {:.3} last knot {:.2}R off across {:.3}R along {:.3}R",b.centre.x,b.centre.y,b.centre.z,b.radius,sm.ends[e]/b.radius,near.known.distance(b.centre)/b.radius,(off-off.dot(t)*t).length()/b.radius,off.dot(t)/b.radius); } } }
-            }
-        }
-        let smoothed: Vec<Vec<Sample>> = (0..self.lines.len()).map(|number| self.smoothed(skin, number)).collect();
+        let smoothed: Vec<Vec<Sample>> = (0..self.lines.len())
+            .map(|number| self.smoothed(skin, number))
+            .collect();
         for (line, samples) in self.lines.iter_mut().zip(smoothed) {
             line.samples = samples;
         }
     }
 
     /// A line from fork to fork.
-    fn smoothed(&self, skin: &Skin, number: usize) -> Vec<Sample> {
+    fn smoothed(&self, skin: &Skin<'_>, number: usize) -> Vec<Sample> {
         let knots = with_middles(&self.knots(number, true));
         let points = match smooth(&knots) {
             Some(smooth) => smooth.points,
@@ -268,14 +274,26 @@ impl Network {
         };
         let samples = &self.lines[number].samples;
         let sag = sag(skin, samples);
+        let bits = |point: DVec3| point.to_array().map(f64::to_bits);
+        let of_point: std::collections::HashMap<[u64; 3], usize> = samples
+            .iter()
+            .enumerate()
+            .map(|(place, sample)| (bits(sample.point), place))
+            .collect();
         let of = |point: DVec3, knot: &Knot| {
-            let own = samples.iter().find(|sample| sample.point == knot.known);
+            let own = of_point
+                .get(&bits(knot.known))
+                .map(|place| &samples[*place]);
             match own {
                 Some(sample) if sample.tube.is_some() => Sample { point, ..*sample },
                 _ => Sample::free(point, skin.distance(point) + sag),
             }
         };
-        let mut line: Vec<Sample> = points.into_iter().zip(&knots).map(|(point, knot)| of(point, knot)).collect();
+        let mut line: Vec<Sample> = points
+            .into_iter()
+            .zip(&knots)
+            .map(|(point, knot)| of(point, knot))
+            .collect();
         for place in (1..line.len().saturating_sub(1)).step_by(2) {
             if line[place - 1].tube.is_some() && line[place + 1].tube.is_some() {
                 line[place].radius = f64::midpoint(line[place - 1].radius, line[place + 1].radius);
@@ -283,6 +301,29 @@ impl Network {
         }
         line
     }
+}
+
+/// The radius of the tube that is nearest along the line to each sample.
+fn tubes_beside(samples: &[Sample]) -> Vec<Option<f64>> {
+    let mut beside: Vec<Option<(usize, f64)>> = vec![None; samples.len()];
+    let mut last: Option<(usize, f64)> = None;
+    for (place, sample) in samples.iter().enumerate() {
+        last = sample.tube.map(|tube| (place, tube.radius)).or(last);
+        beside[place] = last;
+    }
+    last = None;
+    for (place, sample) in samples.iter().enumerate().rev() {
+        last = sample.tube.map(|tube| (place, tube.radius)).or(last);
+        let farther =
+            |(one, _): (usize, f64)| last.is_some_and(|(other, _)| other - place < place - one);
+        if beside[place].is_none_or(farther) {
+            beside[place] = last;
+        }
+    }
+    beside
+        .into_iter()
+        .map(|tube| tube.map(|(_, radius)| radius))
+        .collect()
 }
 
 /// Knots with another one between any two: chords of a bent line are nearer to it that way.
@@ -326,8 +367,11 @@ fn between(samples: &[Sample], start: DVec3, end: DVec3) -> &[Sample] {
 }
 
 /// Follows the tube at the end of a line, which is within a ball.
-fn follow(skin: &Skin, samples: &mut Vec<Sample>, end: Ball, scratch: &mut Vec<WallPoint>) {
-    let Some(first) = samples.iter().rposition(|sample| sample.tube.is_some() && sample.spread.is_finite()) else {
+fn follow(skin: &Skin<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &mut Vec<WallPoint>) {
+    let Some(first) = samples
+        .iter()
+        .rposition(|sample| sample.tube.is_some() && sample.spread.is_finite())
+    else {
         return;
     };
     let Some(mut tube) = samples[first].tube else {
@@ -372,12 +416,13 @@ fn follow(skin: &Skin, samples: &mut Vec<Sample>, end: Ball, scratch: &mut Vec<W
     }
     // What is left of the balls, ahead of the last tube.
     let clear = 0.5 * SPACING * tube.radius;
-    let ahead = |sample: &Sample| followed == 0 || (sample.point - tube.point).dot(tube.tangent) > clear;
+    let ahead =
+        |sample: &Sample| followed == 0 || (sample.point - tube.point).dot(tube.tangent) > clear;
     samples.extend(rest.into_iter().filter(ahead));
 }
 
 /// The last ball of a tube that ends: those on its axis behind it lie within it. Leaves out samples beyond.
-fn end(skin: &Skin, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
+fn end(skin: &Skin<'_>, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
     let last = samples.iter().rposition(|sample| sample.tube.is_some())?;
     let tube = samples[last].tube?;
     let far = tube.point.distance(tip.centre) + tip.radius;
@@ -385,28 +430,43 @@ fn end(skin: &Skin, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
         return None;
     }
     let onwards = samples[last].point - samples[last.saturating_sub(1)].point;
-    let tangent = if tube.tangent.dot(onwards) < 0.0 { -tube.tangent } else { tube.tangent };
+    let tangent = if tube.tangent.dot(onwards) < 0.0 {
+        -tube.tangent
+    } else {
+        tube.tangent
+    };
     let step = END_STEP * tube.radius;
     let mut balls = Vec::new();
     let mut s = -2.0 * tube.radius;
     while s < far {
         let centre = tube.point + s * tangent + s * s / 2.0 * tube.bend;
-        balls.push((s, Ball { centre, radius: skin.distance(centre) }));
+        balls.push((
+            s,
+            Ball {
+                centre,
+                radius: skin.distance(centre),
+            },
+        ));
         s += step;
     }
     // In a cap balls shrink as fast as they go on; in a tube hardly. Where their radius plus half their way is most, the one becomes the other.
-    let inside = balls.iter().take_while(|(_, ball)| ball.radius > 0.1 * tube.radius);
+    let inside = balls
+        .iter()
+        .take_while(|(_, ball)| ball.radius > 0.1 * tube.radius);
     let reach = |(s, ball): &(f64, Ball)| s / 2.0 + ball.radius;
     let (s, ball) = *inside.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
     samples.truncate(last + 1);
-    while samples.last().is_some_and(|sample| (sample.point - tube.point).dot(tangent) > s - SPACING / 2.0 * tube.radius) && samples.len() > 1 {
+    while samples.last().is_some_and(|sample| {
+        (sample.point - tube.point).dot(tangent) > s - SPACING / 2.0 * tube.radius
+    }) && samples.len() > 1
+    {
         samples.pop();
     }
     Some(ball)
 }
 
 /// By how much the balls of fits are larger than those between triangles: the median.
-fn sag(skin: &Skin, samples: &[Sample]) -> f64 {
+fn sag(skin: &Skin<'_>, samples: &[Sample]) -> f64 {
     let mut sags: Vec<f64> = samples
         .iter()
         .filter(|sample| sample.tube.is_some())

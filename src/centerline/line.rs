@@ -39,11 +39,13 @@ const WINDOW: f64 = 0.75;
 /// How far off the middle of a ball may be, in radii, where there is no tube; and the best tube's.
 const BALL_SPREAD: f64 = 0.05;
 const TUBE_SPREAD: f64 = 0.002;
+/// Part of a line's median radius that counts for how far apart points are, where it is thinner.
+const THIN: f64 = 0.5;
 /// Points of a line at most.
-const MOST: usize = 1 << 16;
+const MOST: usize = 1 << 12;
 
 /// The line of a way of balls.
-pub(super) fn centred(skin: &Skin, balls: &[Ball]) -> Vec<Sample> {
+pub(super) fn centred(skin: &Skin<'_>, balls: &[Ball]) -> Vec<Sample> {
     let mut way = without_outliers(balls);
     let mut scratch = Vec::new();
     let mut line = Vec::new();
@@ -73,19 +75,17 @@ fn without_outliers(balls: &[Ball]) -> Vec<Ball> {
         let is_end = *place == 0 || place + 1 == balls.len();
         is_end || ball.radius > 0.6 * radii[radii.len() / 2]
     });
-    let mut kept: Vec<Ball> = kept.map(|(_, ball)| *ball).collect();
-    let mut radii: Vec<f64> = kept.iter().map(|ball| ball.radius).collect();
-    radii.sort_by(f64::total_cmp);
-    let least = 0.25 * radii.get(radii.len() / 2).copied().unwrap_or(0.0);
-    kept.iter_mut().for_each(|ball| ball.radius = ball.radius.max(least));
-    kept
+    kept.map(|(_, ball)| *ball).collect()
 }
 
 /// Points along a way with the tangent and the radius there, both ends too.
 pub(super) fn spread(way: &[Ball], spacing: f64) -> Vec<(DVec3, DVec3, f64)> {
     let path = Path::new(way);
-    // At least so far apart that there are not more than the most.
-    let least = path.length() / MOST as f64;
+    // Thin ends do not need steps that get ever smaller.
+    let mut radii: Vec<f64> = way.iter().map(|ball| ball.radius).collect();
+    radii.sort_by(f64::total_cmp);
+    let median = radii.get(radii.len() / 2).copied().unwrap_or(0.0);
+    let least = (THIN * spacing * median).max(path.length() / MOST as f64);
     let mut places = Vec::new();
     let mut at = 0.0;
     while at < path.length() {
@@ -93,7 +93,9 @@ pub(super) fn spread(way: &[Ball], spacing: f64) -> Vec<(DVec3, DVec3, f64)> {
         at += (spacing * path.at(at).radius).max(least);
     }
     // The last step is not a tiny one.
-    if places.len() > 1 && path.length() - places[places.len() - 1] < 0.3 * spacing * path.at(path.length()).radius {
+    if places.len() > 1
+        && path.length() - places[places.len() - 1] < 0.3 * spacing * path.at(path.length()).radius
+    {
         places.pop();
     }
     places.push(path.length());
@@ -145,14 +147,22 @@ impl<'a> Path<'a> {
     }
 
     pub(super) fn tangent(&self, at: f64, half: f64) -> DVec3 {
-        let [from, to] = [(at - half).max(0.0), (at + half).min(self.length())].map(|at| self.at(at).centre);
+        let [from, to] =
+            [(at - half).max(0.0), (at + half).min(self.length())].map(|at| self.at(at).centre);
         (to - from).normalize_or_zero()
     }
 }
 
-fn sample(skin: &Skin, (point, tangent, radius): (DVec3, DVec3, f64), scratch: &mut Vec<WallPoint>) -> Sample {
-    if let Some(tube) = fit(skin, &Tube::guess(point, tangent, DVec3::ZERO, radius), scratch)
-        && is_tube(&tube)
+fn sample(
+    skin: &Skin<'_>,
+    (point, tangent, radius): (DVec3, DVec3, f64),
+    scratch: &mut Vec<WallPoint>,
+) -> Sample {
+    if let Some(tube) = fit(
+        skin,
+        &Tube::guess(point, tangent, DVec3::ZERO, radius),
+        scratch,
+    ) && is_tube(&tube)
     {
         return Sample {
             point: tube.point,

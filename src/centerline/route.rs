@@ -65,7 +65,12 @@ fn cheapest(cover: &Cover, source: u32, cancel: &AtomicBool) -> Option<(Vec<u32>
 
 impl Skeleton {
     /// The ways from a ball to others. None when `cancel` was set.
-    pub(super) fn new(cover: &Cover, source: u32, targets: &[u32], cancel: &AtomicBool) -> Option<Self> {
+    pub(super) fn new(
+        cover: &Cover,
+        source: u32,
+        targets: &[u32],
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
         let (before, costs) = cheapest(cover, source, cancel)?;
         let mut skeleton = Self {
             balls: vec![cover.balls[source as usize]],
@@ -78,12 +83,21 @@ impl Skeleton {
         let mut order: Vec<usize> = (0..targets.len())
             .filter(|one| costs[targets[*one] as usize].is_finite())
             .collect();
-        let key = |one: &usize| (costs[targets[*one] as usize], cover.balls[targets[*one] as usize].centre);
+        let key = |one: &usize| {
+            (
+                costs[targets[*one] as usize],
+                cover.balls[targets[*one] as usize].centre,
+            )
+        };
         order.sort_by(|a, b| {
             let ((cost_a, at_a), (cost_b, at_b)) = (key(a), key(b));
             let place = at_a.to_array().into_iter().zip(at_b.to_array());
-            let place = place.map(|(a, b)| a.total_cmp(&b)).reduce(std::cmp::Ordering::then);
-            cost_b.total_cmp(&cost_a).then(place.unwrap_or(std::cmp::Ordering::Equal))
+            let place = place
+                .map(|(a, b)| a.total_cmp(&b))
+                .reduce(std::cmp::Ordering::then);
+            cost_b
+                .total_cmp(&cost_a)
+                .then(place.unwrap_or(std::cmp::Ordering::Equal))
         });
         for one in order {
             let (mut way, mut at) = (Vec::new(), targets[one]);
@@ -114,7 +128,9 @@ impl Skeleton {
         }
         let here = cover.balls[ball as usize];
         let around = cover.links[ball as usize].iter().copied();
-        let around = around.flat_map(|next| std::iter::once(next).chain(cover.links[next as usize].iter().copied()));
+        let around = around.flat_map(|next| {
+            std::iter::once(next).chain(cover.links[next as usize].iter().copied())
+        });
         let near = around.filter_map(|other| {
             let there = cover.balls[other as usize];
             let thinner = here.radius.min(there.radius);
@@ -122,7 +138,8 @@ impl Skeleton {
             let is_same = distance < SAME && thinner > ALIKE * here.radius.max(there.radius);
             is_same.then_some((distance, node(other)?))
         });
-        near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, node)| node)
+        near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+            .map(|(_, node)| node)
     }
 
     /// Nodes without children and those with several, and the chains between them, from the first to the last node; parents first.

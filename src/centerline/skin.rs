@@ -1,5 +1,7 @@
 //! The wall that balls are measured against: a surface, its vertices' outward normals and areas.
 
+use std::borrow::Cow;
+
 use glam::{DVec3, Vec3};
 
 use crate::mesh::measure::inscribed;
@@ -15,8 +17,8 @@ pub(super) struct Ball {
 
 /// A surface whose inside is known.
 #[derive(Clone, Debug)]
-pub(super) struct Skin {
-    pub(super) surface: Surface,
+pub(super) struct Skin<'a> {
+    pub(super) surface: Cow<'a, Surface>,
     /// Outward, of length 1; zero where there is none.
     pub(super) normals: Vec<DVec3>,
     pub(super) areas: Vec<f64>,
@@ -33,8 +35,8 @@ pub(super) struct WallPoint {
     pub(super) vertex: u32,
 }
 
-impl Skin {
-    pub(super) fn new(surface: Surface) -> Self {
+impl<'a> Skin<'a> {
+    pub(super) fn new(surface: Cow<'a, Surface>) -> Self {
         let outward = if surface.picker().is_inside_out() {
             -1.0
         } else {
@@ -72,6 +74,28 @@ impl Skin {
         })
     }
 
+    /// The ball at the place of the wall that is nearest to a point, the vertices of the triangle there, and how far it is.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the mesh is in single precision"
+    )]
+    pub(super) fn ball_near(&self, point: DVec3) -> Option<(Ball, [u32; 3], f64)> {
+        let hit = self
+            .surface
+            .picker()
+            .nearest(point.as_vec3(), f32::INFINITY)?;
+        let face = *self.surface.faces().get(hit.triangle as usize)?;
+        let of_corner =
+            |(vertex, weight): (&u32, f32)| self.normals[*vertex as usize] * f64::from(weight);
+        let normal: DVec3 = face
+            .iter()
+            .zip(hit.barycentric.to_array())
+            .map(of_corner)
+            .sum();
+        let ball = self.ball(hit.point, normal.try_normalize()?)?;
+        Some((ball, face, f64::from(hit.distance)))
+    }
+
     /// The same at a vertex.
     pub(super) fn ball_at(&self, vertex: u32) -> Option<Ball> {
         let place = self.surface.position(vertex).as_vec3();
@@ -79,14 +103,23 @@ impl Skin {
     }
 
     /// How far a point is from the wall.
-    #[allow(clippy::cast_possible_truncation, reason = "the mesh is in single precision")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the mesh is in single precision"
+    )]
     pub(super) fn distance(&self, point: DVec3) -> f64 {
-        let near = self.surface.picker().nearest(point.as_vec3(), f32::INFINITY);
+        let near = self
+            .surface
+            .picker()
+            .nearest(point.as_vec3(), f32::INFINITY);
         near.map_or(0.0, |near| near.point.as_dvec3().distance(point))
     }
 
     /// Vertices within a distance or a little more.
-    #[allow(clippy::cast_possible_truncation, reason = "the mesh is in single precision")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the mesh is in single precision"
+    )]
     pub(super) fn vertices_within(&self, point: DVec3, most: f64, into: &mut Vec<WallPoint>) {
         into.clear();
         let faces = self.surface.faces();

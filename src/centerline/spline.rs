@@ -59,11 +59,15 @@ pub(super) fn smooth(knots: &[Knot]) -> Option<Smooth> {
         let weights: Vec<f64> = (0..=order)
             .map(|i| {
                 let others = (0..=order).filter(|j| *j != i);
-                others.map(|j| window[i] - window[j]).product::<f64>().recip() * 6.0
+                others
+                    .map(|j| window[i] - window[j])
+                    .product::<f64>()
+                    .recip()
+                    * 6.0
             })
             .collect();
         let length = (window[order] - window[0]) / order as f64;
-        let jerk=std::env::var("JERK").ok().and_then(|k| k.parse::<f64>().ok()).unwrap_or(JERK); let stiff = length / (jerk * jerk);
+        let stiff = length / (JERK * JERK);
         for i in 0..=order {
             for j in 0..=i {
                 matrix[first + i][i - j] += stiff * weights[i] * weights[j];
@@ -91,7 +95,9 @@ fn factored(mut matrix: Vec<Row>) -> Option<Vec<Row>> {
         for back in (0..=3.min(i)).rev() {
             let j = i - back;
             let from = i.saturating_sub(3).max(j.saturating_sub(3));
-            let sum = (from..j).fold(matrix[i][back], |sum, k| sum - matrix[i][i - k] * matrix[j][j - k]);
+            let sum = (from..j).fold(matrix[i][back], |sum, k| {
+                sum - matrix[i][i - k] * matrix[j][j - k]
+            });
             matrix[i][back] = if back > 0 {
                 sum / matrix[j][0]
             } else if sum > 0.0 && sum.is_finite() {
@@ -106,11 +112,13 @@ fn factored(mut matrix: Vec<Row>) -> Option<Vec<Row>> {
 
 fn solved(factor: &[Row], mut right: Vec<f64>) -> Vec<f64> {
     for i in 0..right.len() {
-        let sum = (i.saturating_sub(3)..i).fold(right[i], |sum, k| sum - factor[i][i - k] * right[k]);
+        let sum =
+            (i.saturating_sub(3)..i).fold(right[i], |sum, k| sum - factor[i][i - k] * right[k]);
         right[i] = sum / factor[i][0];
     }
     for i in (0..right.len()).rev() {
-        let sum = (i + 1..(i + 4).min(right.len())).fold(right[i], |sum, k| sum - factor[k][k - i] * right[k]);
+        let sum = (i + 1..(i + 4).min(right.len()))
+            .fold(right[i], |sum, k| sum - factor[k][k - i] * right[k]);
         right[i] = sum / factor[i][0];
     }
     right

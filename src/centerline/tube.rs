@@ -13,6 +13,7 @@
 use glam::DVec3;
 
 use super::skin::{Skin, WallPoint};
+use crate::tree::solve::solve;
 
 /// A tube about a point of its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +77,7 @@ impl Tube {
 }
 
 /// Fits a tube about a guess. None where there is no such tube.
-pub(super) fn fit(skin: &Skin, guess: &Tube, scratch: &mut Vec<WallPoint>) -> Option<Tube> {
+pub(super) fn fit(skin: &Skin<'_>, guess: &Tube, scratch: &mut Vec<WallPoint>) -> Option<Tube> {
     let round = Round::new(skin, guess, [WINDOW; 2], scratch);
     let mut tube = *guess;
     let mut median = f64::INFINITY;
@@ -92,7 +93,11 @@ pub(super) fn fit(skin: &Skin, guess: &Tube, scratch: &mut Vec<WallPoint>) -> Op
 }
 
 /// A tube where one is expected, whose tangent leads on, by what of its wall is left.
-pub(super) fn follow(skin: &Skin, expected: &Tube, scratch: &mut Vec<WallPoint>) -> Option<Tube> {
+pub(super) fn follow(
+    skin: &Skin<'_>,
+    expected: &Tube,
+    scratch: &mut Vec<WallPoint>,
+) -> Option<Tube> {
     let round = Round::new(skin, expected, [WINDOW, AHEAD], scratch);
     let mut tube = *expected;
     let mut median = f64::INFINITY;
@@ -100,7 +105,7 @@ pub(super) fn follow(skin: &Skin, expected: &Tube, scratch: &mut Vec<WallPoint>)
         let tolerance = (MEDIANS * median).clamp(TOLERANCE_LEAST, most);
         median = round.improve(&mut tube, tolerance, scratch, Some(expected))?;
     }
-    (tube.fits > std::env::var("FITS").ok().and_then(|k| k.parse::<f64>().ok()).unwrap_or(FITS_LEAST)).then_some(tube)
+    (tube.fits > FITS_LEAST).then_some(tube)
 }
 
 /// What does not change from round to round.
@@ -112,7 +117,12 @@ struct Round {
 }
 
 impl Round {
-    fn new(skin: &Skin, guess: &Tube, [behind, ahead]: [f64; 2], scratch: &mut Vec<WallPoint>) -> Self {
+    fn new(
+        skin: &Skin<'_>,
+        guess: &Tube,
+        [behind, ahead]: [f64; 2],
+        scratch: &mut Vec<WallPoint>,
+    ) -> Self {
         let unit = guess.radius;
         skin.vertices_within(guess.point, 1.6_f64.hypot(behind) * unit, scratch);
         thin(scratch);
@@ -123,7 +133,13 @@ impl Round {
     }
 
     /// One step; the median deviation of what counts, in radii.
-    fn improve(&self, tube: &mut Tube, tolerance: f64, points: &[WallPoint], expected: Option<&Tube>) -> Option<f64> {
+    fn improve(
+        &self,
+        tube: &mut Tube,
+        tolerance: f64,
+        points: &[WallPoint],
+        expected: Option<&Tube>,
+    ) -> Option<f64> {
         let unit = self.unit;
         let tangent = tube.tangent;
         let across = tangent.any_orthonormal_vector();
@@ -172,7 +188,9 @@ impl Round {
             count += 1;
         }
         let total: f64 = sectors.iter().sum();
-        let with_wall = sectors.iter().filter(|sector| **sector * SECTORS as f64 > 0.1 * total);
+        let with_wall = sectors
+            .iter()
+            .filter(|sector| **sector * SECTORS as f64 > 0.1 * total);
         if count < FEWEST || expected.is_some() && with_wall.count() < SECTORS_FEWEST {
             return None;
         }
@@ -247,33 +265,12 @@ fn sector(x: f64, y: f64) -> usize {
 fn gap(sectors: &[f64; SECTORS], little: f64) -> f64 {
     let (mut run, mut widest) = (0, 0);
     for sector in sectors.iter().chain(sectors) {
-        run = if *sector * SECTORS as f64 <= little { run + 1 } else { 0 };
+        run = if *sector * SECTORS as f64 <= little {
+            run + 1
+        } else {
+            0
+        };
         widest = widest.max(run);
     }
     widest.min(SECTORS) as f64 * std::f64::consts::TAU / SECTORS as f64
-}
-
-/// Solves symmetric equations, of which the lower half is given (Cholesky).
-pub(super) fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
-    for i in 0..N {
-        for j in 0..=i {
-            let sum = (0..j).fold(matrix[i][j], |sum, k| sum - matrix[i][k] * matrix[j][k]);
-            if i != j {
-                matrix[i][j] = sum / matrix[j][j];
-            } else if sum > 0.0 && sum.is_finite() {
-                matrix[i][i] = sum.sqrt();
-            } else {
-                return None;
-            }
-        }
-    }
-    for i in 0..N {
-        let sum = (0..i).fold(right[i], |sum, k| sum - matrix[i][k] * right[k]);
-        right[i] = sum / matrix[i][i];
-    }
-    for i in (0..N).rev() {
-        let sum = (i + 1..N).fold(right[i], |sum, k| sum - matrix[k][i] * right[k]);
-        right[i] = sum / matrix[i][i];
-    }
-    Some(right)
 }

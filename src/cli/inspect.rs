@@ -9,7 +9,8 @@ use anyhow::{Context as _, Result, anyhow};
 use clap::Args as ClapArgs;
 
 use self::facts::Facts;
-use self::pictured::{Look, Subject, Up};
+pub(super) use self::pictured::Up;
+use self::pictured::{Look, Subject};
 use super::outputs::{check_places, endpoints_file, model_file, not_over_each_other, picture_file};
 use super::print_result;
 use super::progress::Progress;
@@ -233,6 +234,29 @@ pub(super) fn run(
         }
     }
     printed
+}
+
+/// What goes into the picture of a model that is seen through.
+pub(super) struct Drawn {
+    pub(super) unit: Unit,
+    pub(super) z_up: bool,
+    pub(super) pixels: u32,
+    pub(super) endpoints: Vec<Endpoint>,
+    /// From the mesh's origin.
+    pub(super) skeleton: Tree,
+}
+
+/// Draws a model that is seen through, with what lies inside it.
+pub(super) fn draw_xray(mesh: &Arc<Mesh>, drawn: Drawn, path: &Path) -> Result<()> {
+    let subject = Subject {
+        looks: &[Look::XRay],
+        z_up: drawn.z_up,
+        pixels: drawn.pixels,
+        unit: drawn.unit,
+        endpoints: drawn.endpoints,
+        skeleton: Some(drawn.skeleton),
+    };
+    pictured::draw(|| with_surface(mesh), mesh, None, Vec::new(), subject, path).map(|_| ())
 }
 
 /// Where a mesh is measured.

@@ -16,6 +16,7 @@ macro_rules! whisper {
     }};
 }
 
+mod analyze;
 mod derive;
 mod doctor;
 mod explain;
@@ -53,6 +54,7 @@ use clap::{Parser, Subcommand};
         ramus derive assets/grammars/honda.lsys --steps 10 --export tree.glb\n  \
         ramus fmt *.lsys                              lay grammars out in the canonical way\n  \
         ramus inspect duct.ply                        what a scanned model is like and what is wrong with it\n  \
+        ramus analyze duct.ply --png duct.png         its centerlines, measured and drawn\n  \
         ramus doctor                                  what this machine has and what it lacks"
 )]
 struct Cli {
@@ -76,6 +78,8 @@ enum Command {
     Import(import::Args),
     /// Says what a scanned model is like and what is wrong with it.
     Inspect(inspect::Args),
+    /// Finds a scanned model's centerlines and measures them.
+    Analyze(analyze::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
     Doctor,
 }
@@ -94,6 +98,7 @@ pub fn run() -> ExitCode {
         Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Import(args)) => import::run(&args),
         Some(Command::Inspect(args)) => inspect::run(&args, inspect::load),
+        Some(Command::Analyze(args)) => analyze::run(&args, inspect::load),
         Some(Command::Doctor) => doctor::run(),
     };
     match result {

@@ -19,6 +19,7 @@ mod cache;
 mod node;
 mod triangle;
 mod walk;
+mod winding;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -28,6 +29,7 @@ use glam::{DVec3, Vec3};
 pub use self::cache::Cache;
 use self::node::Node;
 use self::triangle::Sheared;
+pub use self::winding::Winding;
 use super::Mesh;
 
 /// Levels of nodes at most; the stacks of walks have room for them.
@@ -193,7 +195,10 @@ impl Picker {
 
     /// The point of a triangle that is nearest to a point.
     pub fn nearest_of(corners: [Vec3; 3], point: DVec3) -> DVec3 {
-        triangle::at(corners.map(Vec3::as_dvec3), triangle::nearest(corners, point).0)
+        triangle::at(
+            corners.map(Vec3::as_dvec3),
+            triangle::nearest(corners, point).0,
+        )
     }
 
     /// Corners of a triangle, from the mesh's origin; None where it cannot be picked.

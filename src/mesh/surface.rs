@@ -2,7 +2,7 @@
 //!
 //! Vertices of exactly equal coordinates are one, as in the [report](super::report), so surfaces of files that part vertices at seams hang together.
 
-pub mod graph;
+pub(crate) mod graph;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -45,12 +45,12 @@ impl Surface {
     }
 
     /// Triangles by joined vertices.
-    pub fn faces(&self) -> &[[u32; 3]] {
+    pub(crate) fn faces(&self) -> &[[u32; 3]] {
         &self.neighbours.faces
     }
 
     /// Those of them that the surface has, with their numbers.
-    pub fn triangles(&self) -> impl Iterator<Item = (u32, [u32; 3])> {
+    pub(crate) fn triangles(&self) -> impl Iterator<Item = (u32, [u32; 3])> {
         (0_u32..)
             .zip(&self.neighbours.faces)
             .filter(|(_, face)| face[0] != NONE)
@@ -58,12 +58,12 @@ impl Surface {
     }
 
     /// Which vertices have an edge to which; made when it is first asked for.
-    pub fn graph(&self) -> &Graph {
+    pub(crate) fn graph(&self) -> &Graph {
         self.graph.get_or_init(|| Graph::new(self))
     }
 
     /// A third of the area of the triangles at each vertex.
-    pub fn vertex_areas(&self) -> Vec<f64> {
+    pub(crate) fn vertex_areas(&self) -> Vec<f64> {
         let mut areas = vec![0.0; self.mesh().positions.len()];
         for (_, face) in self.triangles() {
             let [a, b, c] = face.map(|vertex| self.position(vertex));
@@ -75,31 +75,31 @@ impl Surface {
     }
 
     /// Vertices of each open end.
-    pub fn open_ends(&self) -> &[Vec<u32>] {
+    pub(crate) fn open_ends(&self) -> &[Vec<u32>] {
         &self.neighbours.loops
     }
 
     /// The half-edge on the other side of one.
-    pub fn twin(&self, half_edge: u32) -> Option<u32> {
+    pub(crate) fn twin(&self, half_edge: u32) -> Option<u32> {
         let twin = self.neighbours.twins.get(half_edge as usize).copied();
         twin.filter(|twin| *twin != NONE)
     }
 
     /// Where a vertex is.
-    pub fn position(&self, vertex: u32) -> DVec3 {
+    pub(crate) fn position(&self, vertex: u32) -> DVec3 {
         let position = self.mesh().positions.get(vertex as usize);
         position.copied().unwrap_or(Vec3::ZERO).as_dvec3()
     }
 
     /// From where to where a half-edge leads; None where its triangle is none of the surface.
-    pub fn ends(&self, half_edge: u32) -> Option<[u32; 2]> {
+    pub(crate) fn ends(&self, half_edge: u32) -> Option<[u32; 2]> {
         let face = self.neighbours.faces.get(half_edge as usize / 3)?;
         let corner = half_edge as usize % 3;
         (face[0] != NONE).then_some([face[corner], face[(corner + 1) % 3]])
     }
 
     /// Sums of the cross products of the triangles at each vertex: normals that are not of length 1, weighted by area.
-    pub fn vertex_normals(&self) -> Vec<DVec3> {
+    pub(crate) fn vertex_normals(&self) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; self.mesh().positions.len()];
         for (_, face) in self.triangles() {
             let [a, b, c] = face.map(|vertex| self.position(vertex));
@@ -112,7 +112,7 @@ impl Surface {
 }
 
 /// The half-edge behind one in its triangle.
-pub fn next(half_edge: u32) -> u32 {
+pub(super) fn next(half_edge: u32) -> u32 {
     if half_edge % 3 == 2 {
         half_edge - 2
     } else {
@@ -121,6 +121,6 @@ pub fn next(half_edge: u32) -> u32 {
 }
 
 /// The half-edge before one in its triangle.
-pub fn previous(half_edge: u32) -> u32 {
+pub(super) fn previous(half_edge: u32) -> u32 {
     next(next(half_edge))
 }

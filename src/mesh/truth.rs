@@ -70,6 +70,11 @@ pub(crate) fn seeds(name: &str) -> Seeds {
 }
 
 impl Skeleton {
+    /// The smallest radius.
+    pub(crate) fn thinnest(&self) -> f64 {
+        self.radius.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
     /// How far a point is from the skeleton, and the radius there.
     pub(crate) fn nearest(&self, point: DVec3) -> (f64, f64) {
         let segments = self.parent.iter().enumerate().filter_map(|(node, parent)| {

@@ -19,10 +19,12 @@ pub mod export;
 pub mod file;
 pub mod growth;
 pub mod import;
+pub mod measure;
 pub mod mesh;
 pub mod organs;
 mod pages;
 pub mod radii;
+pub(crate) mod solve;
 pub mod tubes;
 
 pub use cells::Cells;

@@ -80,7 +80,7 @@ pub(super) struct Subject<'a> {
 
 /// An axis of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Up {
+pub(in crate::cli) enum Up {
     /// The second
     Y,
     /// The third

@@ -11,17 +11,17 @@ use super::Surface;
 use crate::mesh::report::NONE;
 
 /// Steps between two looks at whether to stop.
-pub const STEPS: usize = 1 << 12;
+pub(in crate::mesh) const STEPS: usize = 1 << 12;
 
 /// Which vertices have an edge to which; most stand twice, once for each triangle at the edge.
 #[derive(Clone, Debug)]
-pub struct Graph {
+pub(crate) struct Graph {
     starts: Vec<u32>,
     ends: Vec<u32>,
 }
 
 impl Graph {
-    pub fn new(surface: &Surface) -> Self {
+    pub(crate) fn new(surface: &Surface) -> Self {
         let vertices = surface.mesh().positions.len();
         let mut starts = vec![0_u32; vertices + 1];
         for (_, face) in surface.triangles() {
@@ -43,27 +43,27 @@ impl Graph {
         Self { starts, ends }
     }
 
-    pub fn neighbours(&self, vertex: u32) -> &[u32] {
+    pub(crate) fn neighbours(&self, vertex: u32) -> &[u32] {
         let place = vertex as usize;
         &self.ends[self.starts[place] as usize..self.starts[place + 1] as usize]
     }
 
-    pub fn vertices(&self) -> u32 {
+    pub(crate) fn vertices(&self) -> u32 {
         u32::try_from(self.starts.len() - 1).unwrap_or(0)
     }
 }
 
 /// How far vertices are from the nearest of some.
-pub struct Field {
+pub(in crate::mesh) struct Field {
     /// Infinite where none is reached.
-    pub distances: Vec<f64>,
+    pub(in crate::mesh) distances: Vec<f64>,
     /// The place of the nearest in the list of sources.
-    pub sources: Vec<u32>,
+    pub(in crate::mesh) sources: Vec<u32>,
 }
 
 /// The shortest way along edges from one of some vertices to one of others, each with what the way costs before or after it: its vertices. None
 /// inside where there is no way, outside when `cancel` was set.
-pub fn way(
+pub(in crate::mesh) fn way(
     surface: &Surface,
     graph: &Graph,
     from: &[(u32, f64)],
@@ -126,7 +126,7 @@ pub fn way(
 }
 
 /// Distances from sources, each up to a distance of its own. None when `cancel` was set.
-pub fn field(
+pub(in crate::mesh) fn field(
     surface: &Surface,
     graph: &Graph,
     sources: &[(u32, u32)],

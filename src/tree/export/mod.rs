@@ -10,10 +10,12 @@ mod glb;
 mod obj;
 mod surface;
 mod swc;
+mod vtp;
 
 pub use glb::{Glb, glb};
 pub use obj::{Obj, obj};
 pub use swc::{Swc, swc};
+pub use vtp::Vtp;
 
 /// How tubes are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

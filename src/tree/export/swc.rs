@@ -28,7 +28,13 @@ pub fn swc(tree: &Tree) -> Result<Vec<u8>, TreeError> {
 ///
 /// A letter's structure type is 5 (the first custom one) plus its index; the header names each.
 #[derive(Clone, Copy, Debug)]
-pub struct Swc<'a>(&'a Tree);
+pub struct Swc<'a> {
+    tree: &'a Tree,
+    unit: &'a str,
+}
+
+/// What a plant's numbers are.
+const METRES: &str = "metre (1 unit = 1 m = 1000000 micrometre); Y up";
 
 impl<'a> Swc<'a> {
     /// Checks a tree.
@@ -39,9 +45,15 @@ impl<'a> Swc<'a> {
         tree.validate()?;
         match tree.root_count() {
             _ if tree.segment_count() == 0 => Err(TreeError::Empty("SWC")),
-            0 | 1 => Ok(Self(tree)),
+            0 | 1 => Ok(Self { tree, unit: METRES }),
             roots => Err(TreeError::ManyRoots(roots)),
         }
+    }
+
+    /// With other words on what its numbers are, in one line.
+    #[must_use]
+    pub fn in_unit(self, unit: &'a str) -> Self {
+        Self { unit, ..self }
     }
 
     /// Writes the file.
@@ -49,21 +61,18 @@ impl<'a> Swc<'a> {
     /// # Errors
     /// What `out` fails in.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        write_lines(out, self.0)
+        write_lines(out, self.tree, self.unit)
     }
 }
 
-fn write_lines(text: &mut dyn Write, tree: &Tree) -> io::Result<()> {
+fn write_lines(text: &mut dyn Write, tree: &Tree, unit: &str) -> io::Result<()> {
     writeln!(
         text,
         "# Ramus {}: {} segments",
         env!("CARGO_PKG_VERSION"),
         tree.segment_count()
     )?;
-    writeln!(
-        text,
-        "# unit: metre (1 unit = 1 m = 1000000 micrometre); Y up"
-    )?;
+    writeln!(text, "# unit: {unit}")?;
     for &letter in &tree.letter.iter().copied().collect::<BTreeSet<u16>>() {
         let name = &tree.letters[usize::from(letter)];
         // One line each, whatever the name holds.

@@ -1,0 +1,166 @@
+//! Junctions: the angles between what meets there, and how radii and tips are shared out.
+
+use glam::DVec3;
+
+use super::branch::{Branch, position};
+use crate::tree::{NO_PARENT, Tree};
+
+/// A vector of a branch is its chord over so many of its mean radii.
+const RADII: f64 = 2.0;
+/// Exponents that are looked for.
+const EXPONENTS: [f64; 2] = [0.05, 20.0];
+
+/// A node with two or more daughters. Angles are in radians.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Junction {
+    /// Its node.
+    pub node: u32,
+    /// The branch that leads to it; None at a root.
+    pub parent: Option<usize>,
+    /// Branches that begin here.
+    pub daughters: Vec<usize>,
+    /// Direction of the parent where it arrives, of length 1, with the flow: its chord over two radii. Zero at a root.
+    pub parent_vector: DVec3,
+    /// Directions of the daughters where they leave, in their order.
+    pub vectors: Vec<DVec3>,
+    /// Angles between daughters: of the first and second, the first and third, … the second and third, and so on.
+    pub angles: Vec<f64>,
+    /// Angles between the parent's direction and each daughter's: 0 where it goes straight on.
+    pub parent_angles: Vec<f64>,
+    /// The exponent with which the daughters' radii add up to the parent's (Murray: 3; da Vinci: 2). None where a daughter is as thick as the
+    /// parent, or where there is no parent.
+    pub exponent: Option<f64>,
+    /// How unequally tips are shared between two daughters: 0 equally, 1 all but one of many to one (Van Pelt's partition asymmetry). None
+    /// with more daughters, or with one tip each.
+    pub asymmetry: Option<f64>,
+}
+
+/// All junctions, in the order of their nodes.
+pub(super) fn junctions(tree: &Tree, branches: &[Branch]) -> Vec<Junction> {
+    let mut daughters: Vec<(u32, usize)> = branches
+        .iter()
+        .enumerate()
+        .map(|(place, branch)| (branch.ends()[0], place))
+        .collect();
+    daughters.sort_unstable();
+    let groups = daughters
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|group| group.len() > 1);
+    groups
+        .map(|group| {
+            let daughters: Vec<usize> = group.iter().map(|(_, place)| *place).collect();
+            junction(tree, branches, group[0].0, daughters)
+        })
+        .collect()
+}
+
+fn junction(tree: &Tree, branches: &[Branch], node: u32, daughters: Vec<usize>) -> Junction {
+    let parent = branches[daughters[0]].parent;
+    let vectors: Vec<DVec3> = daughters
+        .iter()
+        .map(|place| vector(tree, &branches[*place], false))
+        .collect();
+    let parent_vector = parent.map_or(DVec3::ZERO, |parent| vector(tree, &branches[parent], true));
+    let mut angles = Vec::new();
+    for (place, one) in vectors.iter().enumerate() {
+        angles.extend(vectors[place + 1..].iter().map(|other| angle(*one, *other)));
+    }
+    Junction {
+        node,
+        parent,
+        parent_angles: vectors
+            .iter()
+            .map(|one| angle(parent_vector, *one))
+            .collect(),
+        exponent: parent.and_then(|parent| {
+            let radii: Vec<f64> = daughters
+                .iter()
+                .map(|place| branches[*place].radius.mean)
+                .collect();
+            exponent(branches[parent].radius.mean, &radii)
+        }),
+        asymmetry: asymmetry(branches, &daughters),
+        parent_vector,
+        vectors,
+        angles,
+        daughters,
+    }
+}
+
+/// The chord of a branch over two of its radii from an end, with the flow, of length 1.
+fn vector(tree: &Tree, branch: &Branch, from_end: bool) -> DVec3 {
+    let far = RADII * branch.radius.mean;
+    let mut nodes: Box<dyn Iterator<Item = &u32>> = match from_end {
+        true => Box::new(branch.nodes.iter().rev()),
+        false => Box::new(branch.nodes.iter()),
+    };
+    let Some(start) = nodes.next().map(|node| position(tree, *node)) else {
+        return DVec3::ZERO;
+    };
+    let (mut length, mut at) = (0.0, start);
+    for node in nodes {
+        let next = position(tree, *node);
+        let step = at.distance(next);
+        if length + step >= far {
+            at = at.lerp(
+                next,
+                if step > 0.0 {
+                    (far - length) / step
+                } else {
+                    0.0
+                },
+            );
+            break;
+        }
+        length += step;
+        at = next;
+    }
+    let away = (at - start).normalize_or_zero();
+    if from_end { -away } else { away }
+}
+
+/// By the tangent: exact also near 0 and 180 degrees (Kahan).
+fn angle(one: DVec3, other: DVec3) -> f64 {
+    one.cross(other).length().atan2(one.dot(other))
+}
+
+/// With which exponent radii add up to the parent's: parentˣ = Σ daughterˣ.
+fn exponent(parent: f64, daughters: &[f64]) -> Option<f64> {
+    let parts: Vec<f64> = daughters.iter().map(|radius| radius / parent).collect();
+    let sum = |x: f64| parts.iter().map(|part| part.powf(x)).sum::<f64>() - 1.0;
+    let [mut low, mut high] = EXPONENTS;
+    if !(parts.iter().all(|part| *part > 0.0 && *part < 1.0) && sum(low) > 0.0 && sum(high) < 0.0) {
+        return None;
+    }
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        if sum(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(low)
+}
+
+fn asymmetry(branches: &[Branch], daughters: &[usize]) -> Option<f64> {
+    let [one, other] = *daughters else {
+        return None;
+    };
+    let [one, other] = [one, other].map(|place| f64::from(branches[place].tips));
+    let most = one + other - 2.0;
+    (most > 0.0).then(|| (one - other).abs() / most)
+}
+
+/// Whether a junction is that of a tree's root.
+impl Junction {
+    /// How many branches begin here.
+    pub fn degree(&self) -> usize {
+        self.daughters.len()
+    }
+
+    /// Whether it is where a tree begins.
+    pub fn is_root(&self, tree: &Tree) -> bool {
+        tree.parent[self.node as usize] == NO_PARENT
+    }
+}

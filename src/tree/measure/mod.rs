@@ -1,0 +1,107 @@
+//! What is measured on a tree: its branches, junctions and orders, and the table that models are compared by.
+//!
+//! ```text
+//! Tree ─▶ branches (junction to junction, or to the root or a tip) ─▶ course: length, curvature, torsion, radius
+//!            │                └▶ orders: generation, Strahler, Horsfield      └▶ table: n, mean, std, min, max
+//!            └▶ junctions: angles, exponents, asymmetry
+//! ```
+//!
+//! Whatever made the tree (a scanned model's centerlines, an SWC file, an L-system), the same code measures it. Lengths are in the tree's
+//! unit, angles in radians. The table's terms are those of van Nielen, Verbeek and Cao, "Visualizing, Analyzing and Constructing L-system
+//! from Arborized 3D Model Using a Web Application".
+
+mod branch;
+mod course;
+mod junction;
+mod orders;
+mod statistics;
+mod table;
+
+pub use self::branch::{Branch, RadiusAlong};
+pub use self::junction::Junction;
+pub use self::orders::{Order, Ratios};
+pub use self::statistics::{Spread, spread};
+pub use self::table::Table;
+use super::{NO_PARENT, Tree};
+
+/// A tree, measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measures {
+    /// Each stands behind its parent.
+    pub branches: Vec<Branch>,
+    /// In the order of their nodes.
+    pub junctions: Vec<Junction>,
+    /// How many tips there are.
+    pub tips: usize,
+    /// By Strahler's orders, from 1.
+    pub orders: Vec<Order>,
+    /// Ratios between orders.
+    pub ratios: Ratios,
+    /// The table.
+    pub table: Table,
+}
+
+impl Measures {
+    /// Measures a tree. Nodes at one place are no branches: what has no length is left out.
+    pub fn new(tree: &Tree) -> Self {
+        let children = Children::new(tree);
+        let mut branches = branch::branches(tree, &children);
+        orders::number(&mut branches);
+        let orders = orders::orders(&branches);
+        let junctions = junction::junctions(tree, &branches);
+        Self {
+            tips: branches.iter().filter(|branch| branch.is_tip).count(),
+            table: table::table(tree, &branches, &junctions),
+            ratios: orders::ratios(&orders),
+            orders,
+            junctions,
+            branches,
+        }
+    }
+
+    /// Junctions with two daughters.
+    pub fn bifurcations(&self) -> usize {
+        self.junctions
+            .iter()
+            .filter(|junction| junction.daughters.len() == 2)
+            .count()
+    }
+}
+
+/// The children of each node, in flat arrays.
+pub(super) struct Children {
+    starts: Vec<u32>,
+    all: Vec<u32>,
+}
+
+impl Children {
+    pub(super) fn new(tree: &Tree) -> Self {
+        let mut starts = vec![0_u32; tree.len() + 1];
+        let with_parent = || {
+            (0_u32..)
+                .zip(tree.parent.iter().copied())
+                .filter(|(_, parent)| *parent != NO_PARENT)
+        };
+        for (_, parent) in with_parent() {
+            starts[parent as usize + 1] += 1;
+        }
+        for place in 1..starts.len() {
+            starts[place] += starts[place - 1];
+        }
+        let mut next = starts.clone();
+        let mut all = vec![0; starts.last().map_or(0, |last| *last as usize)];
+        for (node, parent) in with_parent() {
+            let place = &mut next[parent as usize];
+            all[*place as usize] = node;
+            *place += 1;
+        }
+        Self { starts, all }
+    }
+
+    pub(super) fn of(&self, node: u32) -> &[u32] {
+        &self.all[self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests;
