@@ -28,10 +28,14 @@ pub(super) fn ball_of(
     }
     let (ball, face, distance) = skin.ball_near(point).ok_or(CenterlineError::NoInside)?;
     // Where the wall is rough the ball there is small, but those around are not.
-    let around = face
+    let of_face = face
         .iter()
-        .filter_map(|vertex| cover.balls.get(cover.of_vertex[*vertex as usize] as usize));
-    let radius = around.map(|ball| ball.radius).fold(ball.radius, f64::max);
+        .map(|vertex| cover.of_vertex[*vertex as usize])
+        .filter(|ball| *ball != NONE);
+    let around = of_face
+        .flat_map(|ball| std::iter::once(ball).chain(cover.links[ball as usize].iter().copied()));
+    let radii = around.map(|ball| cover.balls[ball as usize].radius);
+    let radius = radii.fold(ball.radius, f64::max);
     if distance > OFF * radius && !winding.is_inside(point) {
         return Err(CenterlineError::OffSurface {
             name: endpoint.name.clone(),

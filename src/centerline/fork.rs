@@ -29,8 +29,12 @@ pub(super) struct Fork {
     pub(super) lines: usize,
 }
 
-/// How far off the axis balls may be for what they are larger than the tube.
-const GROWN: f64 = 1.0;
+/// How far off the axis balls may be for what they are larger than the tube: where the fork is looked for, and where lines are led to it.
+const GROWN: f64 = 2.0;
+const GROWN_LED: f64 = 0.5;
+/// How lines bend where the fork is looked for (as evenly as they came: it is outside of what is known), and where they are led to it.
+const FREE_JERK: f64 = 0.04;
+const LED_JERK: f64 = 0.3;
 /// How far, in radii of its ball, a fork reaches at most.
 const REACH: f64 = 3.0;
 /// Points nearer than so many radii to a sibling's line are not a line's own.
@@ -151,8 +155,9 @@ impl Network {
         let inner = between(&own, start.ball.centre, end.ball.centre);
         // In a fork balls grow, and so much they may be off the axis of the tube that the line has beside them.
         let beside = tubes_beside(inner);
+        let grown = if pinned { GROWN_LED } else { GROWN };
         let drift = |place: usize| match (inner[place].tube, beside[place]) {
-            (None, Some(radius)) => GROWN * (inner[place].radius - radius).max(0.0),
+            (None, Some(radius)) => grown * (inner[place].radius - radius).max(0.0),
             _ => 0.0,
         };
         let inner = inner.iter().enumerate().map(|(place, sample)| Knot {
@@ -169,7 +174,7 @@ impl Network {
     /// Moves forks to where their lines meet, once.
     fn settle(&mut self) {
         let lines: Vec<Option<Smooth>> = (0..self.lines.len())
-            .map(|number| smooth(&self.knots(number, false)))
+            .map(|number| smooth(&self.knots(number, false), FREE_JERK))
             .collect();
         let mut sums: Vec<(DMat3, DVec3)> = self
             .forks
@@ -268,7 +273,7 @@ impl Network {
     /// A line from fork to fork.
     fn smoothed(&self, skin: &Skin<'_>, number: usize) -> Vec<Sample> {
         let knots = with_middles(&self.knots(number, true));
-        let points = match smooth(&knots) {
+        let points = match smooth(&knots, LED_JERK) {
             Some(smooth) => smooth.points,
             None => knots.iter().map(|knot| knot.known).collect(),
         };
@@ -425,17 +430,18 @@ fn follow(skin: &Skin<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &mut V
 fn end(skin: &Skin<'_>, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
     let last = samples.iter().rposition(|sample| sample.tube.is_some())?;
     let tube = samples[last].tube?;
-    let far = tube.point.distance(tip.centre) + tip.radius;
-    if far > 2.0 * REACH * tube.radius {
-        return None;
-    }
     let onwards = samples[last].point - samples[last.saturating_sub(1)].point;
     let tangent = if tube.tangent.dot(onwards) < 0.0 {
         -tube.tangent
     } else {
         tube.tangent
     };
+    // The ball at the tip touches the surface there: the line's last ball is not behind it.
     let step = END_STEP * tube.radius;
+    let far = (tip.centre - tube.point).dot(tangent) + 2.0 * step;
+    if far > 2.0 * REACH * tube.radius {
+        return None;
+    }
     let mut balls = Vec::new();
     let mut s = -2.0 * tube.radius;
     while s < far {

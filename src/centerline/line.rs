@@ -37,7 +37,7 @@ const SPACING: [f64; 2] = [0.5, 0.25];
 /// Half the length of a fit's window, in radii.
 const WINDOW: f64 = 0.75;
 /// How far off the middle of a ball may be, in radii, where there is no tube; and the best tube's.
-const BALL_SPREAD: f64 = 0.05;
+const BALL_SPREAD: f64 = 0.07;
 const TUBE_SPREAD: f64 = 0.002;
 /// Part of a line's median radius that counts for how far apart points are, where it is thinner.
 const THIN: f64 = 0.5;

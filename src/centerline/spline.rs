@@ -6,9 +6,6 @@
 
 use glam::DVec3;
 
-/// What the third derivative is expected to be, in radii to the minus two.
-const JERK: f64 = 0.2;
-
 /// A point with where it is known to be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Knot {
@@ -30,8 +27,8 @@ pub(super) struct Smooth {
 /// Rows of a symmetric matrix: the diagonal and three before it.
 type Row = [f64; 4];
 
-/// The smooth line through knots, which are in order and not in one place.
-pub(super) fn smooth(knots: &[Knot]) -> Option<Smooth> {
+/// The smooth line through knots, which are in order; `jerk` is what the third derivative is expected to be, in radii to the minus two.
+pub(super) fn smooth(knots: &[Knot], jerk: f64) -> Option<Smooth> {
     let count = knots.len();
     if count < 2 {
         return None;
@@ -67,7 +64,7 @@ pub(super) fn smooth(knots: &[Knot]) -> Option<Smooth> {
             })
             .collect();
         let length = (window[order] - window[0]) / order as f64;
-        let stiff = length / (JERK * JERK);
+        let stiff = length / (jerk * jerk);
         for i in 0..=order {
             for j in 0..=i {
                 matrix[first + i][i - j] += stiff * weights[i] * weights[j];

@@ -5,8 +5,10 @@ use glam::DVec3;
 use super::branch::{Branch, position};
 use crate::tree::{NO_PARENT, Tree};
 
-/// A vector of a branch is its chord over so many of its mean radii.
+/// A vector of a branch ends so many of its mean radii from the junction.
 const RADII: f64 = 2.0;
+/// It begins so much of the junction's radius from it.
+const OUT: f64 = 0.5;
 /// Exponents that are looked for.
 const EXPONENTS: [f64; 2] = [0.05, 20.0];
 
@@ -73,11 +75,9 @@ fn junction(tree: &Tree, branches: &[Branch], node: u32, daughters: Vec<usize>) 
             .map(|one| angle(parent_vector, *one))
             .collect(),
         exponent: parent.and_then(|parent| {
-            let radii: Vec<f64> = daughters
-                .iter()
-                .map(|place| branches[*place].radius.mean)
-                .collect();
-            exponent(branches[parent].radius.mean, &radii)
+            let radius = |place: usize| radius(tree, &branches[place]);
+            let radii: Vec<f64> = daughters.iter().map(|place| radius(*place)).collect();
+            exponent(radius(parent), &radii)
         }),
         asymmetry: asymmetry(branches, &daughters),
         parent_vector,
@@ -87,41 +87,52 @@ fn junction(tree: &Tree, branches: &[Branch], node: u32, daughters: Vec<usize>) 
     }
 }
 
-/// The chord of a branch over two of its radii from an end, with the flow, of length 1.
+/// The chord of a branch from where it is half out of the junction's ball to two of its radii, with the flow, of length 1. What is nearer than
+/// that is the junction's and not the branch's.
 fn vector(tree: &Tree, branch: &Branch, from_end: bool) -> DVec3 {
-    let far = RADII * branch.radius.mean;
-    let mut nodes: Box<dyn Iterator<Item = &u32>> = match from_end {
-        true => Box::new(branch.nodes.iter().rev()),
-        false => Box::new(branch.nodes.iter()),
-    };
-    let Some(start) = nodes.next().map(|node| position(tree, *node)) else {
-        return DVec3::ZERO;
-    };
-    let (mut length, mut at) = (0.0, start);
-    for node in nodes {
-        let next = position(tree, *node);
-        let step = at.distance(next);
-        if length + step >= far {
-            at = at.lerp(
-                next,
-                if step > 0.0 {
-                    (far - length) / step
-                } else {
-                    0.0
-                },
-            );
-            break;
-        }
-        length += step;
-        at = next;
+    let mut nodes = branch.nodes.clone();
+    if from_end {
+        nodes.reverse();
     }
-    let away = (at - start).normalize_or_zero();
+    let ball = nodes
+        .first()
+        .map_or(0.0, |node| f64::from(tree.radius[*node as usize]));
+    let far = RADII * branch.radius.mean;
+    let near = (OUT * ball).min(far / 2.0);
+    let [start, end] = [near, far].map(|length| at(tree, &nodes, length));
+    let away = (end - start).normalize_or_zero();
     if from_end { -away } else { away }
+}
+
+/// The place so far along nodes, or their last.
+fn at(tree: &Tree, nodes: &[u32], length: f64) -> DVec3 {
+    let mut left = length;
+    let mut place = nodes
+        .first()
+        .map_or(DVec3::ZERO, |node| position(tree, *node));
+    for node in nodes.iter().skip(1) {
+        let next = position(tree, *node);
+        let step = place.distance(next);
+        if step >= left && step > 0.0 {
+            return place.lerp(next, left / step);
+        }
+        left -= step;
+        place = next;
+    }
+    place
 }
 
 /// By the tangent: exact also near 0 and 180 degrees (Kahan).
 fn angle(one: DVec3, other: DVec3) -> f64 {
     one.cross(other).length().atan2(one.dot(other))
+}
+
+/// The median radius of a branch, without the node where it begins: that belongs to a junction.
+fn radius(tree: &Tree, branch: &Branch) -> f64 {
+    let nodes = branch.nodes.iter().skip(1);
+    let mut radii: Vec<f32> = nodes.map(|node| tree.radius[*node as usize]).collect();
+    radii.sort_by(f32::total_cmp);
+    radii.get(radii.len() / 2).copied().map_or(0.0, f64::from)
 }
 
 /// With which exponent radii add up to the parent's: parentˣ = Σ daughterˣ.
