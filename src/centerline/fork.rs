@@ -39,6 +39,10 @@ const LED_JERK: f64 = 0.3;
 const REACH: f64 = 3.0;
 /// Points nearer than so many radii to a sibling's line are not a line's own.
 const OWN: f64 = 0.5;
+/// Lines that have so many points in common run in one tube.
+const ONE_TUBE: usize = 6;
+/// Points of a sibling that are looked at.
+const NEAR: usize = 80;
 /// Nearer than so many radii, two forks are one.
 const ONE: f64 = 0.6;
 /// Steps of following at most.
@@ -47,6 +51,10 @@ const FOLLOWED_MOST: usize = 40;
 const WIDER: f64 = 0.05;
 /// Distance between balls that are compared at an end, in radii.
 const END_STEP: f64 = 0.05;
+/// How near a tube must be to an end for its axis to lead there, in radii.
+const END_NEAR: f64 = 2.5;
+/// Places of a line that are looked at for its end at most.
+const COURSE_MOST: usize = 4096;
 /// Distance between points, in radii.
 const SPACING: f64 = 0.25;
 /// How far off the first guess of a fork is, in radii.
@@ -62,29 +70,65 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// Leaves out points that are a sibling's as well.
-    fn keep_own(&mut self) {
-        for number in 0..self.lines.len() {
-            let siblings: Vec<usize> = (0..self.lines.len())
-                .filter(|other| {
-                    *other != number && self.lines[*other].from == self.lines[number].from
-                })
-                .collect();
-            let mut own = 0;
-            for (place, sample) in self.lines[number].samples.iter().enumerate() {
-                let shared = siblings.iter().any(|sibling| {
-                    let near = self.lines[*sibling].samples.iter().take(40);
+    /// How many points of each line, from where it begins, are a sibling's as well.
+    fn shared(&self) -> Vec<usize> {
+        let mut of_fork: Vec<Vec<usize>> = vec![Vec::new(); self.forks.len()];
+        for (number, line) in self.lines.iter().enumerate() {
+            of_fork[line.from as usize].push(number);
+        }
+        let shared = |(number, line): (usize, &Line)| {
+            let siblings = of_fork[line.from as usize].iter();
+            let siblings: Vec<usize> = siblings.copied().filter(|other| *other != number).collect();
+            let mut shared = 0;
+            for (place, sample) in line.samples.iter().enumerate() {
+                let is_near = siblings.iter().any(|sibling| {
+                    let near = self.lines[*sibling].samples.iter().take(NEAR);
                     near.map(|other| other.point.distance(sample.point))
                         .fold(f64::INFINITY, f64::min)
                         < OWN * sample.radius
                 });
-                if shared {
-                    own = place + 1;
-                } else if place > own + 8 {
+                if is_near {
+                    shared = place + 1;
+                } else if place > shared + 8 {
                     break;
                 }
             }
-            let shared = &mut self.lines[number].samples[..own];
+            shared
+        };
+        self.lines.iter().enumerate().map(shared).collect()
+    }
+
+    /// Moves forks of two lines that run on as one tube to where they part, and leaves out points that are a sibling's as well.
+    fn keep_own(&mut self) {
+        let shared = self.shared();
+        for fork in 0..self.forks.len() {
+            let of = |is_so: &dyn Fn(&Line) -> bool| {
+                let lines = self
+                    .lines
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, line)| is_so(line));
+                lines.map(|(number, _)| number).collect::<Vec<usize>>()
+            };
+            let leaving = of(&|line| line.from as usize == fork);
+            let arriving = of(&|line| line.to as usize == fork);
+            let ([one, other], [parent]) = (leaving.as_slice(), arriving.as_slice()) else {
+                continue;
+            };
+            let count = shared[*one];
+            if count.min(shared[*other]) < ONE_TUBE || count >= self.lines[*one].samples.len() {
+                continue;
+            }
+            let along = self.lines[*one].samples[..count].to_vec();
+            let last = along[count - 1];
+            self.lines[*parent].samples.extend(along);
+            self.forks[fork].ball = Ball {
+                centre: last.point,
+                radius: last.radius,
+            };
+        }
+        for (line, shared) in self.lines.iter_mut().zip(shared) {
+            let shared = &mut line.samples[..shared];
             shared
                 .iter_mut()
                 .for_each(|sample| sample.spread = f64::INFINITY);
@@ -426,8 +470,45 @@ fn follow(skin: &Skin<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &mut V
     samples.extend(rest.into_iter().filter(ahead));
 }
 
-/// The last ball of a tube that ends: those on its axis behind it lie within it. Leaves out samples beyond.
+/// The last ball of a line that ends: those behind it lie within it. Leaves out samples beyond. Balls are looked at on the axis of the last tube
+/// where that is near, else on the line.
 fn end(skin: &Skin<'_>, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
+    let places = axis(samples, tip).or_else(|| course(samples, tip))?;
+    let ball = |(s, centre): &(f64, DVec3)| {
+        let radius = skin.distance(*centre);
+        (
+            *s,
+            Ball {
+                centre: *centre,
+                radius,
+            },
+        )
+    };
+    let balls: Vec<(f64, Ball)> = places.iter().map(ball).collect();
+    let thick = balls.first()?.1.radius;
+    // In a cap balls shrink as fast as they go on; in a tube hardly. Where their radius plus half their way is most, the one becomes the other.
+    let inside = balls
+        .iter()
+        .take_while(|(_, ball)| ball.radius > 0.1 * thick);
+    let reach = |(s, ball): &(f64, Ball)| s / 2.0 + ball.radius;
+    let (place, (_, ball)) = inside
+        .enumerate()
+        .max_by(|(_, a), (_, b)| reach(a).total_cmp(&reach(b)))?;
+    let onwards = (places[place].1 - places[place.saturating_sub(1)].1).normalize_or_zero();
+    let clear = SPACING / 2.0 * ball.radius;
+    let near = |sample: &Sample| sample.point.distance(ball.centre) < 3.0 * thick;
+    while samples.len() > 1
+        && samples.last().is_some_and(|sample| {
+            near(sample) && (sample.point - ball.centre).dot(onwards) > -clear
+        })
+    {
+        samples.pop();
+    }
+    Some(*ball)
+}
+
+/// Places on the axis of a line's last tube, by length along it, up to where the ball at the tip is. None where the tip is far from it.
+fn axis(samples: &[Sample], tip: Ball) -> Option<Vec<(f64, DVec3)>> {
     let last = samples.iter().rposition(|sample| sample.tube.is_some())?;
     let tube = samples[last].tube?;
     let onwards = samples[last].point - samples[last.saturating_sub(1)].point;
@@ -436,39 +517,47 @@ fn end(skin: &Skin<'_>, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
     } else {
         tube.tangent
     };
+    let at = |s: f64| tube.point + s * tangent + s * s / 2.0 * tube.bend;
     // The ball at the tip touches the surface there: the line's last ball is not behind it.
     let step = END_STEP * tube.radius;
     let far = (tip.centre - tube.point).dot(tangent) + 2.0 * step;
-    if far > 2.0 * REACH * tube.radius {
+    if far > END_NEAR * tube.radius || at(far).distance(tip.centre) > tube.radius {
         return None;
     }
-    let mut balls = Vec::new();
+    let mut places = Vec::new();
     let mut s = -2.0 * tube.radius;
     while s < far {
-        let centre = tube.point + s * tangent + s * s / 2.0 * tube.bend;
-        balls.push((
-            s,
-            Ball {
-                centre,
-                radius: skin.distance(centre),
-            },
-        ));
+        places.push((s, at(s)));
         s += step;
     }
-    // In a cap balls shrink as fast as they go on; in a tube hardly. Where their radius plus half their way is most, the one becomes the other.
-    let inside = balls
-        .iter()
-        .take_while(|(_, ball)| ball.radius > 0.1 * tube.radius);
-    let reach = |(s, ball): &(f64, Ball)| s / 2.0 + ball.radius;
-    let (s, ball) = *inside.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
-    samples.truncate(last + 1);
-    while samples.last().is_some_and(|sample| {
-        (sample.point - tube.point).dot(tangent) > s - SPACING / 2.0 * tube.radius
-    }) && samples.len() > 1
-    {
-        samples.pop();
+    Some(places)
+}
+
+/// Places on the last part of a line and on to the ball at its tip, by length.
+fn course(samples: &[Sample], tip: Ball) -> Option<Vec<(f64, DVec3)>> {
+    let mut way = vec![tip.centre];
+    let mut length = 0.0;
+    for sample in samples.iter().rev() {
+        length += sample.point.distance(way[way.len() - 1]);
+        way.push(sample.point);
+        if length > END_NEAR * sample.radius {
+            break;
+        }
     }
-    Some(ball)
+    way.reverse();
+    let step = END_STEP * samples.iter().rev().nth(way.len() / 2)?.radius;
+    let mut places = Vec::new();
+    let mut done = 0.0;
+    for pair in way.windows(2) {
+        let length = pair[0].distance(pair[1]);
+        let mut s = 0.0;
+        while s < length && places.len() < COURSE_MOST {
+            places.push((done + s, pair[0].lerp(pair[1], s / length)));
+            s += step.max(length / 64.0);
+        }
+        done += length;
+    }
+    (!places.is_empty()).then_some(places)
 }
 
 /// By how much the balls of fits are larger than those between triangles: the median.

@@ -333,14 +333,22 @@ fn gathered(
         }
         nodes[line.to as usize] = parent;
     }
-    let end = |end: &Option<u32>| {
-        end.map(|fork| nodes[fork as usize])
-            .filter(|node| *node != NO_PARENT)
+    let node_of = |end: u32| match nodes[end as usize] {
+        // A target on the way to others.
+        NO_PARENT => {
+            let place = skeleton.balls[end as usize].centre.as_vec3();
+            let squared = |node: &u32| tree.position[*node as usize].distance_squared(place);
+            let all = (0_u32..).take(tree.len());
+            all.min_by(|a, b| squared(a).total_cmp(&squared(b)))
+        }
+        node => Some(node),
     };
+    let ends = skeleton.ends.iter().map(|end| end.and_then(node_of));
+    let ends = ends.collect();
     Centerline {
         tree,
         origin,
-        ends: skeleton.ends.iter().map(end).collect(),
+        ends,
         unreached,
     }
 }

@@ -98,7 +98,7 @@ fn vector(tree: &Tree, branch: &Branch, from_end: bool) -> DVec3 {
         .first()
         .map_or(0.0, |node| f64::from(tree.radius[*node as usize]));
     let far = RADII * branch.radius.mean;
-    let near = (OUT * ball).min(far / 2.0);
+    let near = (OUT * ball).min(far / 2.0).min(branch.length / 2.0);
     let [start, end] = [near, far].map(|length| at(tree, &nodes, length));
     let away = (end - start).normalize_or_zero();
     if from_end { -away } else { away }

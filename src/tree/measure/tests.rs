@@ -227,7 +227,8 @@ proptest! {
         let mut moved = tree.clone();
         moved.position.iter_mut().for_each(|position| *position = turned * *position + Vec3::new(3.0, -2.0, 1.0));
         let other = Measures::new(&moved);
-        prop_assert!((other.table.bifurcation_angle.mean - measures.table.bifurcation_angle.mean).abs() < 1e-3);
+        // An angle whose sides are short is known the less in single precision.
+        prop_assert!((other.table.bifurcation_angle.mean - measures.table.bifurcation_angle.mean).abs() < 5e-3);
         prop_assert!((other.table.centerline_length.mean / measures.table.centerline_length.mean - 1.0).abs() < 1e-5);
     }
 }

@@ -1,0 +1,179 @@
+//! `ramus analyze`: centerlines as a person finds them, and what is said where there are none.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use super::*;
+
+/// A tube of radius 2 from 0 to 40 along x, open at both ends, as OBJ.
+fn tube() -> String {
+    let (round, rows) = (36_u32, 41_u32);
+    let mut text = String::new();
+    for row in 0..rows {
+        for column in 0..round {
+            let (sin, cos) = (f64::from(column) / f64::from(round) * TAU).sin_cos();
+            writeln!(text, "v {row} {} {}", 2.0 * cos, 2.0 * sin).unwrap();
+        }
+    }
+    let vertex = |column: u32, row: u32| row * round + column % round + 1;
+    for row in 0..rows - 1 {
+        for column in 0..round {
+            let [a, b] = [vertex(column, row), vertex(column + 1, row)];
+            let [c, d] = [vertex(column + 1, row + 1), vertex(column, row + 1)];
+            writeln!(text, "f {a} {b} {c} {d}").unwrap();
+        }
+    }
+    text
+}
+
+fn number(json: &serde_json::Value, of: &str) -> f64 {
+    let value = json.pointer(of).and_then(serde_json::Value::as_f64);
+    value.unwrap_or_else(|| panic!("no number at {of}: {json}"))
+}
+
+#[test]
+fn a_tube_is_measured_and_exported() {
+    let folder = folder();
+    let model = folder.path().join("tube.obj");
+    fs::write(&model, tube()).unwrap();
+    let [swc, vtp, csv] =
+        ["line.swc", "line.vtp", "branches.csv"].map(|name| folder.path().join(name));
+    let analyze = |ending: &Path| {
+        let mut command = ramus();
+        command
+            .arg("analyze")
+            .arg(&model)
+            .arg("--export")
+            .arg(ending);
+        command
+    };
+    let json = succeed(analyze(&swc).arg("--json").arg("--csv").arg(&csv));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["format"], "ramus-analysis/1");
+    assert_eq!(json["endpoints"]["automatic"], true);
+    assert_eq!(
+        (
+            json["counts"]["branches"].as_u64(),
+            json["counts"]["tips"].as_u64()
+        ),
+        (Some(1), Some(1))
+    );
+    // From the ball that touches one end's cap to the one that touches the other's.
+    let length = number(&json, "/branches/0/length");
+    assert!((length - 36.0).abs() < 0.3, "{length}");
+    assert!(
+        (number(&json, "/table/point_radius/mean") - 2.0).abs() < 0.02,
+        "{json}"
+    );
+    assert_eq!(json["nodes"]["parent"][0], -1);
+    let rows = fs::read_to_string(&csv).unwrap();
+    assert!(
+        rows.starts_with("id,parent,order,") && rows.lines().count() == 2,
+        "{rows}"
+    );
+    succeed(&mut analyze(&vtp));
+    let lines = fs::read_to_string(&vtp).unwrap();
+    assert!(
+        lines.contains("Name=\"MaximumInscribedSphereRadius\"")
+            && lines.contains("NumberOfLines=\"1\""),
+        "{lines}"
+    );
+    // What was written is a skeleton, and is measured alike.
+    let again = succeed(ramus().arg("analyze").arg(&swc).arg("--json"));
+    let again: serde_json::Value = serde_json::from_str(&again).unwrap();
+    assert!(
+        (number(&again, "/branches/0/length") / length - 1.0).abs() < 1e-6,
+        "{again}"
+    );
+}
+
+#[test]
+fn endpoints_are_given_by_point_and_file_and_bytes_are_the_same() {
+    let folder = folder();
+    let model = folder.path().join("tube.obj");
+    fs::write(&model, tube()).unwrap();
+    let targets = folder.path().join("ends.csv");
+    fs::write(&targets, "name,x,y,z\nhalf,20,0,0\nend,40,0,0\n").unwrap();
+    let run = |threads: &str| {
+        let mut command = ramus();
+        command.env("RAYON_NUM_THREADS", threads);
+        command
+            .arg("analyze")
+            .arg(&model)
+            .args(["--source", "0,0,0", "--json"])
+            .arg("--targets")
+            .arg(&targets);
+        let mut json: serde_json::Value = serde_json::from_str(&succeed(&mut command)).unwrap();
+        json["timing_ms"].take();
+        json
+    };
+    let json = run("1");
+    assert_eq!(
+        (
+            json["endpoints"]["automatic"].as_bool(),
+            json["counts"]["centerlines"].as_u64()
+        ),
+        (Some(false), Some(2))
+    );
+    assert_eq!(json, run("2"));
+}
+
+#[test]
+fn what_cannot_be_analyzed_is_said_in_one_sentence() {
+    let folder = folder();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let tube = file("tube.obj", &tube());
+    let flat = file("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let skeleton = file("tree.swc", "1 1 0 0 0 4 -1\n2 3 0 60 0 3 1\n");
+    let far = file("far.csv", "x,y,z\n40,90,0\n");
+    let here = file("here.csv", "x,y,z\n0,0,0\n");
+    let two = file("two.csv", "kind,x,y,z\nsource,0,0,0\nsource,40,0,0\n");
+    let [far, here, two] = [&far, &here, &two].map(|path| path.to_str().unwrap());
+    for (model, args, expected) in [
+        (&flat, vec![], "no ends were found"),
+        (&tube, vec!["--targets", far], "there is no source"),
+        (
+            &tube,
+            vec!["--source", "0,0,0", "--targets", far],
+            "off the surface",
+        ),
+        (
+            &tube,
+            vec!["--source", "0,0,0", "--targets", here],
+            "is where the source is",
+        ),
+        (&tube, vec!["--targets", two], "there are 2 sources"),
+        (&skeleton, vec!["--auto"], "is a skeleton already"),
+    ] {
+        let output = ramus()
+            .arg("analyze")
+            .arg(model)
+            .args(&args)
+            .output()
+            .unwrap();
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(
+            said.contains(expected) && said.lines().count() == 1,
+            "{said}, expected {expected}"
+        );
+    }
+    for args in [
+        ["--source", "1,2"],
+        ["--bridge", "-1"],
+        ["--export", "line.txt"],
+        ["--csv", "line.txt"],
+    ] {
+        let output = ramus()
+            .arg("analyze")
+            .arg(&tube)
+            .args(args)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    }
+}
