@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::{Serialize, Serializer};
 
 use super::{Centerline, Unreached};
-use crate::mesh::endpoints::{Endpoint, Kind};
+use crate::mesh::endpoints::Kind;
 use crate::mesh::report::Report;
 use crate::mesh::unit::Scale;
 use crate::tree::measure::{Branch, Junction, Measures, Spread};
@@ -308,17 +308,12 @@ impl ModelFacts {
 }
 
 impl Analysis {
-    /// Tells of a tree and where it begins and ends. `automatic`: whether the endpoints were found; `loops`: how many handles the surface has.
-    pub fn new(
-        model: ModelFacts,
-        found: &Centerline,
-        endpoints: &[Endpoint],
-        automatic: bool,
-        loops: usize,
-    ) -> Self {
+    /// Tells of a tree. `automatic`: whether the endpoints were found; `loops`: how many handles the surface has.
+    pub fn new(model: ModelFacts, found: &Centerline, automatic: bool, loops: usize) -> Self {
         let measures = Measures::new(&found.tree);
         let of = |kind: Kind| {
-            endpoints
+            found
+                .endpoints
                 .iter()
                 .filter(move |end| end.kind == kind)
                 .map(|end| end.point)

@@ -1,11 +1,13 @@
 //! Endpoints become balls of the cover, and what cannot be reached gets a reason.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use super::cover::Cover;
 use super::skin::{Ball, Skin};
-use super::{CenterlineError, Unreached};
-use crate::mesh::endpoints::Endpoint;
+use super::{CenterlineError, Unreached, Why};
+use crate::mesh::endpoints::{Endpoint, Kind};
 use crate::mesh::pick::Winding;
 use crate::mesh::report::NONE;
 
@@ -14,19 +16,21 @@ const OFF: f64 = 0.5;
 /// A target whose ball is nearer to the source's than this part of its radius is the source.
 const SAME: f64 = 0.05;
 
-/// The ball of an endpoint, added to a cover; `origin` is where its coordinates are counted from.
+/// The ball of an endpoint, added to a cover; `origin` is where its coordinates are counted from. None where there is no inside.
 pub(super) fn ball_of(
     cover: &mut Cover,
     skin: &Skin<'_>,
     winding: &Winding<'_>,
     endpoint: &Endpoint,
     origin: DVec3,
-) -> Result<u32, CenterlineError> {
+) -> Result<Option<u32>, CenterlineError> {
     let point = endpoint.point - origin;
     if !point.is_finite() {
         return Err(CenterlineError::NotFinite(endpoint.name.clone()));
     }
-    let (ball, face, distance) = skin.ball_near(point).ok_or(CenterlineError::NoInside)?;
+    let Some((ball, face, distance)) = skin.ball_near(point) else {
+        return Ok(None);
+    };
     // Where the wall is rough the ball there is small, but those around are not.
     let of_face = face
         .iter()
@@ -44,7 +48,7 @@ pub(super) fn ball_of(
         });
     }
     if !winding.is_inside(ball.centre) {
-        return Err(CenterlineError::NoInside);
+        return Ok(None);
     }
     let number = cover.push(ball);
     for vertex in face {
@@ -53,23 +57,78 @@ pub(super) fn ball_of(
             cover.link(number, other);
         }
     }
-    Ok(number)
+    Ok(Some(number))
 }
 
-/// Whether two balls are in one place.
-pub(super) fn are_one(one: Ball, other: Ball) -> bool {
-    one.centre.distance(other.centre) < SAME * one.radius.min(other.radius)
+/// Refuses targets that are where the source is.
+pub(super) fn apart(
+    cover: &Cover,
+    start: u32,
+    targets: &[Endpoint],
+    balls: &[Option<u32>],
+) -> Result<(), CenterlineError> {
+    let source = cover.balls[start as usize];
+    let is_there = |ball: u32| {
+        let ball = cover.balls[ball as usize];
+        source.centre.distance(ball.centre) < SAME * source.radius.min(ball.radius)
+    };
+    let mut there = targets.iter().zip(balls);
+    match there.find(|(_, ball)| ball.is_some_and(is_there)) {
+        Some((target, _)) => Err(CenterlineError::SourceIsTarget(target.name.clone())),
+        None => Ok(()),
+    }
 }
 
-/// Why a target cannot be reached: the narrowest gap between its balls and the source's.
+/// Lets the first endpoint of those of which most hang together be the source, which stands first.
+pub(super) fn choose_source(cover: &Cover, endpoints: &mut [Endpoint], balls: &mut [Option<u32>]) {
+    let sets = cover.sets();
+    let set = |ball: &Option<u32>| ball.map(|ball| sets[ball as usize]);
+    let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+    balls
+        .iter()
+        .filter_map(set)
+        .for_each(|set| *counts.entry(set).or_default() += 1);
+    let count = |ball: &Option<u32>| set(ball).map_or(0, |set| counts[&set]);
+    let most = counts.values().copied().max().unwrap_or(0);
+    let Some(first) = balls.iter().position(|ball| count(ball) == most) else {
+        return;
+    };
+    if count(&balls[0]) < most {
+        balls.swap(0, first);
+        endpoints.swap(0, first);
+        endpoints[0].kind = Kind::Source;
+        endpoints[first].kind = Kind::Target;
+    }
+}
+
+/// Targets that have no end, with the reason.
 pub(super) fn unreached(
     cover: &Cover,
-    sets: &[u32],
-    (source, target): (u32, u32),
-    index: usize,
-    endpoint: &Endpoint,
+    start: u32,
+    targets: &[Endpoint],
+    balls: &[Option<u32>],
+    ends: &[Option<u32>],
     origin: DVec3,
-) -> Unreached {
+) -> Vec<Unreached> {
+    if ends.iter().all(Option::is_some) {
+        return Vec::new();
+    }
+    let sets = cover.sets();
+    let lost = ends.iter().enumerate().filter(|(_, end)| end.is_none());
+    lost.map(|(index, _)| Unreached {
+        index,
+        name: targets[index].name.clone(),
+        point: targets[index].point,
+        why: match balls[index] {
+            Some(ball) => gap(cover, &sets, (start, ball), origin),
+            None => Why::NoInside,
+        },
+    })
+    .collect()
+}
+
+/// The narrowest gap between the balls that hang together with one and those that do with another.
+fn gap(cover: &Cover, sets: &[u32], (source, target): (u32, u32), origin: DVec3) -> Why {
     let [from, to] = [source, target].map(|ball| sets[ball as usize]);
     let of_set = |set: u32| {
         let balls = sets.iter().zip(&cover.balls);
@@ -78,26 +137,22 @@ pub(super) fn unreached(
             .map(|(_, ball)| *ball)
     };
     let theirs: Vec<Ball> = of_set(to).collect();
-    let gap_of =
-        |one: &Ball, other: &Ball| one.centre.distance(other.centre) - one.radius - other.radius;
-    let mut narrowest: Option<(f64, DVec3)> = None;
+    let mut narrowest = (f64::INFINITY, DVec3::ZERO);
     for ours in of_set(from) {
         for ball in &theirs {
-            let gap = gap_of(&ours, ball);
-            if narrowest.is_none_or(|(least, _)| gap < least) {
+            let gap = ours.centre.distance(ball.centre) - ours.radius - ball.radius;
+            if gap < narrowest.0 {
                 let way = (ball.centre - ours.centre).normalize_or_zero();
-                let middle =
-                    (ours.centre + ours.radius * way).midpoint(ball.centre - ball.radius * way);
-                narrowest = Some((gap, middle + origin));
+                let [here, there] = [
+                    ours.centre + ours.radius * way,
+                    ball.centre - ball.radius * way,
+                ];
+                narrowest = (gap, here.midpoint(there));
             }
         }
     }
-    let (gap, near) = narrowest.unwrap_or((f64::INFINITY, endpoint.point));
-    Unreached {
-        index,
-        name: endpoint.name.clone(),
-        point: endpoint.point,
-        gap: gap.max(0.0),
-        near,
+    Why::Gap {
+        gap: narrowest.0.max(0.0),
+        near: narrowest.1 + origin,
     }
 }

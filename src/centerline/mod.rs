@@ -61,6 +61,22 @@ const OVERLAP: f64 = 0.5;
 pub struct Params {
     /// Parts that do not hang together are bridged where they are not farther apart than this, in the model's unit.
     pub bridge: Option<f64>,
+    /// Which endpoint is the source does not matter: where more of them hang together than with it, the first of those takes its place.
+    pub any_source: bool,
+}
+
+/// Why no way leads to a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Why {
+    /// It is in another part.
+    Gap {
+        /// How wide the narrowest gap is between what it is in and what the source is in, in the model's unit.
+        gap: f64,
+        /// Where that is, in the model's coordinates.
+        near: DVec3,
+    },
+    /// There is no inside where it is.
+    NoInside,
 }
 
 /// A target that no way leads to.
@@ -72,21 +88,21 @@ pub struct Unreached {
     pub name: String,
     /// Where it is, in the model's coordinates.
     pub point: DVec3,
-    /// How wide the narrowest gap is between what it is in and what the source is in, in the model's unit.
-    pub gap: f64,
-    /// Where that is, in the model's coordinates.
-    pub near: DVec3,
+    /// The reason.
+    pub why: Why,
 }
 
 impl std::fmt::Display for Unreached {
     /// The reason, without the target's name.
     fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let near = self.near;
-        write!(
-            to,
-            "not connected to the source: gap of {:.3} near ({:.3}, {:.3}, {:.3})",
-            self.gap, near.x, near.y, near.z
-        )
+        match self.why {
+            Why::Gap { gap, near } => write!(
+                to,
+                "not connected to the source: gap of {gap:.3} near ({:.3}, {:.3}, {:.3})",
+                near.x, near.y, near.z
+            ),
+            Why::NoInside => to.write_str("where the model has no inside"),
+        }
     }
 }
 
@@ -97,6 +113,8 @@ pub struct Centerline {
     pub tree: Tree,
     /// Where positions are counted from, in the model's coordinates.
     pub origin: DVec3,
+    /// Where it begins and ends: the source first, then the targets.
+    pub endpoints: Vec<Endpoint>,
     /// The node of each target, in their order; None where no way leads there.
     pub ends: Vec<Option<u32>>,
     /// Targets that no way leads to.
@@ -126,7 +144,7 @@ pub fn centerline(
         }
     };
     stage()?;
-    let (source, targets) = source_and_targets(endpoints)?;
+    let mut endpoints = source_first(endpoints)?;
     let surface = prepared(surface, cancel)?;
     stage()?;
     let surface = match union::outer(&surface, cancel).ok_or(CenterlineError::Cancelled)? {
@@ -143,25 +161,29 @@ pub fn centerline(
     let unsure = matches!(skin.surface, Cow::Owned(_)).then_some(&winding);
     let mut cover = Cover::new(&skin, unsure, cancel).ok_or(CenterlineError::Cancelled)?;
     cover.bridge(0.0, |gap, radius| gap < -OVERLAP * radius);
-    let mut ball =
-        |endpoint: &Endpoint| ends::ball_of(&mut cover, &skin, &winding, endpoint, origin);
-    let start = ball(source)?;
-    let goals = targets
+    let mut balls = endpoints
         .iter()
-        .map(|target| ball(target))
-        .collect::<Result<Vec<u32>, _>>()?;
-    for (goal, target) in goals.iter().zip(&targets) {
-        if ends::are_one(cover.balls[start as usize], cover.balls[*goal as usize]) {
-            return Err(CenterlineError::SourceIsTarget(target.name.clone()));
-        }
-    }
+        .map(|endpoint| ends::ball_of(&mut cover, &skin, &winding, endpoint, origin))
+        .collect::<Result<Vec<Option<u32>>, _>>()?;
     if let Some(most) = params.bridge {
         cover.bridge(most, |gap, _| gap <= most);
     }
+    if params.any_source {
+        ends::choose_source(&cover, &mut endpoints, &mut balls);
+    }
+    let start = balls[0].ok_or(CenterlineError::NoInside)?;
+    ends::apart(&cover, start, &endpoints[1..], &balls[1..])?;
     stage()?;
     let skeleton =
-        Skeleton::new(&cover, start, &goals, cancel).ok_or(CenterlineError::Cancelled)?;
-    let unreached = unreached(&cover, start, &goals, &targets, &skeleton, origin);
+        Skeleton::new(&cover, start, &balls[1..], cancel).ok_or(CenterlineError::Cancelled)?;
+    let unreached = ends::unreached(
+        &cover,
+        start,
+        &endpoints[1..],
+        &balls[1..],
+        &skeleton.ends,
+        origin,
+    );
     if let (true, Some(first)) = (skeleton.ends.iter().all(Option::is_none), unreached.first()) {
         return Err(CenterlineError::NothingReached(format!(
             "{} is {first}",
@@ -187,26 +209,25 @@ pub fn centerline(
     stage()?;
     let network = network(&skeleton, lines, &skin);
     stage()?;
-    Ok(gathered(&network, &skeleton, origin, unreached))
+    let (tree, ends) = gathered(&network, &skeleton);
+    Ok(Centerline {
+        tree,
+        origin,
+        endpoints,
+        ends,
+        unreached,
+    })
 }
 
-fn source_and_targets(
-    endpoints: &[Endpoint],
-) -> Result<(&Endpoint, Vec<&Endpoint>), CenterlineError> {
-    let of = |kind: Kind| {
-        endpoints
-            .iter()
-            .filter(move |endpoint| endpoint.kind == kind)
-    };
-    let source = match of(Kind::Source).count() {
-        0 => return Err(CenterlineError::NoSource),
-        1 => of(Kind::Source).next().ok_or(CenterlineError::NoSource)?,
-        many => return Err(CenterlineError::ManySources(many)),
-    };
-    let targets: Vec<&Endpoint> = of(Kind::Target).collect();
-    match targets.is_empty() {
-        true => Err(CenterlineError::NoTarget),
-        false => Ok((source, targets)),
+/// The endpoints with the source first.
+fn source_first(endpoints: &[Endpoint]) -> Result<Vec<Endpoint>, CenterlineError> {
+    let (sources, targets): (Vec<&Endpoint>, Vec<&Endpoint>) =
+        endpoints.iter().partition(|one| one.kind == Kind::Source);
+    match (sources.len(), targets.is_empty()) {
+        (0, _) => Err(CenterlineError::NoSource),
+        (1, true) => Err(CenterlineError::NoTarget),
+        (1, false) => Ok(sources.into_iter().chain(targets).cloned().collect()),
+        (many, _) => Err(CenterlineError::ManySources(many)),
     }
 }
 
@@ -246,36 +267,6 @@ fn prepared<'a>(
     Ok(Cow::Owned(closed))
 }
 
-fn unreached(
-    cover: &Cover,
-    start: u32,
-    goals: &[u32],
-    targets: &[&Endpoint],
-    skeleton: &Skeleton,
-    origin: DVec3,
-) -> Vec<Unreached> {
-    if skeleton.ends.iter().all(Option::is_some) {
-        return Vec::new();
-    }
-    let sets = cover.sets();
-    let lost = skeleton
-        .ends
-        .iter()
-        .enumerate()
-        .filter(|(_, end)| end.is_none());
-    lost.map(|(index, _)| {
-        ends::unreached(
-            cover,
-            &sets,
-            (start, goals[index]),
-            index,
-            targets[index],
-            origin,
-        )
-    })
-    .collect()
-}
-
 /// Lines and forks, led to each other.
 fn network(skeleton: &Skeleton, lines: Vec<Line>, skin: &Skin<'_>) -> Network {
     let forks = skeleton.balls.iter().map(|ball| Fork {
@@ -292,17 +283,12 @@ fn network(skeleton: &Skeleton, lines: Vec<Line>, skin: &Skin<'_>) -> Network {
     network
 }
 
-/// The tree of a network whose first fork is the source.
+/// The tree of a network whose first fork is the source, and the node of each end.
 #[allow(
     clippy::cast_possible_truncation,
     reason = "trees are in single precision, as meshes are"
 )]
-fn gathered(
-    network: &Network,
-    skeleton: &Skeleton,
-    origin: DVec3,
-    unreached: Vec<Unreached>,
-) -> Centerline {
+fn gathered(network: &Network, skeleton: &Skeleton) -> (Tree, Vec<Option<u32>>) {
     let mut tree = Tree {
         letters: vec!["centerline".to_owned()],
         ..Tree::default()
@@ -345,12 +331,7 @@ fn gathered(
     };
     let ends = skeleton.ends.iter().map(|end| end.and_then(node_of));
     let ends = ends.collect();
-    Centerline {
-        tree,
-        origin,
-        ends,
-        unreached,
-    }
+    (tree, ends)
 }
 
 #[cfg(test)]

@@ -68,7 +68,7 @@ impl Skeleton {
     pub(super) fn new(
         cover: &Cover,
         source: u32,
-        targets: &[u32],
+        targets: &[Option<u32>],
         cancel: &AtomicBool,
     ) -> Option<Self> {
         let (before, costs) = cheapest(cover, source, cancel)?;
@@ -80,27 +80,23 @@ impl Skeleton {
         let mut node_of = vec![NONE; cover.balls.len()];
         node_of[source as usize] = 0;
         // The farthest first; places make the order one.
-        let mut order: Vec<usize> = (0..targets.len())
-            .filter(|one| costs[targets[*one] as usize].is_finite())
-            .collect();
-        let key = |one: &usize| {
-            (
-                costs[targets[*one] as usize],
-                cover.balls[targets[*one] as usize].centre,
-            )
-        };
-        order.sort_by(|a, b| {
-            let ((cost_a, at_a), (cost_b, at_b)) = (key(a), key(b));
-            let place = at_a.to_array().into_iter().zip(at_b.to_array());
-            let place = place
-                .map(|(a, b)| a.total_cmp(&b))
-                .reduce(std::cmp::Ordering::then);
-            cost_b
-                .total_cmp(&cost_a)
-                .then(place.unwrap_or(std::cmp::Ordering::Equal))
+        let reached = targets.iter().enumerate().filter_map(|(one, ball)| {
+            let ball = (*ball)?;
+            let cost = costs[ball as usize];
+            cost.is_finite().then_some((one, ball, cost))
         });
-        for one in order {
-            let (mut way, mut at) = (Vec::new(), targets[one]);
+        let mut order: Vec<(usize, u32, f64)> = reached.collect();
+        let place = |ball: u32| cover.balls[ball as usize].centre.to_array();
+        order.sort_by(|(_, one, cost), (_, other, other_cost)| {
+            let places = place(*one).into_iter().zip(place(*other));
+            let places = places.map(|(a, b)| a.total_cmp(&b));
+            let by_place = places.reduce(std::cmp::Ordering::then);
+            other_cost
+                .total_cmp(cost)
+                .then(by_place.unwrap_or(std::cmp::Ordering::Equal))
+        });
+        for (one, target, _) in order {
+            let (mut way, mut at) = (Vec::new(), target);
             let mut node = loop {
                 if let Some(node) = skeleton.same_place(cover, at, &node_of) {
                     break node;

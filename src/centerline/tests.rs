@@ -108,7 +108,15 @@ fn tubes_pushed_into_each_other_are_one_and_tubes_apart_are_not() {
             .contains("not connected to the source: gap of 2.0"),
         "{error}"
     );
-    let bridged = found(apart, &of_tube(42.0), &Params { bridge: Some(2.1) }).unwrap();
+    let bridged = found(
+        apart,
+        &of_tube(42.0),
+        &Params {
+            bridge: Some(2.1),
+            ..Params::default()
+        },
+    )
+    .unwrap();
     assert!(
         (bridged.tree.total_length() - 40.0).abs() < 0.5,
         "{}",

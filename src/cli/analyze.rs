@@ -112,7 +112,7 @@ pub(super) fn run(
     let load = milliseconds(started);
     let name = args.model.display();
     let cannot = || format!("cannot analyze {name}");
-    let (analysis, found, endpoints) = match &loaded.skeleton {
+    let (mut analysis, found) = match &loaded.skeleton {
         Some(skeleton) => {
             if args.source.is_some() || given.is_some() || args.auto || args.bridge.is_some() {
                 bail!(
@@ -130,13 +130,12 @@ pub(super) fn run(
                 ..ModelFacts::default()
             };
             let measuring = Instant::now();
-            let mut analysis = Analysis::new(model, &found, &[], false, 0);
+            let mut analysis = Analysis::new(model, &found, false, 0);
             analysis.timing_ms.measure = milliseconds(measuring);
-            (analysis, found, Vec::new())
+            (analysis, found)
         }
         None => of_surface(args, &loaded, given).with_context(cannot)?,
     };
-    let mut analysis = analysis;
     analysis.timing_ms.load = load;
     if let Some(path) = &args.csv {
         centerlines::write_branches(&analysis, path)?;
@@ -154,7 +153,7 @@ pub(super) fn run(
             unit: loaded.scale.map_or(Unit::Metres, |scale| scale.unit),
             z_up: args.up.map_or(loaded.z_up, |up| up == Up::Z),
             pixels: args.size,
-            endpoints,
+            endpoints: found.endpoints,
             skeleton: found.tree,
         };
         draw_xray(&Arc::new(loaded.mesh), drawn, path)
@@ -172,7 +171,7 @@ fn of_surface(
     args: &Args,
     loaded: &Loaded,
     given: Option<Vec<Endpoint>>,
-) -> Result<(Analysis, Centerline, Vec<Endpoint>)> {
+) -> Result<(Analysis, Centerline)> {
     let never = AtomicBool::new(false);
     let stopped = || anyhow!("it was cancelled");
     let repairing = Instant::now();
@@ -196,6 +195,7 @@ fn of_surface(
     let mut progress = Progress::new("looking for centerlines");
     let params = Params {
         bridge: args.bridge,
+        any_source: args.source.is_none() && args.targets.is_none(),
     };
     let found = centerline(&surface, &endpoints, &params, &never, &mut |done, of| {
         progress.show(done, of)
@@ -215,11 +215,11 @@ fn of_surface(
         .sum::<u32>();
     let measuring = Instant::now();
     let automatic = args.targets.is_none();
-    let mut analysis = Analysis::new(model, &found, &endpoints, automatic, loops as usize);
+    let mut analysis = Analysis::new(model, &found, automatic, loops as usize);
     analysis.timing_ms.repair = repair;
     analysis.timing_ms.centerline = finding;
     analysis.timing_ms.measure = milliseconds(measuring);
-    Ok((analysis, found, endpoints))
+    Ok((analysis, found))
 }
 
 /// What was given, and what is found for what was not.
