@@ -13,6 +13,8 @@ use crate::mesh::report::NONE;
 
 /// An endpoint farther outside than so many radii of the ball there is off the surface.
 const OFF: f64 = 0.5;
+/// An endpoint farther inside than this part of its tube's radius is not on the outer wall. (The middle of an uneven opening is not on it either.)
+const BURIED: f64 = 0.5;
 /// A target whose ball is nearer to the source's than this part of its radius is the source.
 const SAME: f64 = 0.05;
 
@@ -58,6 +60,36 @@ pub(super) fn ball_of(
         }
     }
     Ok(Some(number))
+}
+
+/// Leaves out endpoints that are inside, away from the outer wall: where a part begins within another. The first that is left is the source.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the mesh is in single precision"
+)]
+pub(super) fn leave_out_buried(
+    skin: &Skin<'_>,
+    winding: &Winding<'_>,
+    endpoints: &mut Vec<Endpoint>,
+    origin: DVec3,
+) -> Result<(), CenterlineError> {
+    endpoints.retain(|endpoint| {
+        let point = endpoint.point - origin;
+        let radius = endpoint.snapped.map_or(0.0, |snapped| snapped.radius);
+        skin.distance(point) <= BURIED * radius || !winding.is_inside(point)
+    });
+    for (place, endpoint) in endpoints.iter_mut().enumerate() {
+        endpoint.kind = if place == 0 {
+            Kind::Source
+        } else {
+            Kind::Target
+        };
+    }
+    match endpoints.len() {
+        0 => Err(CenterlineError::NoSource),
+        1 => Err(CenterlineError::NoTarget),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses targets that are where the source is.

@@ -102,6 +102,10 @@ impl Network {
     fn keep_own(&mut self) {
         let shared = self.shared();
         for fork in 0..self.forks.len() {
+            // One line comes and two go.
+            if self.forks[fork].lines != 3 {
+                continue;
+            }
             let of = |is_so: &dyn Fn(&Line) -> bool| {
                 let lines = self
                     .lines

@@ -61,8 +61,9 @@ const OVERLAP: f64 = 0.5;
 pub struct Params {
     /// Parts that do not hang together are bridged where they are not farther apart than this, in the model's unit.
     pub bridge: Option<f64>,
-    /// Which endpoint is the source does not matter: where more of them hang together than with it, the first of those takes its place.
-    pub any_source: bool,
+    /// The endpoints are [proposals](crate::mesh::endpoints::propose()) for the surface: those that are inside other parts of it are none, and which
+    /// is the source does not matter: where more of them hang together than with it, the first of those takes its place.
+    pub proposed: bool,
 }
 
 /// Why no way leads to a target.
@@ -161,6 +162,9 @@ pub fn centerline(
     let unsure = matches!(skin.surface, Cow::Owned(_)).then_some(&winding);
     let mut cover = Cover::new(&skin, unsure, cancel).ok_or(CenterlineError::Cancelled)?;
     cover.bridge(0.0, |gap, radius| gap < -OVERLAP * radius);
+    if params.proposed {
+        ends::leave_out_buried(&skin, &winding, &mut endpoints, origin)?;
+    }
     let mut balls = endpoints
         .iter()
         .map(|endpoint| ends::ball_of(&mut cover, &skin, &winding, endpoint, origin))
@@ -168,7 +172,7 @@ pub fn centerline(
     if let Some(most) = params.bridge {
         cover.bridge(most, |gap, _| gap <= most);
     }
-    if params.any_source {
+    if params.proposed {
         ends::choose_source(&cover, &mut endpoints, &mut balls);
     }
     let start = balls[0].ok_or(CenterlineError::NoInside)?;

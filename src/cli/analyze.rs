@@ -195,7 +195,7 @@ fn of_surface(
     let mut progress = Progress::new("looking for centerlines");
     let params = Params {
         bridge: args.bridge,
-        any_source: args.source.is_none() && args.targets.is_none(),
+        proposed: args.source.is_none() && args.targets.is_none(),
     };
     let found = centerline(&surface, &endpoints, &params, &never, &mut |done, of| {
         progress.show(done, of)

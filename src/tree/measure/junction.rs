@@ -163,7 +163,6 @@ fn asymmetry(branches: &[Branch], daughters: &[usize]) -> Option<f64> {
     (most > 0.0).then(|| (one - other).abs() / most)
 }
 
-/// Whether a junction is that of a tree's root.
 impl Junction {
     /// How many branches begin here.
     pub fn degree(&self) -> usize {
