@@ -10,7 +10,7 @@ use super::{Centerline, Unreached};
 use crate::mesh::endpoints::Kind;
 use crate::mesh::report::Report;
 use crate::mesh::unit::Scale;
-use crate::tree::measure::{Branch, Junction, Measures, Spread};
+use crate::tree::measure::{Branch, Junction, Measures, Order, RadiusAlong, Spread};
 use crate::tree::{NO_PARENT, Tree};
 
 /// The format's name.
@@ -158,26 +158,13 @@ pub struct MeanStd {
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct OrderFacts {
     /// Of each of Strahler's orders.
-    pub strahler: Vec<StrahlerFacts>,
+    pub strahler: Vec<Order>,
     /// Branches of an order to those of the next.
     pub branching_ratio: Option<f64>,
     /// Length of an order to that of the one before.
     pub length_ratio: Option<f64>,
     /// Radius of an order to that of the one before.
     pub radius_ratio: Option<f64>,
-}
-
-/// One of Strahler's orders.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct StrahlerFacts {
-    /// Which.
-    pub order: u32,
-    /// How many branches it has.
-    pub branches: usize,
-    /// Their mean length.
-    pub length: f64,
-    /// Their mean radius.
-    pub radius: f64,
 }
 
 /// A branch.
@@ -219,16 +206,9 @@ pub struct BranchFacts {
 /// The radius along a branch.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct RadiusFacts {
-    /// By length.
-    pub mean: f64,
-    /// The smallest.
-    pub min: f64,
-    /// The largest.
-    pub max: f64,
-    /// Where it begins.
-    pub start: f64,
-    /// Where it ends.
-    pub end: f64,
+    /// Mean, extremes and both ends.
+    #[serde(flatten)]
+    pub along: RadiusAlong,
     /// How much it shrinks per length.
     pub taper: f64,
 }
@@ -401,14 +381,8 @@ fn table(measures: &Measures) -> TableFacts {
 }
 
 fn orders(measures: &Measures) -> OrderFacts {
-    let strahler = measures.orders.iter().map(|order| StrahlerFacts {
-        order: order.strahler,
-        branches: order.branches,
-        length: order.length,
-        radius: order.radius,
-    });
     OrderFacts {
-        strahler: strahler.collect(),
+        strahler: measures.orders.clone(),
         branching_ratio: measures.ratios.branching,
         length_ratio: measures.ratios.length,
         radius_ratio: measures.ratios.radius,
@@ -430,11 +404,7 @@ fn branch(id: usize, branch: &Branch) -> BranchFacts {
         curvature: branch.curvature,
         torsion: branch.torsion,
         radius: RadiusFacts {
-            mean: radius.mean,
-            min: radius.min,
-            max: radius.max,
-            start: radius.start,
-            end: radius.end,
+            along: radius,
             taper: radius.taper(branch.length),
         },
         volume: branch.volume,

@@ -167,7 +167,13 @@ pub fn centerline(
     }
     let mut balls = endpoints
         .iter()
-        .map(|endpoint| ends::ball_of(&mut cover, &skin, &winding, endpoint, origin))
+        .map(|endpoint| {
+            match ends::ball_of(&mut cover, &skin, &winding, endpoint, origin) {
+                // Nobody set it there: where it is, the outer wall is not.
+                Err(CenterlineError::OffSurface { .. }) if params.proposed => Ok(None),
+                found => found,
+            }
+        })
         .collect::<Result<Vec<Option<u32>>, _>>()?;
     if let Some(most) = params.bridge {
         cover.bridge(most, |gap, _| gap <= most);

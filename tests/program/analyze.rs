@@ -66,6 +66,9 @@ fn a_tube_is_measured_and_exported() {
         "{json}"
     );
     assert_eq!(json["nodes"]["parent"][0], -1);
+    let radius = number(&json, "/branches/0/radius/mean");
+    assert!((radius - 2.0).abs() < 0.02 && json["branches"][0]["radius"]["taper"].is_number());
+    assert_eq!(json["orders"]["strahler"][0]["order"], 1);
     let rows = fs::read_to_string(&csv).unwrap();
     assert!(
         rows.starts_with("id,parent,order,") && rows.lines().count() == 2,
@@ -116,6 +119,20 @@ fn endpoints_are_given_by_point_and_file_and_bytes_are_the_same() {
         (Some(false), Some(2))
     );
     assert_eq!(json, run("2"));
+}
+
+#[test]
+fn proposals_off_the_outer_wall_cost_nobody_the_rest() {
+    // Our own branch: hundreds of open sheets and tubes, whose ends are proposed where the outer wall is not.
+    let model = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/models/branch.glb");
+    let json = succeed(ramus().arg("analyze").arg(model).arg("--json"));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(number(&json, "/counts/centerlines") >= 1.0, "{json}");
+    let unreached = json["endpoints"]["unreached"].as_array().unwrap();
+    assert!(
+        unreached.iter().all(|one| one["reason"].is_string()),
+        "{unreached:?}"
+    );
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! Branches: from junction to junction, or to the root or a tip.
 
 use glam::DVec3;
+use serde::Serialize;
 
 use super::Children;
 use super::course::Course;
 use crate::tree::{NO_PARENT, Tree};
 
 /// The radius along a branch.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct RadiusAlong {
     /// By length.
     pub mean: f64,

@@ -1,11 +1,14 @@
 //! Orders of branches: by generation, Strahler's and Horsfield's, and how numbers, lengths and radii go from one to the next.
 
+use serde::Serialize;
+
 use super::branch::Branch;
 
 /// The branches of one of Strahler's orders.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Order {
     /// Which, from 1.
+    #[serde(rename = "order")]
     pub strahler: u32,
     /// How many branches it has.
     pub branches: usize,
