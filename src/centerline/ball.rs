@@ -52,6 +52,7 @@ pub(super) fn largest(skin: &Skin<'_>, start: DVec3, across: DVec3, most: f64) -
     let mut ball = Ball {
         centre: start,
         radius: skin.distance(start),
+        part: skin.part,
     };
     let mut walls: Vec<Wall> = Vec::new();
     let mut near: Vec<Near> = Vec::new();

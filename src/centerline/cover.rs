@@ -6,10 +6,14 @@
 //! as a surface hangs together as balls, however thin a neck is. Centres are on the medial structure (the poles of Amenta, Choi and
 //! Kolluri 2001), so ways from ball to ball run in the middle.
 
+use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use glam::DVec3;
+use rayon::prelude::*;
+
 use super::skin::{Ball, Skin};
-use crate::mesh::pick::Winding;
+use super::solids::Solids;
 use crate::mesh::report::NONE;
 
 /// How much farther than the ball, in radii, the wall is still its: so much that balls on a tube are a quarter of a radius apart.
@@ -18,6 +22,9 @@ const SLACK: f64 = 0.03;
 /// How far out of a neighbour, in its radii, a ball may stick that is none of its own.
 const BUMP: f64 = 0.1;
 
+/// Balls of parts that were apart are linked where they overlap by this part of the smaller one's radius.
+const OVERLAP: f64 = 0.5;
+
 /// Vertices between two looks at whether to stop.
 const STEPS: u32 = 1 << 8;
 
@@ -25,17 +32,52 @@ const STEPS: u32 = 1 << 8;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cover {
     pub(super) balls: Vec<Ball>,
-    /// The first ball of each vertex, [`NONE`] where it has none.
-    pub(super) of_vertex: Vec<u32>,
+    /// The first ball of each vertex, part after part, [`NONE`] where it has none.
+    of_vertex: Vec<u32>,
+    /// Where each part's vertices begin there.
+    firsts: Vec<usize>,
     /// Balls next to each ball, sorted.
     pub(super) links: Vec<Vec<u32>>,
 }
 
 impl Cover {
-    /// `winding` tells of each ball whether its middle is inside, where that is not sure. None when `cancel` was set.
-    pub(super) fn new(
+    /// The balls of all solids; those whose middles are not inside are none where that is `unsure`. None when `cancel` was set.
+    pub(super) fn new(solids: &Solids<'_>, unsure: bool, cancel: &AtomicBool) -> Option<Self> {
+        let of_skin = |skin: &Skin<'_>| {
+            let is_inside = |ball: &Ball| !unsure || solids.is_in(skin.part, ball.centre);
+            Self::of_skin(skin, is_inside, cancel)
+        };
+        if std::env::var("DBG").is_ok() { for skin in solids.skins { let c=Self::of_skin(skin,|_|true,cancel).unwrap(); let ins=c.balls.iter().filter(|b|solids.is_in(skin.part,b.centre)).count(); let open=skin.surface.open_ends().len(); let nt=skin.surface.triangles().count(); let un=skin.surface.triangles().flat_map(|(t,_)|3*t..3*t+3).filter(|h|skin.surface.twin(*h).is_none()).count(); let r:Vec<_>=c.balls.iter().map(|b|(b.radius*1000.).round()/1000.).collect(); eprintln!("part {} tri {} notwin {} loops {} inv {} balls {} inside {} size {:.3} r {:?}",skin.part,nt,un,open,skin.surface.picker().is_inside_out(),c.balls.len(),ins,(skin.bounds[1]-skin.bounds[0]).length(),&r[..r.len().min(6)]); } }
+        let covers: Option<Vec<Self>> = solids.skins.par_iter().map(of_skin).collect();
+        let mut cover = Self::default();
+        for part in covers? {
+            cover.append(part);
+        }
+        Some(cover)
+    }
+
+    /// Adds the balls of the next part.
+    fn append(&mut self, part: Self) {
+        let first = u32::try_from(self.balls.len()).unwrap_or(NONE);
+        let of = |ball: u32| if ball == NONE { NONE } else { first + ball };
+        self.firsts.push(self.of_vertex.len());
+        self.of_vertex.extend(part.of_vertex.into_iter().map(of));
+        self.balls.extend(part.balls);
+        let links = part.links.into_iter();
+        self.links
+            .extend(links.map(|links| links.into_iter().map(of).collect()));
+    }
+
+    /// The ball of a part's vertex.
+    pub(super) fn ball_of(&self, part: u32, vertex: u32) -> Option<u32> {
+        let first = *self.firsts.get(part as usize)?;
+        let ball = *self.of_vertex.get(first + vertex as usize)?;
+        (ball != NONE).then_some(ball)
+    }
+
+    fn of_skin(
         skin: &Skin<'_>,
-        winding: Option<&Winding<'_>>,
+        is_inside: impl Fn(&Ball) -> bool,
         cancel: &AtomicBool,
     ) -> Option<Self> {
         let graph = skin.surface.graph();
@@ -51,11 +93,12 @@ impl Cover {
             if cover.of_vertex[vertex as usize] == NONE
                 && !graph.neighbours(vertex).is_empty()
                 && let Some(ball) = skin.ball_at(vertex)
-                && winding.is_none_or(|winding| winding.is_inside(ball.centre))
+                && is_inside(&ball)
             {
                 cover.add(skin, vertex, ball, &mut seen);
             }
         }
+        cover.fill(skin);
         cover.link_across_edges(skin);
         Some(cover.without_bumps())
     }
@@ -84,6 +127,21 @@ impl Cover {
                 match self.of_vertex[place] {
                     NONE => self.of_vertex[place] = number,
                     other => self.links[number as usize].push(other),
+                }
+            }
+        }
+    }
+
+    /// Gives vertices without a ball that of the nearest that has one, so that what hangs together as a surface does as balls.
+    fn fill(&mut self, skin: &Skin<'_>) {
+        let graph = skin.surface.graph();
+        let with_ball = (0..graph.vertices()).filter(|one| self.of_vertex[*one as usize] != NONE);
+        let mut open: VecDeque<u32> = with_ball.collect();
+        while let Some(at) = open.pop_front() {
+            for next in graph.neighbours(at) {
+                if self.of_vertex[*next as usize] == NONE {
+                    self.of_vertex[*next as usize] = self.of_vertex[at as usize];
+                    open.push_back(*next);
                 }
             }
         }
@@ -184,19 +242,31 @@ impl Cover {
     }
 
     /// Links balls that do not hang together where `near` says so of their distance, surface to surface, and the smaller radius; it must not
-    /// for distances above `most`.
-    pub(super) fn bridge(&mut self, most: f64, near: impl Fn(f64, f64) -> bool) {
+    /// for distances above `most`. None when `cancel` was set.
+    pub(super) fn bridge(
+        &mut self,
+        most: f64,
+        near: impl Fn(f64, f64) -> bool,
+        cancel: &AtomicBool,
+    ) -> Option<()> {
         let sets = self.sets();
+        if sets.iter().all(|set| *set == 0) {
+            return Some(());
+        }
+        let axis = self.longest_axis();
+        let first = |ball: &Ball| ball.centre[axis] - ball.radius;
         let mut order: Vec<u32> = (0_u32..).take(self.balls.len()).collect();
-        let first = |ball: &Ball| ball.centre.x - ball.radius;
         order.sort_by(|a, b| {
             let [one, other] = [a, b].map(|ball| first(&self.balls[*ball as usize]));
             one.total_cmp(&other).then(a.cmp(b))
         });
         let mut bridges = Vec::new();
         for (place, one) in order.iter().enumerate() {
+            if cancel.load(Ordering::Relaxed) {
+                return None;
+            }
             let ball = self.balls[*one as usize];
-            let last = ball.centre.x + ball.radius + most;
+            let last = ball.centre[axis] + ball.radius + most;
             for other in &order[place + 1..] {
                 let there = self.balls[*other as usize];
                 if first(&there) > last {
@@ -213,6 +283,29 @@ impl Cover {
         bridges
             .into_iter()
             .for_each(|(one, other)| self.link(one, other));
+        Some(())
+    }
+
+    /// The axis along which balls are spread most.
+    fn longest_axis(&self) -> usize {
+        let centres = || self.balls.iter().map(|ball| ball.centre);
+        let size = centres().fold(DVec3::NEG_INFINITY, DVec3::max)
+            - centres().fold(DVec3::INFINITY, DVec3::min);
+        let most = (0..3).max_by(|a, b| size[*a].total_cmp(&size[*b]).then(b.cmp(a)));
+        most.unwrap_or(0)
+    }
+
+    /// Links what overlaps: balls of parts that lie in each other, and those at walls that pass through each other. None when `cancel` was set.
+    pub(super) fn join(&mut self, solids: &Solids<'_>, cancel: &AtomicBool) -> Option<()> {
+        let crossings = solids.crossings(cancel)?;
+        self.bridge(0.0, |gap, radius| gap < -OVERLAP * radius, cancel)?;
+        for pair in crossings {
+            if let [Some(one), Some(other)] = pair.map(|(part, vertex)| self.ball_of(part, vertex))
+            {
+                self.link(one, other);
+            }
+        }
+        Some(())
     }
 
     fn link_across_edges(&mut self, skin: &Skin<'_>) {

@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::cover::Cover;
-use super::skin::{Ball, Skin};
+use super::skin::Ball;
+use super::solids::Solids;
 use super::{CenterlineError, Unreached, Why};
 use crate::mesh::endpoints::{Endpoint, Kind};
-use crate::mesh::pick::Winding;
-use crate::mesh::report::NONE;
 
 /// An endpoint farther outside than so many radii of the ball there is off the surface.
 const OFF: f64 = 0.5;
@@ -21,8 +20,7 @@ const SAME: f64 = 0.05;
 /// The ball of an endpoint, added to a cover; `origin` is where its coordinates are counted from. None where there is no inside.
 pub(super) fn ball_of(
     cover: &mut Cover,
-    skin: &Skin<'_>,
-    winding: &Winding<'_>,
+    solids: &Solids<'_>,
     endpoint: &Endpoint,
     origin: DVec3,
 ) -> Result<Option<u32>, CenterlineError> {
@@ -30,53 +28,56 @@ pub(super) fn ball_of(
     if !point.is_finite() {
         return Err(CenterlineError::NotFinite(endpoint.name.clone()));
     }
-    let Some((ball, face, distance)) = skin.ball_near(point) else {
+    let Some(part) = solids.nearest(point) else {
+        return Ok(None);
+    };
+    let Some((ball, face, distance)) = solids.skin(part).ball_near(point) else {
         return Ok(None);
     };
     // Where the wall is rough the ball there is small, but those around are not.
-    let of_face = face
+    let of_face: Vec<u32> = face
         .iter()
-        .map(|vertex| cover.of_vertex[*vertex as usize])
-        .filter(|ball| *ball != NONE);
+        .filter_map(|vertex| cover.ball_of(part, *vertex))
+        .collect();
     let around = of_face
-        .flat_map(|ball| std::iter::once(ball).chain(cover.links[ball as usize].iter().copied()));
-    let radii = around.map(|ball| cover.balls[ball as usize].radius);
-    let radius = radii.fold(ball.radius, f64::max);
-    if distance > OFF * radius && !winding.is_inside(point) {
+        .iter()
+        .flat_map(|ball| std::iter::once(ball).chain(&cover.links[*ball as usize]));
+    let radii = around.map(|ball| cover.balls[*ball as usize].radius);
+    let own = ball.map_or(0.0, |ball| ball.radius);
+    let radius = radii.fold(own, f64::max);
+    if distance > OFF * radius && !solids.is_inside(point) {
         return Err(CenterlineError::OffSurface {
             name: endpoint.name.clone(),
             point: endpoint.point,
             distance,
         });
     }
-    if !winding.is_inside(ball.centre) {
+    let own = ball.filter(|ball| solids.is_in(part, ball.centre));
+    let place = |ball: &u32| cover.balls[*ball as usize];
+    let nearest = of_face
+        .iter()
+        .map(place)
+        .min_by(|a, b| a.centre.distance(point).total_cmp(&b.centre.distance(point)));
+    let Some(ball) = own.or(nearest) else {
         return Ok(None);
-    }
+    };
     let number = cover.push(ball);
-    for vertex in face {
-        let other = cover.of_vertex[vertex as usize];
-        if other != NONE {
-            cover.link(number, other);
-        }
-    }
+    of_face
+        .into_iter()
+        .for_each(|other| cover.link(number, other));
     Ok(Some(number))
 }
 
 /// Leaves out endpoints that are inside, away from the outer wall: where a part begins within another. The first that is left is the source.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the mesh is in single precision"
-)]
 pub(super) fn leave_out_buried(
-    skin: &Skin<'_>,
-    winding: &Winding<'_>,
+    solids: &Solids<'_>,
     endpoints: &mut Vec<Endpoint>,
     origin: DVec3,
 ) -> Result<(), CenterlineError> {
     endpoints.retain(|endpoint| {
         let point = endpoint.point - origin;
         let radius = endpoint.snapped.map_or(0.0, |snapped| snapped.radius);
-        skin.distance(point) <= BURIED * radius || !winding.is_inside(point)
+        solids.depth(point, solids.nearest(point)) <= BURIED * radius
     });
     for (place, endpoint) in endpoints.iter_mut().enumerate() {
         endpoint.kind = if place == 0 {
@@ -146,13 +147,16 @@ pub(super) fn unreached(
         return Vec::new();
     }
     let sets = cover.sets();
+    let mut gaps: BTreeMap<u32, Why> = BTreeMap::new();
     let lost = ends.iter().enumerate().filter(|(_, end)| end.is_none());
     lost.map(|(index, _)| Unreached {
         index,
         name: targets[index].name.clone(),
         point: targets[index].point,
         why: match balls[index] {
-            Some(ball) => gap(cover, &sets, (start, ball), origin),
+            Some(ball) => *gaps
+                .entry(sets[ball as usize])
+                .or_insert_with(|| gap(cover, &sets, (start, ball), origin)),
             None => Why::NoInside,
         },
     })

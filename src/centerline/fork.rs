@@ -9,6 +9,7 @@ use glam::{DMat3, DVec3};
 
 use super::line::Sample;
 use super::skin::{Ball, Skin, WallPoint};
+use super::solids::Solids;
 use super::spline::{Knot, Smooth, smooth};
 use super::tube::Tube;
 
@@ -129,6 +130,7 @@ impl Network {
             self.forks[fork].ball = Ball {
                 centre: last.point,
                 radius: last.radius,
+                part: last.part,
             };
         }
         for (line, shared) in self.lines.iter_mut().zip(shared) {
@@ -144,7 +146,7 @@ impl Network {
     }
 
     /// Follows lines' tubes into their forks as far as there is wall.
-    fn follow(&mut self, skin: &Skin<'_>) {
+    fn follow(&mut self, solids: &Solids<'_>) {
         let mut scratch = Vec::new();
         for number in 0..self.lines.len() {
             let Line { from, to, .. } = self.lines[number];
@@ -155,7 +157,7 @@ impl Network {
                     if !at_end {
                         samples.reverse();
                     }
-                    follow(skin, samples, ball, &mut scratch);
+                    follow(solids, samples, ball, &mut scratch);
                     if !at_end {
                         samples.reverse();
                     }
@@ -165,7 +167,7 @@ impl Network {
     }
 
     /// Moves ends to where on their tubes' axes balls begin to lie within each other.
-    fn end(&mut self, skin: &Skin<'_>) {
+    fn end(&mut self, solids: &Solids<'_>) {
         for number in 0..self.lines.len() {
             let Line { from, to, .. } = self.lines[number];
             for (fork, at_end) in [(from, false), (to, true)] {
@@ -174,7 +176,8 @@ impl Network {
                     if !at_end {
                         samples.reverse();
                     }
-                    if let Some(ball) = end(skin, samples, self.forks[fork as usize].ball) {
+                    let tip = self.forks[fork as usize].ball;
+                    if let Some(ball) = end(solids.skin(tip.part), samples, tip) {
                         self.forks[fork as usize].ball = ball;
                     }
                     if !at_end {
@@ -273,15 +276,17 @@ impl Network {
     }
 
     /// Makes forks one that are in one place.
-    fn unite(&mut self, skin: &Skin<'_>) -> bool {
+    fn unite(&mut self, solids: &Solids<'_>) -> bool {
         let mut united = false;
         for number in 0..self.lines.len() {
             let Line { from, to, .. } = self.lines[number];
             if from == to || !self.is_fork(to) || !self.is_fork(from) {
                 continue;
             }
-            let [one, other] = [from, to].map(|fork| self.forks[fork as usize].ball.centre);
-            let radius = skin.distance(one).min(skin.distance(other));
+            let balls = [from, to].map(|fork| self.forks[fork as usize].ball);
+            let [one, other] = balls.map(|ball| ball.centre);
+            let radii = balls.map(|ball| solids.distance(ball.part, ball.centre));
+            let radius = radii[0].min(radii[1]);
             if one.distance(other) >= ONE * radius {
                 continue;
             }
@@ -298,20 +303,20 @@ impl Network {
     }
 
     /// Leads lines to their forks.
-    pub(super) fn join(&mut self, skin: &Skin<'_>) {
+    pub(super) fn join(&mut self, solids: &Solids<'_>) {
         self.keep_own();
-        self.follow(skin);
-        self.end(skin);
+        self.follow(solids);
+        self.end(solids);
         for _ in 0..ROUNDS {
             self.settle();
         }
-        if self.unite(skin) {
+        if self.unite(solids) {
             for _ in 0..ROUNDS {
                 self.settle();
             }
         }
         let smoothed: Vec<Vec<Sample>> = (0..self.lines.len())
-            .map(|number| self.smoothed(skin, number))
+            .map(|number| self.smoothed(solids, number))
             .collect();
         for (line, samples) in self.lines.iter_mut().zip(smoothed) {
             line.samples = samples;
@@ -319,34 +324,36 @@ impl Network {
     }
 
     /// A line from fork to fork.
-    fn smoothed(&self, skin: &Skin<'_>, number: usize) -> Vec<Sample> {
+    fn smoothed(&self, solids: &Solids<'_>, number: usize) -> Vec<Sample> {
         let knots = with_middles(&self.knots(number, true));
         let points = match smooth(&knots, LED_JERK) {
             Some(smooth) => smooth.points,
             None => knots.iter().map(|knot| knot.known).collect(),
         };
         let samples = &self.lines[number].samples;
-        let sag = sag(skin, samples);
+        let sag = sag(solids, samples);
         let bits = |point: DVec3| point.to_array().map(f64::to_bits);
         let of_point: std::collections::HashMap<[u64; 3], usize> = samples
             .iter()
             .enumerate()
             .map(|(place, sample)| (bits(sample.point), place))
             .collect();
-        let of = |point: DVec3, knot: &Knot| {
+        let mut part = self.forks[self.lines[number].from as usize].ball.part;
+        let of = |(point, knot): (DVec3, &Knot)| {
             let own = of_point
                 .get(&bits(knot.known))
                 .map(|place| &samples[*place]);
+            part = own.map_or(part, |sample| sample.part);
             match own {
                 Some(sample) if sample.tube.is_some() => Sample { point, ..*sample },
-                _ => Sample::free(point, skin.distance(point) + sag),
+                _ => Sample::free(Ball {
+                    centre: point,
+                    radius: solids.distance(part, point) + sag,
+                    part,
+                }),
             }
         };
-        let mut line: Vec<Sample> = points
-            .into_iter()
-            .zip(&knots)
-            .map(|(point, knot)| of(point, knot))
-            .collect();
+        let mut line: Vec<Sample> = points.into_iter().zip(&knots).map(of).collect();
         for place in (1..line.len().saturating_sub(1)).step_by(2) {
             if line[place - 1].tube.is_some() && line[place + 1].tube.is_some() {
                 line[place].radius = f64::midpoint(line[place - 1].radius, line[place + 1].radius);
@@ -420,7 +427,12 @@ fn between(samples: &[Sample], start: DVec3, end: DVec3) -> &[Sample] {
 }
 
 /// Follows the tube at the end of a line, which is within a ball.
-fn follow(skin: &Skin<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &mut Vec<WallPoint>) {
+fn follow(
+    solids: &Solids<'_>,
+    samples: &mut Vec<Sample>,
+    end: Ball,
+    scratch: &mut Vec<WallPoint>,
+) {
     let Some(first) = samples
         .iter()
         .rposition(|sample| sample.tube.is_some() && sample.spread.is_finite())
@@ -433,6 +445,7 @@ fn follow(skin: &Skin<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &mut V
     if tube.point.distance(end.centre) > REACH * end.radius {
         return;
     }
+    let part = samples[first].part;
     let onwards = samples[first].point - samples[first.saturating_sub(1)].point;
     if tube.tangent.dot(onwards) < 0.0 {
         tube.tangent = -tube.tangent;
@@ -452,7 +465,7 @@ fn follow(skin: &Skin<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &mut V
         if (guess.point - end.centre).dot(guess.tangent) > 0.25 * end.radius {
             break;
         }
-        let Some(next) = super::tube::follow(skin, &guess, scratch) else {
+        let Some(next) = super::tube::follow(solids.skin(part), &guess, scratch) else {
             break;
         };
         if (next.radius / radius - 1.0).abs() > WIDER {
@@ -464,6 +477,7 @@ fn follow(skin: &Skin<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &mut V
             radius: tube.radius,
             spread: 0.005 + 0.4 * tube.deviation + 0.04 * (1.0 - tube.fits),
             tube: Some(tube),
+            part,
         });
         followed += 1;
     }
@@ -485,6 +499,7 @@ fn end(skin: &Skin<'_>, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
             Ball {
                 centre: *centre,
                 radius,
+                ..tip
             },
         )
     };
@@ -565,11 +580,11 @@ fn course(samples: &[Sample], tip: Ball) -> Option<Vec<(f64, DVec3)>> {
 }
 
 /// By how much the balls of fits are larger than those between triangles: the median.
-fn sag(skin: &Skin<'_>, samples: &[Sample]) -> f64 {
+fn sag(solids: &Solids<'_>, samples: &[Sample]) -> f64 {
     let mut sags: Vec<f64> = samples
         .iter()
         .filter(|sample| sample.tube.is_some())
-        .map(|sample| sample.radius - skin.distance(sample.point))
+        .map(|sample| sample.radius - solids.skin(sample.part).distance(sample.point))
         .collect();
     sags.sort_by(f64::total_cmp);
     sags.get(sags.len() / 2).copied().unwrap_or(0.0).max(0.0)

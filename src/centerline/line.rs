@@ -6,7 +6,8 @@
 use glam::DVec3;
 
 use super::ball::largest;
-use super::skin::{Ball, Skin, WallPoint};
+use super::skin::{Ball, WallPoint};
+use super::solids::Solids;
 use super::tube::{Tube, fit};
 
 /// A point of a line.
@@ -18,16 +19,19 @@ pub(super) struct Sample {
     pub(super) spread: f64,
     /// The tube that the wall there is.
     pub(super) tube: Option<Tube>,
+    /// The solid that it is in.
+    pub(super) part: u32,
 }
 
 impl Sample {
     /// A point without a wall of its own.
-    pub(super) fn free(point: DVec3, radius: f64) -> Self {
+    pub(super) fn free(Ball { centre, radius, part }: Ball) -> Self {
         Self {
-            point,
+            point: centre,
             radius,
             spread: f64::INFINITY,
             tube: None,
+            part,
         }
     }
 }
@@ -45,14 +49,14 @@ const THIN: f64 = 0.5;
 const MOST: usize = 1 << 12;
 
 /// The line of a way of balls.
-pub(super) fn centred(skin: &Skin<'_>, balls: &[Ball]) -> Vec<Sample> {
+pub(super) fn centred(solids: &Solids<'_>, balls: &[Ball]) -> Vec<Sample> {
     let mut way = without_outliers(balls);
     let mut scratch = Vec::new();
     let mut line = Vec::new();
     for spacing in SPACING {
         line = spread(&way, spacing)
             .into_iter()
-            .map(|place| sample(skin, place, &mut scratch))
+            .map(|place| sample(solids, place, &mut scratch))
             .collect();
         without_returns(&mut line);
         way = line
@@ -60,6 +64,7 @@ pub(super) fn centred(skin: &Skin<'_>, balls: &[Ball]) -> Vec<Sample> {
             .map(|sample| Ball {
                 centre: sample.point,
                 radius: sample.radius,
+                part: sample.part,
             })
             .collect();
     }
@@ -78,8 +83,8 @@ fn without_outliers(balls: &[Ball]) -> Vec<Ball> {
     kept.map(|(_, ball)| *ball).collect()
 }
 
-/// Points along a way with the tangent and the radius there, both ends too.
-pub(super) fn spread(way: &[Ball], spacing: f64) -> Vec<(DVec3, DVec3, f64)> {
+/// Places along a way with the tangent there, both ends too.
+pub(super) fn spread(way: &[Ball], spacing: f64) -> Vec<(Ball, DVec3)> {
     let path = Path::new(way);
     // Thin ends do not need steps that get ever smaller.
     let mut radii: Vec<f64> = way.iter().map(|ball| ball.radius).collect();
@@ -100,8 +105,8 @@ pub(super) fn spread(way: &[Ball], spacing: f64) -> Vec<(DVec3, DVec3, f64)> {
     }
     places.push(path.length());
     let with_tangents = places.into_iter().map(|at| {
-        let Ball { centre, radius } = path.at(at);
-        (centre, path.tangent(at, WINDOW * radius), radius)
+        let ball = path.at(at);
+        (ball, path.tangent(at, WINDOW * ball.radius))
     });
     with_tangents.collect()
 }
@@ -143,6 +148,7 @@ impl<'a> Path<'a> {
         Ball {
             centre: from.centre.lerp(to.centre, part),
             radius: from.radius + part * (to.radius - from.radius),
+            part: if part < 0.5 { from.part } else { to.part },
         }
     }
 
@@ -154,10 +160,16 @@ impl<'a> Path<'a> {
 }
 
 fn sample(
-    skin: &Skin<'_>,
-    (point, tangent, radius): (DVec3, DVec3, f64),
+    solids: &Solids<'_>,
+    (place, tangent): (Ball, DVec3),
     scratch: &mut Vec<WallPoint>,
 ) -> Sample {
+    let Ball {
+        centre: point,
+        radius,
+        part,
+    } = place;
+    let skin = solids.skin(part);
     if let Some(tube) = fit(
         skin,
         &Tube::guess(point, tangent, DVec3::ZERO, radius),
@@ -170,17 +182,19 @@ fn sample(
             radius: tube.radius / (1.0 + tube.taper * tube.taper).sqrt(),
             spread: TUBE_SPREAD + 0.4 * tube.deviation,
             tube: Some(tube),
+            part,
         };
     }
     let ball = largest(skin, point, tangent, radius).unwrap_or(Ball {
-        centre: point,
         radius: skin.distance(point),
+        ..place
     });
     Sample {
         point: ball.centre,
         radius: ball.radius.max(0.5 * radius),
         spread: BALL_SPREAD,
         tube: None,
+        part,
     }
 }
 

@@ -1,7 +1,7 @@
 //! From a mesh to a tree with radii: centerlines from one source to any number of targets.
 //!
 //! ```text
-//! mesh ─▶ closed, oriented ─▶ outer wall (union) ─▶ skin ─▶ balls that cover it (cover)
+//! mesh ─▶ closed, oriented ─▶ solids, a skin each ─▶ balls that cover them and are linked (cover)
 //!                                                              │ cheapest ways from ball to ball (route)
 //! endpoints ─▶ balls (ends) ───────────────────────────────────┤
 //!                                                              ▼
@@ -26,9 +26,9 @@ mod fork;
 mod line;
 mod route;
 mod skin;
+mod solids;
 mod spline;
 mod tube;
-mod union;
 
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -41,10 +41,10 @@ pub use self::error::CenterlineError;
 use self::fork::{Fork, Line, Network};
 use self::line::centred;
 use self::route::Skeleton;
-use self::skin::{Ball, Skin};
+use self::skin::Ball;
+use self::solids::Solids;
 use crate::mesh::endpoints::{Endpoint, Kind};
 use crate::mesh::mend::{Close, Mend, Weld, mend_all};
-use crate::mesh::pick::Winding;
 use crate::mesh::report::NONE;
 use crate::mesh::surface::Surface;
 use crate::tree::{NO_PARENT, Node, Tree};
@@ -53,8 +53,6 @@ use crate::tree::{NO_PARENT, Node, Tree};
 pub const TRIANGLES_MOST: usize = 20_000_000;
 /// Stages of the work, as progress counts them.
 pub const STAGES: usize = 6;
-/// Balls of parts that were apart are linked where they overlap by this part of the smaller one's radius.
-const OVERLAP: f64 = 0.5;
 
 /// How centerlines are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -148,27 +146,23 @@ pub fn centerline(
     let mut endpoints = source_first(endpoints)?;
     let surface = prepared(surface, cancel)?;
     stage()?;
-    let surface = match union::outer(&surface, cancel).ok_or(CenterlineError::Cancelled)? {
-        None => surface,
-        Some(wall) => {
-            Cow::Owned(union::surface_of(wall, cancel).ok_or(CenterlineError::Cancelled)?)
-        }
-    };
-    stage()?;
     let origin = surface.mesh().origin;
-    let skin = Skin::new(surface);
-    let winding = Winding::new(skin.surface.picker());
-    // A closed surface that passes through nothing has its balls inside; where it was mended they may have got out.
-    let unsure = matches!(skin.surface, Cow::Owned(_)).then_some(&winding);
-    let mut cover = Cover::new(&skin, unsure, cancel).ok_or(CenterlineError::Cancelled)?;
-    cover.bridge(0.0, |gap, radius| gap < -OVERLAP * radius);
+    // A closed surface has its balls inside; where it was mended they may have got out.
+    let unsure = matches!(surface, Cow::Owned(_));
+    let skins = solids::skins(surface, cancel).ok_or(CenterlineError::Cancelled)?;
+    let solids = Solids::new(&skins);
+    stage()?;
+    let mut cover = Cover::new(&solids, unsure, cancel).ok_or(CenterlineError::Cancelled)?;
+    cover
+        .join(&solids, cancel)
+        .ok_or(CenterlineError::Cancelled)?;
     if params.proposed {
-        ends::leave_out_buried(&skin, &winding, &mut endpoints, origin)?;
+        ends::leave_out_buried(&solids, &mut endpoints, origin)?;
     }
     let mut balls = endpoints
         .iter()
         .map(|endpoint| {
-            match ends::ball_of(&mut cover, &skin, &winding, endpoint, origin) {
+            match ends::ball_of(&mut cover, &solids, endpoint, origin) {
                 // Nobody set it there: where it is, the outer wall is not.
                 Err(CenterlineError::OffSurface { .. }) if params.proposed => Ok(None),
                 found => found,
@@ -176,7 +170,9 @@ pub fn centerline(
         })
         .collect::<Result<Vec<Option<u32>>, _>>()?;
     if let Some(most) = params.bridge {
-        cover.bridge(most, |gap, _| gap <= most);
+        cover
+            .bridge(most, |gap, _| gap <= most, cancel)
+            .ok_or(CenterlineError::Cancelled)?;
     }
     if params.proposed {
         ends::choose_source(&cover, &mut endpoints, &mut balls);
@@ -212,12 +208,12 @@ pub fn centerline(
             Line {
                 from: chain.first().copied().unwrap_or(NONE),
                 to: chain.last().copied().unwrap_or(NONE),
-                samples: centred(&skin, &balls),
+                samples: centred(&solids, &balls),
             }
         })
         .collect();
     stage()?;
-    let network = network(&skeleton, lines, &skin);
+    let network = network(&skeleton, lines, &solids);
     stage()?;
     let (tree, ends) = gathered(&network, &skeleton);
     Ok(Centerline {
@@ -273,12 +269,12 @@ fn prepared<'a>(
             crate::mesh::mend::MendError::Cancelled => CenterlineError::Cancelled,
             other => other.into(),
         })?;
-    let closed = union::surface_of(mesh, cancel).ok_or(CenterlineError::Cancelled)?;
+    let closed = solids::surface_of(mesh, cancel).ok_or(CenterlineError::Cancelled)?;
     Ok(Cow::Owned(closed))
 }
 
 /// Lines and forks, led to each other.
-fn network(skeleton: &Skeleton, lines: Vec<Line>, skin: &Skin<'_>) -> Network {
+fn network(skeleton: &Skeleton, lines: Vec<Line>, solids: &Solids<'_>) -> Network {
     let forks = skeleton.balls.iter().map(|ball| Fork {
         ball: *ball,
         lines: 0,
@@ -289,7 +285,7 @@ fn network(skeleton: &Skeleton, lines: Vec<Line>, skin: &Skin<'_>) -> Network {
         forks[line.to as usize].lines += 1;
     }
     let mut network = Network { forks, lines };
-    network.join(skin);
+    network.join(solids);
     network
 }
 

@@ -1,4 +1,4 @@
-//! The wall that balls are measured against: a surface, its vertices' outward normals and areas.
+//! The wall of a solid that balls are measured against: a surface, its vertices' outward normals and areas.
 
 use std::borrow::Cow;
 
@@ -8,17 +8,28 @@ use crate::mesh::measure::inscribed;
 use crate::mesh::report::NONE;
 use crate::mesh::surface::Surface;
 
+/// Where a triangle leans more from a vertex's normal than by this cosine, 20 degrees, the vertex is on an edge.
+const FLAT: f64 = 0.94;
+
 /// A ball inside; coordinates are from the mesh's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ball {
     pub(super) centre: DVec3,
     pub(super) radius: f64,
+    /// The solid that it is in, by its place among them.
+    pub(super) part: u32,
 }
 
 /// A surface whose inside is known.
 #[derive(Clone, Debug)]
 pub(super) struct Skin<'a> {
     pub(super) surface: Cow<'a, Surface>,
+    /// Its place among the model's parts.
+    pub(super) part: u32,
+    /// The box around it.
+    pub(super) bounds: [DVec3; 2],
+    /// 1 where triangles show their fronts to the outside, else −1.
+    outward: f64,
     /// Outward, of length 1; zero where there is none.
     pub(super) normals: Vec<DVec3>,
     pub(super) areas: Vec<f64>,
@@ -36,12 +47,9 @@ pub(super) struct WallPoint {
 }
 
 impl<'a> Skin<'a> {
-    pub(super) fn new(surface: Cow<'a, Surface>) -> Self {
-        let outward = if surface.picker().is_inside_out() {
-            -1.0
-        } else {
-            1.0
-        };
+    pub(super) fn new(surface: Cow<'a, Surface>, part: u32) -> Self {
+        let inside_out = surface.picker().is_inside_out();
+        let outward = if inside_out { -1.0 } else { 1.0 };
         let sums = surface.vertex_normals().into_iter();
         let normals = sums.map(|sum| outward * sum.normalize_or_zero()).collect();
         let mut by_triangle = vec![NONE; surface.mesh().positions.len()];
@@ -51,7 +59,16 @@ impl<'a> Skin<'a> {
                 *first = (*first).min(triangle);
             }
         }
+        let corners = surface.triangles().flat_map(|(_, face)| face);
+        let corners = corners.map(|vertex| surface.position(vertex));
+        let bounds = corners.fold(
+            [DVec3::INFINITY, DVec3::NEG_INFINITY],
+            |[min, max], corner| [min.min(corner), max.max(corner)],
+        );
         Self {
+            part,
+            bounds,
+            outward,
             areas: surface.vertex_areas(),
             normals,
             by_triangle,
@@ -71,15 +88,16 @@ impl<'a> Skin<'a> {
         Some(Ball {
             centre: ball.centre.as_dvec3(),
             radius: f64::from(ball.radius),
+            part: self.part,
         })
     }
 
-    /// The ball at the place of the wall that is nearest to a point, the vertices of the triangle there, and how far it is.
+    /// The ball, if there is one, at the place of the wall that is nearest to a point, the vertices of the triangle there, and how far it is.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "the mesh is in single precision"
     )]
-    pub(super) fn ball_near(&self, point: DVec3) -> Option<(Ball, [u32; 3], f64)> {
+    pub(super) fn ball_near(&self, point: DVec3) -> Option<(Option<Ball>, [u32; 3], f64)> {
         let hit = self
             .surface
             .picker()
@@ -92,14 +110,47 @@ impl<'a> Skin<'a> {
             .zip(hit.barycentric.to_array())
             .map(of_corner)
             .sum();
-        let ball = self.ball(hit.point, normal.try_normalize()?)?;
+        let ball = normal
+            .try_normalize()
+            .and_then(|normal| self.ball(hit.point, normal));
         Some((ball, face, f64::from(hit.distance)))
     }
 
-    /// The same at a vertex.
+    /// The same at a vertex. On an edge of the solid no ball touches: there it is the largest of those at the middles of its triangles.
     pub(super) fn ball_at(&self, vertex: u32) -> Option<Ball> {
-        let place = self.surface.position(vertex).as_vec3();
-        self.ball(place, self.normals[vertex as usize])
+        let place = self.surface.position(vertex);
+        let normal = self.normals[vertex as usize];
+        let ball = self.ball(place.as_vec3(), normal);
+        let mut is_edge = false;
+        let mut of_triangles: Vec<(DVec3, DVec3)> = Vec::new();
+        for pair in self.surface.graph().neighbours(vertex).chunks_exact(2) {
+            let [one, other] = [pair[0], pair[1]].map(|vertex| self.surface.position(vertex));
+            let outward = self.outward * (one - place).cross(other - place);
+            let Some(outward) = outward.try_normalize() else {
+                continue;
+            };
+            is_edge |= outward.dot(normal) < FLAT;
+            of_triangles.push(((place + one + other) / 3.0, outward));
+        }
+        if !is_edge {
+            return ball;
+        }
+        let beside = of_triangles
+            .into_iter()
+            .filter_map(|(middle, outward)| self.ball(middle.as_vec3(), outward));
+        let larger = |one: Ball, other: Ball| if other.radius > one.radius { other } else { one };
+        ball.into_iter().chain(beside).reduce(larger)
+    }
+
+    /// Whether the box around it holds a point.
+    pub(super) fn holds(&self, point: DVec3) -> bool {
+        self.distance_of_bounds(point) == 0.0
+    }
+
+    /// How far the box around it is from a point.
+    pub(super) fn distance_of_bounds(&self, point: DVec3) -> f64 {
+        let [min, max] = self.bounds;
+        point.distance(point.clamp(min, max))
     }
 
     /// How far a point is from the wall.
