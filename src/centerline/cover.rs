@@ -6,14 +6,17 @@
 //! as a surface hangs together as balls, however thin a neck is. Centres are on the medial structure (the poles of Amenta, Choi and
 //! Kolluri 2001), so ways from ball to ball run in the middle.
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::refine::refined;
 use super::skin::{Ball, Skin};
-use super::solids::Solids;
+use super::solids::{Solids, surface_of};
+use crate::mesh::pick::Winding;
 use crate::mesh::report::NONE;
 
 /// How much farther than the ball, in radii, the wall is still its: so much that balls on a tube are a quarter of a radius apart.
@@ -41,19 +44,40 @@ pub(super) struct Cover {
 }
 
 impl Cover {
-    /// The balls of all solids; those whose middles are not inside are none where that is `unsure`. None when `cancel` was set.
-    pub(super) fn new(solids: &Solids<'_>, unsure: bool, cancel: &AtomicBool) -> Option<Self> {
-        let of_skin = |skin: &Skin<'_>| {
-            let is_inside = |ball: &Ball| !unsure || solids.is_in(skin.part, ball.centre);
-            Self::of_skin(skin, is_inside, cancel)
+    /// The balls of all solids; those whose middles are not inside are none where that is `unsure`. Skins of few sides and rings are made finer.
+    /// None when `cancel` was set.
+    pub(super) fn new<'a>(
+        skins: Vec<Skin<'a>>,
+        unsure: bool,
+        cancel: &AtomicBool,
+    ) -> Option<(Vec<Skin<'a>>, Self)> {
+        let of_skin = |skin: Skin<'a>| {
+            let cover = Self::of_skin(&skin, unsure, cancel)?;
+            let Some(mesh) = refined(&skin, cover.radii()) else {
+                return Some((skin, cover));
+            };
+            let skin = Skin::new(Cow::Owned(surface_of(mesh, cancel)?), skin.part);
+            let cover = Self::of_skin(&skin, unsure, cancel)?;
+            Some((skin, cover))
         };
-        if std::env::var("DBG").is_ok() { for skin in solids.skins { let c=Self::of_skin(skin,|_|true,cancel).unwrap(); let ins=c.balls.iter().filter(|b|solids.is_in(skin.part,b.centre)).count(); let open=skin.surface.open_ends().len(); let nt=skin.surface.triangles().count(); let un=skin.surface.triangles().flat_map(|(t,_)|3*t..3*t+3).filter(|h|skin.surface.twin(*h).is_none()).count(); let r:Vec<_>=c.balls.iter().map(|b|(b.radius*1000.).round()/1000.).collect(); eprintln!("part {} tri {} notwin {} loops {} inv {} balls {} inside {} size {:.3} r {:?}",skin.part,nt,un,open,skin.surface.picker().is_inside_out(),c.balls.len(),ins,(skin.bounds[1]-skin.bounds[0]).length(),&r[..r.len().min(6)]); } }
-        let covers: Option<Vec<Self>> = solids.skins.par_iter().map(of_skin).collect();
+        let parts: Option<Vec<(Skin<'a>, Self)>> = skins.into_par_iter().map(of_skin).collect();
         let mut cover = Self::default();
-        for part in covers? {
+        let mut skins = Vec::new();
+        for (skin, part) in parts? {
+            skins.push(skin);
             cover.append(part);
         }
-        Some(cover)
+        Some((skins, cover))
+    }
+
+    /// The radius of the ball at each vertex, zero where there is none.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the mesh is in single precision"
+    )]
+    fn radii(&self) -> Vec<f32> {
+        let radius = |ball: &u32| self.balls.get(*ball as usize).map_or(0.0, |ball| ball.radius as f32);
+        self.of_vertex.iter().map(radius).collect()
     }
 
     /// Adds the balls of the next part.
@@ -75,11 +99,12 @@ impl Cover {
         (ball != NONE).then_some(ball)
     }
 
-    fn of_skin(
-        skin: &Skin<'_>,
-        is_inside: impl Fn(&Ball) -> bool,
-        cancel: &AtomicBool,
-    ) -> Option<Self> {
+    fn of_skin(skin: &Skin<'_>, unsure: bool, cancel: &AtomicBool) -> Option<Self> {
+        let winding = unsure.then(|| Winding::new(skin.surface.picker()));
+        let is_inside = |ball: &Ball| {
+            let winding = winding.as_ref();
+            winding.is_none_or(|winding| winding.is_inside(ball.centre))
+        };
         let graph = skin.surface.graph();
         let mut cover = Self {
             of_vertex: vec![NONE; skin.normals.len()],
@@ -106,7 +131,7 @@ impl Cover {
     /// Adds a ball and gives it what it touches, from a vertex on.
     fn add(&mut self, skin: &Skin<'_>, vertex: u32, ball: Ball, seen: &mut [u32]) {
         let number = self.push(ball);
-        let reach = (ball.radius * (1.0 + SLACK)).powi(2);
+        let reach = ball.radius * (1.0 + SLACK);
         self.of_vertex[vertex as usize] = number;
         seen[vertex as usize] = number;
         let mut open = vec![vertex];
@@ -117,7 +142,7 @@ impl Cover {
                     continue;
                 }
                 let from_centre = skin.surface.position(*next) - ball.centre;
-                let is_touched = from_centre.length_squared() <= reach
+                let is_touched = from_centre.length() * skin.leans[place] <= reach
                     && from_centre.dot(skin.normals[place]) > 0.0;
                 if !is_touched {
                     continue;

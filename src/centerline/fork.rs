@@ -38,6 +38,8 @@ const FREE_JERK: f64 = 0.04;
 const LED_JERK: f64 = 0.3;
 /// How far, in radii of its ball, a fork reaches at most.
 const REACH: f64 = 3.0;
+/// A ball smaller than this part of the next is not in the middle of the tube that begins there.
+const ASIDE: f64 = 0.8;
 /// Points nearer than so many radii to a sibling's line are not a line's own.
 const OWN: f64 = 0.5;
 /// Lines that have so many points in common run in one tube.
@@ -141,29 +143,27 @@ impl Network {
         }
     }
 
-    fn is_fork(&self, fork: u32) -> bool {
-        self.forks[fork as usize].lines > 2
-    }
-
-    /// Follows lines' tubes into their forks as far as there is wall.
-    fn follow(&mut self, solids: &Solids<'_>) {
-        let mut scratch = Vec::new();
-        for number in 0..self.lines.len() {
-            let Line { from, to, .. } = self.lines[number];
-            for (fork, at_end) in [(from, false), (to, true)] {
-                if self.is_fork(fork) {
-                    let ball = self.forks[fork as usize].ball;
-                    let samples = &mut self.lines[number].samples;
-                    if !at_end {
-                        samples.reverse();
-                    }
-                    follow(solids, samples, ball, &mut scratch);
-                    if !at_end {
-                        samples.reverse();
-                    }
+    /// Changes the samples of each line towards each of its forks, which is behind the last of them then.
+    fn towards_forks(&mut self, mut change: impl FnMut(&mut Vec<Sample>, Ball)) {
+        for Line { from, to, samples } in &mut self.lines {
+            for (fork, at_end) in [(*from, false), (*to, true)] {
+                let Fork { ball, lines } = self.forks[fork as usize];
+                if lines <= 2 {
+                    continue;
+                }
+                if !at_end {
+                    samples.reverse();
+                }
+                change(samples, ball);
+                if !at_end {
+                    samples.reverse();
                 }
             }
         }
+    }
+
+    fn is_fork(&self, fork: u32) -> bool {
+        self.forks[fork as usize].lines > 2
     }
 
     /// Moves ends to where on their tubes' axes balls begin to lie within each other.
@@ -304,8 +304,16 @@ impl Network {
 
     /// Leads lines to their forks.
     pub(super) fn join(&mut self, solids: &Solids<'_>) {
+        for fork in self.forks.iter_mut().filter(|fork| fork.lines > 2) {
+            // It may be a ball of a branch within the stem.
+            let Ball { centre, part, .. } = fork.ball;
+            fork.ball.radius = fork.ball.radius.max(solids.depth(centre, Some(part)));
+        }
+        self.towards_forks(leave_solids);
         self.keep_own();
-        self.follow(solids);
+        // Tubes are followed as far as there is wall.
+        let mut scratch = Vec::new();
+        self.towards_forks(|samples, ball| follow(solids, samples, ball, &mut scratch));
         self.end(solids);
         for _ in 0..ROUNDS {
             self.settle();
@@ -424,6 +432,25 @@ fn between(samples: &[Sample], start: DVec3, end: DVec3) -> &[Sample] {
         kept.end -= 1;
     }
     &samples[kept]
+}
+
+/// Leaves out what a line has in other solids than its own where it comes to a fork: the wall around is not its tube's.
+fn leave_solids(samples: &mut Vec<Sample>, fork: Ball) {
+    let near = |sample: &Sample| sample.point.distance(fork.centre) < REACH * fork.radius;
+    let near = samples.iter().rev().take_while(|sample| near(sample)).count();
+    let first = samples.len() - near;
+    let Some(change) = (first.max(1)..samples.len())
+        .find(|place| samples[place - 1].part != samples[*place].part)
+    else {
+        return;
+    };
+    samples.truncate(change);
+    // Where it comes out from the side, balls stick out of the tube's end.
+    while let [.., before, last] = samples.as_slice()
+        && last.radius < ASIDE * before.radius
+    {
+        samples.pop();
+    }
 }
 
 /// Follows the tube at the end of a line, which is within a ball.

@@ -45,7 +45,9 @@ const BALL_SPREAD: f64 = 0.07;
 const TUBE_SPREAD: f64 = 0.002;
 /// Part of a line's median radius that counts for how far apart points are, where it is thinner.
 const THIN: f64 = 0.5;
-/// Points of a line at most.
+/// Points of a line at most: so many to a ball, of which there are few where the mesh is coarse, but some on a line of few balls, and not too many in all.
+const PER_BALL: usize = 2;
+const FEW: usize = 64;
 const MOST: usize = 1 << 12;
 
 /// The line of a way of balls.
@@ -53,8 +55,9 @@ pub(super) fn centred(solids: &Solids<'_>, balls: &[Ball]) -> Vec<Sample> {
     let mut way = without_outliers(balls);
     let mut scratch = Vec::new();
     let mut line = Vec::new();
+    let most = (PER_BALL * way.len()).clamp(FEW, MOST);
     for spacing in SPACING {
-        line = spread(&way, spacing)
+        line = spread(&way, spacing, most)
             .into_iter()
             .map(|place| sample(solids, place, &mut scratch))
             .collect();
@@ -84,13 +87,13 @@ fn without_outliers(balls: &[Ball]) -> Vec<Ball> {
 }
 
 /// Places along a way with the tangent there, both ends too.
-pub(super) fn spread(way: &[Ball], spacing: f64) -> Vec<(Ball, DVec3)> {
+pub(super) fn spread(way: &[Ball], spacing: f64, most: usize) -> Vec<(Ball, DVec3)> {
     let path = Path::new(way);
     // Thin ends do not need steps that get ever smaller.
     let mut radii: Vec<f64> = way.iter().map(|ball| ball.radius).collect();
     radii.sort_by(f64::total_cmp);
     let median = radii.get(radii.len() / 2).copied().unwrap_or(0.0);
-    let least = (THIN * spacing * median).max(path.length() / MOST as f64);
+    let least = (THIN * spacing * median).max(path.length() / most as f64);
     let mut places = Vec::new();
     let mut at = 0.0;
     while at < path.length() {

@@ -24,6 +24,7 @@ mod ends;
 mod error;
 mod fork;
 mod line;
+mod refine;
 mod route;
 mod skin;
 mod solids;
@@ -150,9 +151,10 @@ pub fn centerline(
     // A closed surface has its balls inside; where it was mended they may have got out.
     let unsure = matches!(surface, Cow::Owned(_));
     let skins = solids::skins(surface, cancel).ok_or(CenterlineError::Cancelled)?;
-    let solids = Solids::new(&skins);
     stage()?;
-    let mut cover = Cover::new(&solids, unsure, cancel).ok_or(CenterlineError::Cancelled)?;
+    let (skins, mut cover) =
+        Cover::new(skins, unsure, cancel).ok_or(CenterlineError::Cancelled)?;
+    let solids = Solids::new(&skins);
     cover
         .join(&solids, cancel)
         .ok_or(CenterlineError::Cancelled)?;

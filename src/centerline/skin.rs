@@ -4,12 +4,13 @@ use std::borrow::Cow;
 
 use glam::{DVec3, Vec3};
 
-use crate::mesh::measure::inscribed;
+use crate::mesh;
+use crate::mesh::measure::{inscribed, inscribed_at};
 use crate::mesh::report::NONE;
 use crate::mesh::surface::Surface;
 
-/// Where a triangle leans more from a vertex's normal than by this cosine, 20 degrees, the vertex is on an edge.
-const FLAT: f64 = 0.94;
+/// Leans are not counted beyond this cosine: that of the edge of a three-sided tube.
+const LEAN_LEAST: f64 = 0.5;
 
 /// A ball inside; coordinates are from the mesh's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +34,9 @@ pub(super) struct Skin<'a> {
     /// Outward, of length 1; zero where there is none.
     pub(super) normals: Vec<DVec3>,
     pub(super) areas: Vec<f64>,
+    /// How much the triangle at each vertex that leans most from its normal does, as a cosine: a ball that touches the triangles beside an edge
+    /// of the solid is so much smaller than the way to the edge is long.
+    pub(super) leans: Vec<f64>,
     /// The triangle that a vertex is looked up by.
     by_triangle: Vec<u32>,
 }
@@ -51,10 +55,15 @@ impl<'a> Skin<'a> {
         let inside_out = surface.picker().is_inside_out();
         let outward = if inside_out { -1.0 } else { 1.0 };
         let sums = surface.vertex_normals().into_iter();
-        let normals = sums.map(|sum| outward * sum.normalize_or_zero()).collect();
+        let normals: Vec<DVec3> = sums.map(|sum| outward * sum.normalize_or_zero()).collect();
         let mut by_triangle = vec![NONE; surface.mesh().positions.len()];
+        let mut leans = vec![1.0_f64; surface.mesh().positions.len()];
         for (triangle, face) in surface.triangles() {
+            let [a, b, c] = face.map(|vertex| surface.position(vertex));
+            let across = outward * (b - a).cross(c - a).normalize_or_zero();
             for vertex in face {
+                let lean = &mut leans[vertex as usize];
+                *lean = lean.min(across.dot(normals[vertex as usize])).max(LEAN_LEAST);
                 let first = &mut by_triangle[vertex as usize];
                 *first = (*first).min(triangle);
             }
@@ -71,6 +80,7 @@ impl<'a> Skin<'a> {
             outward,
             areas: surface.vertex_areas(),
             normals,
+            leans,
             by_triangle,
             surface,
         }
@@ -78,18 +88,9 @@ impl<'a> Skin<'a> {
 
     /// The largest ball that touches the wall at a point of it; None where nothing is opposite.
     pub(super) fn ball(&self, point: Vec3, outward: DVec3) -> Option<Ball> {
-        let picker = self.surface.picker();
-        let of_triangles = if picker.is_inside_out() {
-            -outward
-        } else {
-            outward
-        };
-        let ball = inscribed(picker, point, of_triangles.as_vec3())?;
-        Some(Ball {
-            centre: ball.centre.as_dvec3(),
-            radius: f64::from(ball.radius),
-            part: self.part,
-        })
+        let of_triangles = self.outward * outward;
+        let ball = inscribed(self.surface.picker(), point, of_triangles.as_vec3())?;
+        Some(self.of_ball(ball))
     }
 
     /// The ball, if there is one, at the place of the wall that is nearest to a point, the vertices of the triangle there, and how far it is.
@@ -116,30 +117,18 @@ impl<'a> Skin<'a> {
         Some((ball, face, f64::from(hit.distance)))
     }
 
-    /// The same at a vertex. On an edge of the solid no ball touches: there it is the largest of those at the middles of its triangles.
+    /// The same at a vertex, or beside it where it is on an edge.
     pub(super) fn ball_at(&self, vertex: u32) -> Option<Ball> {
-        let place = self.surface.position(vertex);
-        let normal = self.normals[vertex as usize];
-        let ball = self.ball(place.as_vec3(), normal);
-        let mut is_edge = false;
-        let mut of_triangles: Vec<(DVec3, DVec3)> = Vec::new();
-        for pair in self.surface.graph().neighbours(vertex).chunks_exact(2) {
-            let [one, other] = [pair[0], pair[1]].map(|vertex| self.surface.position(vertex));
-            let outward = self.outward * (one - place).cross(other - place);
-            let Some(outward) = outward.try_normalize() else {
-                continue;
-            };
-            is_edge |= outward.dot(normal) < FLAT;
-            of_triangles.push(((place + one + other) / 3.0, outward));
+        let ball = inscribed_at(&self.surface, vertex, self.outward * self.normals[vertex as usize])?;
+        Some(self.of_ball(ball))
+    }
+
+    fn of_ball(&self, ball: mesh::measure::Ball) -> Ball {
+        Ball {
+            centre: ball.centre.as_dvec3(),
+            radius: f64::from(ball.radius),
+            part: self.part,
         }
-        if !is_edge {
-            return ball;
-        }
-        let beside = of_triangles
-            .into_iter()
-            .filter_map(|(middle, outward)| self.ball(middle.as_vec3(), outward));
-        let larger = |one: Ball, other: Ball| if other.radius > one.radius { other } else { one };
-        ball.into_iter().chain(beside).reduce(larger)
     }
 
     /// Whether the box around it holds a point.

@@ -12,6 +12,7 @@ mod thickness;
 use glam::Vec3;
 
 pub use self::along::{Along, Cancelled, along};
+pub(crate) use self::ball::inscribed_at;
 pub use self::ball::{Ball, inscribed};
 pub use self::section::{Section, section};
 pub(crate) use self::thickness::diameter;

@@ -22,7 +22,7 @@ use glam::{DVec3, Vec3};
 use super::arms::{Arm, Arms, arms};
 use super::open::{Open, open_ends};
 use super::{Endpoint, Kind, Snapped};
-use crate::mesh::measure::inscribed;
+use crate::mesh::measure::inscribed_at;
 use crate::mesh::report::NONE;
 use crate::mesh::surface::Surface;
 use crate::mesh::surface::graph::{Field, Graph, field};
@@ -260,10 +260,8 @@ impl<'a> Tips<'a> {
 
     /// The end of an arm, and whether the arm is long enough for its thickness and for that of what it stands on. None where it has no inside.
     fn tip(&self, arm: &Arm) -> Option<(End, bool)> {
-        let ball = |vertex: u32| {
-            let (place, normal) = (self.surface.position(vertex), self.normals[vertex as usize]);
-            inscribed(self.surface.picker(), place.as_vec3(), normal.as_vec3())
-        };
+        let ball =
+            |vertex: u32| inscribed_at(self.surface, vertex, self.normals[vertex as usize]);
         let at_tip = ball(arm.peak)?;
         let radius = f64::from(at_tip.radius);
         let least = match arm.foot {

@@ -7,13 +7,17 @@
 //! of voxels that is a third too much.) Where the surface bends more sharply than the ball anywhere else, as at the ends of an ellipsoid, the ball
 //! is an eighth too large for it.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::thickness::inside;
 use crate::mesh::pick::Picker;
+use crate::mesh::surface::Surface;
 
 /// Cosine of the angle within which what touches is the place itself.
 const SAME_PLACE: f32 = 0.866;
+
+/// Where a triangle leans more from a vertex's normal than by this cosine, 20 degrees, the vertex is on an edge of the solid.
+const FLAT: f64 = 0.94;
 
 /// Steps at most; a dozen are common.
 const STEPS: usize = 40;
@@ -54,4 +58,32 @@ pub fn inscribed(picker: &Picker, point: Vec3, normal: Vec3) -> Option<Ball> {
         radius,
     };
     (radius > 0.0 && ball.centre.is_finite()).then_some(ball)
+}
+
+/// The largest ball inside at a vertex, of which `normal` is that of the triangles. On an edge of the solid, as where few triangles go round a tube, no
+/// ball touches the vertex: there it is the largest of those at the middles of its triangles.
+pub(crate) fn inscribed_at(surface: &Surface, vertex: u32, normal: DVec3) -> Option<Ball> {
+    let place = surface.position(vertex);
+    let normal = normal.try_normalize()?;
+    let mut is_edge = false;
+    let mut of_triangles: Vec<(DVec3, DVec3)> = Vec::new();
+    for pair in surface.graph().neighbours(vertex).chunks_exact(2) {
+        let [one, other] = [pair[0], pair[1]].map(|vertex| surface.position(vertex));
+        let Some(across) = (one - place).cross(other - place).try_normalize() else {
+            continue;
+        };
+        is_edge |= across.dot(normal) < FLAT;
+        of_triangles.push(((place + one + other) / 3.0, across));
+    }
+    let ball =
+        |place: DVec3, normal: DVec3| inscribed(surface.picker(), place.as_vec3(), normal.as_vec3());
+    let own = ball(place, normal);
+    if !is_edge {
+        return own;
+    }
+    let beside = of_triangles
+        .into_iter()
+        .filter_map(|(middle, across)| ball(middle, across));
+    let larger = |one: Ball, other: Ball| if other.radius > one.radius { other } else { one };
+    own.into_iter().chain(beside).reduce(larger)
 }
