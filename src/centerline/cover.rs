@@ -76,7 +76,11 @@ impl Cover {
         reason = "the mesh is in single precision"
     )]
     fn radii(&self) -> Vec<f32> {
-        let radius = |ball: &u32| self.balls.get(*ball as usize).map_or(0.0, |ball| ball.radius as f32);
+        let radius = |ball: &u32| {
+            self.balls
+                .get(*ball as usize)
+                .map_or(0.0, |ball| ball.radius as f32)
+        };
         self.of_vertex.iter().map(radius).collect()
     }
 

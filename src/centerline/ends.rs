@@ -54,10 +54,11 @@ pub(super) fn ball_of(
     }
     let own = ball.filter(|ball| solids.is_in(part, ball.centre));
     let place = |ball: &u32| cover.balls[*ball as usize];
-    let nearest = of_face
-        .iter()
-        .map(place)
-        .min_by(|a, b| a.centre.distance(point).total_cmp(&b.centre.distance(point)));
+    let nearest = of_face.iter().map(place).min_by(|a, b| {
+        a.centre
+            .distance(point)
+            .total_cmp(&b.centre.distance(point))
+    });
     let Some(ball) = own.or(nearest) else {
         return Ok(None);
     };

@@ -31,7 +31,7 @@ pub(super) struct Fork {
 }
 
 /// How far off the axis balls may be for what they are larger than the tube: where the fork is looked for, and where lines are led to it.
-const GROWN: f64 = 2.0;
+const GROWN: f64 = 0.5;
 const GROWN_LED: f64 = 0.5;
 /// How lines bend where the fork is looked for (as evenly as they came: it is outside of what is known), and where they are led to it.
 const FREE_JERK: f64 = 0.04;
@@ -177,7 +177,7 @@ impl Network {
                         samples.reverse();
                     }
                     let tip = self.forks[fork as usize].ball;
-                    if let Some(ball) = end(solids.skin(tip.part), samples, tip) {
+                    if let Some(ball) = end(solids, samples, tip) {
                         self.forks[fork as usize].ball = ball;
                     }
                     if !at_end {
@@ -437,10 +437,14 @@ fn between(samples: &[Sample], start: DVec3, end: DVec3) -> &[Sample] {
 /// Leaves out what a line has in other solids than its own where it comes to a fork: the wall around is not its tube's.
 fn leave_solids(samples: &mut Vec<Sample>, fork: Ball) {
     let near = |sample: &Sample| sample.point.distance(fork.centre) < REACH * fork.radius;
-    let near = samples.iter().rev().take_while(|sample| near(sample)).count();
+    let near = samples
+        .iter()
+        .rev()
+        .take_while(|sample| near(sample))
+        .count();
     let first = samples.len() - near;
-    let Some(change) = (first.max(1)..samples.len())
-        .find(|place| samples[place - 1].part != samples[*place].part)
+    let Some(change) =
+        (first.max(1)..samples.len()).find(|place| samples[place - 1].part != samples[*place].part)
     else {
         return;
     };
@@ -454,12 +458,7 @@ fn leave_solids(samples: &mut Vec<Sample>, fork: Ball) {
 }
 
 /// Follows the tube at the end of a line, which is within a ball.
-fn follow(
-    solids: &Solids<'_>,
-    samples: &mut Vec<Sample>,
-    end: Ball,
-    scratch: &mut Vec<WallPoint>,
-) {
+fn follow(solids: &Solids<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &mut Vec<WallPoint>) {
     let Some(first) = samples
         .iter()
         .rposition(|sample| sample.tube.is_some() && sample.spread.is_finite())
@@ -516,17 +515,48 @@ fn follow(
 }
 
 /// The last ball of a line that ends: those behind it lie within it. Leaves out samples beyond. Balls are looked at on the axis of the last tube
-/// where that is near, else on the line.
-fn end(skin: &Skin<'_>, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
-    let places = axis(samples, tip).or_else(|| course(samples, tip))?;
+/// where that is near and stays inside, else on the line.
+fn end(solids: &Solids<'_>, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
+    let on_axis = axis(samples, tip).and_then(|places| last_ball(solids, &places, tip.part));
+    let found = on_axis.or_else(|| last_ball(solids, &course(samples, tip)?, tip.part))?;
+    let Last {
+        ball,
+        onwards,
+        thick,
+    } = found;
+    let clear = SPACING / 2.0 * ball.radius;
+    let near = |sample: &Sample| sample.point.distance(ball.centre) < 3.0 * thick;
+    while samples.len() > 1
+        && samples.last().is_some_and(|sample| {
+            near(sample) && (sample.point - ball.centre).dot(onwards) > -clear
+        })
+    {
+        samples.pop();
+    }
+    Some(ball)
+}
+
+/// The last ball of a line that ends.
+struct Last {
+    ball: Ball,
+    /// Where the line leads there.
+    onwards: DVec3,
+    /// The radius where it was looked for first.
+    thick: f64,
+}
+
+/// The last of balls at places, by length, of which none lies behind it. None where it is not inside.
+fn last_ball(solids: &Solids<'_>, places: &[(f64, DVec3)], part: u32) -> Option<Last> {
+    let skin = solids.skin(part);
     let ball = |(s, centre): &(f64, DVec3)| {
         let radius = skin.distance(*centre);
+        let centre = *centre;
         (
             *s,
             Ball {
-                centre: *centre,
+                centre,
                 radius,
-                ..tip
+                part,
             },
         )
     };
@@ -540,17 +570,11 @@ fn end(skin: &Skin<'_>, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
     let (place, (_, ball)) = inside
         .enumerate()
         .max_by(|(_, a), (_, b)| reach(a).total_cmp(&reach(b)))?;
-    let onwards = (places[place].1 - places[place.saturating_sub(1)].1).normalize_or_zero();
-    let clear = SPACING / 2.0 * ball.radius;
-    let near = |sample: &Sample| sample.point.distance(ball.centre) < 3.0 * thick;
-    while samples.len() > 1
-        && samples.last().is_some_and(|sample| {
-            near(sample) && (sample.point - ball.centre).dot(onwards) > -clear
-        })
-    {
-        samples.pop();
-    }
-    Some(*ball)
+    solids.is_in(part, ball.centre).then(|| Last {
+        ball: *ball,
+        onwards: (places[place].1 - places[place.saturating_sub(1)].1).normalize_or_zero(),
+        thick,
+    })
 }
 
 /// Places on the axis of a line's last tube, by length along it, up to where the ball at the tip is. None where the tip is far from it.

@@ -25,7 +25,13 @@ pub(super) struct Sample {
 
 impl Sample {
     /// A point without a wall of its own.
-    pub(super) fn free(Ball { centre, radius, part }: Ball) -> Self {
+    pub(super) fn free(
+        Ball {
+            centre,
+            radius,
+            part,
+        }: Ball,
+    ) -> Self {
         Self {
             point: centre,
             radius,

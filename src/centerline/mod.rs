@@ -152,8 +152,7 @@ pub fn centerline(
     let unsure = matches!(surface, Cow::Owned(_));
     let skins = solids::skins(surface, cancel).ok_or(CenterlineError::Cancelled)?;
     stage()?;
-    let (skins, mut cover) =
-        Cover::new(skins, unsure, cancel).ok_or(CenterlineError::Cancelled)?;
+    let (skins, mut cover) = Cover::new(skins, unsure, cancel).ok_or(CenterlineError::Cancelled)?;
     let solids = Solids::new(&skins);
     cover
         .join(&solids, cancel)

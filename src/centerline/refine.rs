@@ -11,7 +11,7 @@ use super::skin::Skin;
 use crate::mesh::Mesh;
 
 /// A triangle with an edge longer than so many radii is coarse.
-const COARSE: f32 = 1.2;
+const COARSE: f32 = 2.0;
 /// Edges of coarse triangles are cut until they are not longer than this.
 const FINE: f32 = 0.6;
 /// Rounds at most: an edge is cut in so many powers of two.
@@ -29,7 +29,9 @@ pub(super) fn refined(skin: &Skin<'_>, mut radii: Vec<f32>) -> Option<Mesh> {
     let mut known: Vec<f32> = radii.iter().copied().filter(|one| *one > 0.0).collect();
     known.sort_by(f32::total_cmp);
     let least = THIN * known.get(known.len() / 2).copied()?;
-    radii.iter_mut().for_each(|radius| *radius = radius.max(least));
+    radii
+        .iter_mut()
+        .for_each(|radius| *radius = radius.max(least));
     let whole = skin.surface.mesh();
     let mut positions = whole.positions.clone();
     let faces = skin.surface.triangles().map(|(_, face)| face);
@@ -54,7 +56,10 @@ pub(super) fn refined(skin: &Skin<'_>, mut radii: Vec<f32>) -> Option<Mesh> {
         if middles.is_empty() || coarse.len() + fine.len() + 2 * middles.len() > most {
             break;
         }
-        coarse = coarse.iter().flat_map(|face| cut(*face, &middles)).collect();
+        coarse = coarse
+            .iter()
+            .flat_map(|face| cut(*face, &middles))
+            .collect();
         // What is fine is cut only where its neighbours are, and stays fine.
         fine = fine.iter().flat_map(|face| cut(*face, &middles)).collect();
     }

@@ -63,7 +63,9 @@ impl<'a> Skin<'a> {
             let across = outward * (b - a).cross(c - a).normalize_or_zero();
             for vertex in face {
                 let lean = &mut leans[vertex as usize];
-                *lean = lean.min(across.dot(normals[vertex as usize])).max(LEAN_LEAST);
+                *lean = lean
+                    .min(across.dot(normals[vertex as usize]))
+                    .max(LEAN_LEAST);
                 let first = &mut by_triangle[vertex as usize];
                 *first = (*first).min(triangle);
             }
@@ -119,7 +121,11 @@ impl<'a> Skin<'a> {
 
     /// The same at a vertex, or beside it where it is on an edge.
     pub(super) fn ball_at(&self, vertex: u32) -> Option<Ball> {
-        let ball = inscribed_at(&self.surface, vertex, self.outward * self.normals[vertex as usize])?;
+        let ball = inscribed_at(
+            &self.surface,
+            vertex,
+            self.outward * self.normals[vertex as usize],
+        )?;
         Some(self.of_ball(ball))
     }
 

@@ -216,7 +216,11 @@ impl<'a> Solids<'a> {
             let first = u32::try_from(whole.positions.len()).unwrap_or(NONE);
             let mesh = skin.surface.mesh();
             whole.positions.extend(&mesh.positions);
-            vertices.extend((0_u32..).take(mesh.positions.len()).map(|one| (skin.part, one)));
+            vertices.extend(
+                (0_u32..)
+                    .take(mesh.positions.len())
+                    .map(|one| (skin.part, one)),
+            );
             let faces = mesh.triangles.iter();
             whole
                 .triangles

@@ -41,10 +41,13 @@ const ROUNDS: [f64; 6] = [0.3, 0.15, 0.1, 0.08, 0.08, 0.08];
 /// The same of following.
 const FOLLOWED: [f64; 5] = [0.12, 0.08, 0.06, 0.06, 0.06];
 /// That deviation is so many medians of all that count, but not less than this.
-const MEDIANS: f64 = 4.0;
+const MEDIANS: f64 = 4.8;
+/// The radius is that of what deviates by fewer medians: fork walls that widen the tube a little move its axis hardly, but make it thicker.
+const MEDIANS_OF_RADIUS: f64 = 2.5;
+const ROUNDS_OF_RADIUS: usize = 5;
 const TOLERANCE_LEAST: f64 = 0.012;
 /// Half the length of a fit's window, in radii; following looks ahead less far.
-const WINDOW: f64 = 0.75;
+const WINDOW: f64 = 0.65;
 const AHEAD: f64 = 0.4;
 /// How far off what is followed may be from what is expected, in radii: place, direction, bend, radius and taper.
 const EXPECTED: [f64; 8] = [0.03, 0.03, 0.1, 0.1, 0.2, 0.2, 0.004, 0.01];
@@ -89,6 +92,12 @@ pub(super) fn fit(skin: &Skin<'_>, guess: &Tube, scratch: &mut Vec<WallPoint>) -
             return None;
         }
     }
+    let mut narrow = tube;
+    for _ in 0..ROUNDS_OF_RADIUS {
+        let tolerance = (MEDIANS_OF_RADIUS * median).clamp(TOLERANCE_LEAST, 0.08);
+        median = round.improve(&mut narrow, tolerance, scratch, None)?;
+    }
+    tube.radius = narrow.radius;
     Some(tube)
 }
 

@@ -83,8 +83,8 @@ pub(super) fn open_ends(
     let tubes = ends.iter().zip(rims).zip(near.into_iter().zip(all));
     let tubes = tubes.map(|((end, rim), (near, all))| {
         let disc = PI * end.radius * end.radius;
-        let is_tube = (near < PLATE * disc || rim.is_of_coarse_tube(end.radius))
-            && all > SHEET * disc;
+        let is_tube =
+            (near < PLATE * disc || rim.is_of_coarse_tube(end.radius)) && all > SHEET * disc;
         (is_tube && end.centre.is_finite()).then_some(*end)
     });
     Some(tubes.collect())

@@ -260,8 +260,7 @@ impl<'a> Tips<'a> {
 
     /// The end of an arm, and whether the arm is long enough for its thickness and for that of what it stands on. None where it has no inside.
     fn tip(&self, arm: &Arm) -> Option<(End, bool)> {
-        let ball =
-            |vertex: u32| inscribed_at(self.surface, vertex, self.normals[vertex as usize]);
+        let ball = |vertex: u32| inscribed_at(self.surface, vertex, self.normals[vertex as usize]);
         let at_tip = ball(arm.peak)?;
         let radius = f64::from(at_tip.radius);
         let least = match arm.foot {

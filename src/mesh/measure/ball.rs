@@ -19,6 +19,9 @@ const SAME_PLACE: f32 = 0.866;
 /// Where a triangle leans more from a vertex's normal than by this cosine, 20 degrees, the vertex is on an edge of the solid.
 const FLAT: f64 = 0.94;
 
+/// So many triangles at such an edge are looked at.
+const BESIDE: usize = 3;
+
 /// Steps at most; a dozen are common.
 const STEPS: usize = 40;
 
@@ -61,29 +64,39 @@ pub fn inscribed(picker: &Picker, point: Vec3, normal: Vec3) -> Option<Ball> {
 }
 
 /// The largest ball inside at a vertex, of which `normal` is that of the triangles. On an edge of the solid, as where few triangles go round a tube, no
-/// ball touches the vertex: there it is the largest of those at the middles of its triangles.
+/// ball touches the vertex: there it is the largest of those at the middles of its largest triangles.
 pub(crate) fn inscribed_at(surface: &Surface, vertex: u32, normal: DVec3) -> Option<Ball> {
     let place = surface.position(vertex);
     let normal = normal.try_normalize()?;
     let mut is_edge = false;
-    let mut of_triangles: Vec<(DVec3, DVec3)> = Vec::new();
+    let mut of_triangles: Vec<(f64, DVec3, DVec3)> = Vec::new();
     for pair in surface.graph().neighbours(vertex).chunks_exact(2) {
         let [one, other] = [pair[0], pair[1]].map(|vertex| surface.position(vertex));
-        let Some(across) = (one - place).cross(other - place).try_normalize() else {
+        let cross = (one - place).cross(other - place);
+        let Some(across) = cross.try_normalize() else {
             continue;
         };
         is_edge |= across.dot(normal) < FLAT;
-        of_triangles.push(((place + one + other) / 3.0, across));
+        of_triangles.push((cross.length(), (place + one + other) / 3.0, across));
     }
-    let ball =
-        |place: DVec3, normal: DVec3| inscribed(surface.picker(), place.as_vec3(), normal.as_vec3());
+    let ball = |place: DVec3, normal: DVec3| {
+        inscribed(surface.picker(), place.as_vec3(), normal.as_vec3())
+    };
     let own = ball(place, normal);
     if !is_edge {
         return own;
     }
+    of_triangles.sort_by(|a, b| b.0.total_cmp(&a.0));
     let beside = of_triangles
         .into_iter()
-        .filter_map(|(middle, across)| ball(middle, across));
-    let larger = |one: Ball, other: Ball| if other.radius > one.radius { other } else { one };
+        .take(BESIDE)
+        .filter_map(|(_, middle, across)| ball(middle, across));
+    let larger = |one: Ball, other: Ball| {
+        if other.radius > one.radius {
+            other
+        } else {
+            one
+        }
+    };
     own.into_iter().chain(beside).reduce(larger)
 }

@@ -5,10 +5,8 @@ use glam::DVec3;
 use super::branch::{Branch, position};
 use crate::tree::{NO_PARENT, Tree};
 
-/// A vector of a branch ends so many of its mean radii from the junction.
+/// A vector of a branch is its chord over so many of its mean radii.
 const RADII: f64 = 2.0;
-/// It begins so much of the junction's radius from it.
-const OUT: f64 = 0.5;
 /// Exponents that are looked for.
 const EXPONENTS: [f64; 2] = [0.05, 20.0];
 
@@ -87,8 +85,9 @@ fn junction(tree: &Tree, branches: &[Branch], node: u32, daughters: Vec<usize>) 
     }
 }
 
-/// The chord of a branch from where it is half out of the junction's ball to two of its radii, with the flow, of length 1. What is nearer than
-/// that is the junction's and not the branch's.
+/// The chord of a branch over two of its radii from where it comes out of the junction's ball, with the flow, of length 1. What is nearer than that
+/// is the junction's and not the branch's: where lines meet in it is a matter of definition, and a tenth of a radius there turns a chord from the
+/// junction by 3 degrees.
 fn vector(tree: &Tree, branch: &Branch, from_end: bool) -> DVec3 {
     let mut nodes = branch.nodes.clone();
     if from_end {
@@ -97,8 +96,8 @@ fn vector(tree: &Tree, branch: &Branch, from_end: bool) -> DVec3 {
     let ball = nodes
         .first()
         .map_or(0.0, |node| f64::from(tree.radius[*node as usize]));
-    let far = RADII * branch.radius.mean;
-    let near = (OUT * ball).min(far / 2.0).min(branch.length / 2.0);
+    let near = ball.min(branch.length / 2.0);
+    let far = near + RADII * branch.radius.mean;
     let [start, end] = [near, far].map(|length| at(tree, &nodes, length));
     let away = (end - start).normalize_or_zero();
     if from_end { -away } else { away }
