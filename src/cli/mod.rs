@@ -36,6 +36,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::app::sentence;
+
 /// What `ramus` is asked to do.
 #[derive(Debug, Parser)]
 #[command(
@@ -130,18 +132,6 @@ fn print_result(
         }
         _ => Ok(()),
     }
-}
-
-/// An error with its causes in one line; a cause that the text says already is not said twice.
-fn sentence(error: &anyhow::Error) -> String {
-    error.chain().fold(String::new(), |said, cause| {
-        let cause = cause.to_string();
-        match said.is_empty() {
-            true => cause,
-            false if said.contains(&cause) => said,
-            false => format!("{said}: {cause}"),
-        }
-    })
 }
 
 /// Warnings go to standard error; `RAMUS_LOG` (as `RUST_LOG`) asks for more or less.
