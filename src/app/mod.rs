@@ -9,6 +9,7 @@ pub mod again;
 pub mod album;
 pub mod analysis;
 pub mod centerlines;
+pub mod cohort;
 
 pub mod convert;
 pub mod demonstration;

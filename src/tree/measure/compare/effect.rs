@@ -41,7 +41,8 @@ impl DeltaSize {
 /// Cliff's delta, which the rank-biserial correlation is, too, by U of the first group: how much more often its values are larger than smaller;
 /// 1 where all of them are larger, −1 where all are smaller.
 pub fn cliffs_delta(u: f64, n: usize, m: usize) -> f64 {
-    2.0 * u / (n as f64 * m as f64) - 1.0
+    let pairs = n as f64 * m as f64;
+    (2.0 * u - pairs) / pairs
 }
 
 /// Hedges' g: the first group's mean less the second's, in standard deviations of both together, with the correction 1 − 3 / (4 (n + m) − 9) for
