@@ -309,7 +309,7 @@ const COLUMNS: [(&str, Kind, &str, Taken); 25] = [
         "Hedges' g: mean of the first group less that of the second, in standard deviations",
         |_, one| one.tested.map_or(Cell::Empty, |one| real(one.g)),
     ),
-    ("compared", Kind::Flag, "whether it was tested", |_, one| {
+    ("tested", Kind::Flag, "whether it was tested", |_, one| {
         Cell::Flag(one.tested.is_some())
     }),
     ("remark", Kind::Text, "why it was not tested", |_, one| {

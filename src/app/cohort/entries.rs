@@ -53,7 +53,12 @@ pub fn entries(of: &Path) -> Result<Vec<Entry>> {
         false if has_ending(of, &ENDINGS) => bail!(
             "{name} is a model: `ramus analyze` measures one; name a folder or a list of models here"
         ),
-        false => listed(&text_of(of, "list of models")?, of).with_context(|| name.to_string())?,
+        false if has_ending(of, &["json"]) => {
+            bail!("{name} is one analysis at most: name a folder or a list of them")
+        }
+        false => {
+            from_text(&text_of(of, "list of models")?, of).with_context(|| name.to_string())?
+        }
     };
     ensure!(
         entries.len() <= MODELS_MOST,
@@ -145,7 +150,10 @@ fn beside(model: &Path) -> Result<Option<PathBuf>> {
 }
 
 /// The models of a list whose text this is; paths in it are seen from where it lies.
-fn listed(text: &str, list: &Path) -> Result<Vec<Entry>> {
+///
+/// # Errors
+/// What is wrong with it, and in which line.
+pub fn from_text(text: &str, list: &Path) -> Result<Vec<Entry>> {
     let folder = list.parent().unwrap_or(Path::new(""));
     let mut rows = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -271,6 +279,17 @@ pub(super) fn labels(paths: &[PathBuf]) -> Result<Vec<String>> {
                 .collect()
         })
         .collect();
+    let mut seen = HashSet::new();
+    for path in paths {
+        // However it is spelled; of what is not here the name alone is known.
+        let place = path.canonicalize().or_else(|_| std::path::absolute(path));
+        let is_new = seen.insert(place.unwrap_or_else(|_| path.clone()));
+        ensure!(
+            is_new,
+            "{} is there twice: leave one of them",
+            path.display()
+        );
+    }
     let most = parts.iter().map(Vec::len).max().unwrap_or(0);
     for depth in 1..=most {
         let labels: Vec<String> = parts
@@ -281,10 +300,7 @@ pub(super) fn labels(paths: &[PathBuf]) -> Result<Vec<String>> {
             return Ok(labels);
         }
     }
-    let mut seen = HashSet::new();
-    let twice = parts.iter().position(|parts| !seen.insert(parts));
-    let twice = twice.map_or_else(String::new, |place| paths[place].display().to_string());
-    bail!("{twice} is there twice: leave one of them")
+    bail!("two models cannot be told apart by their names: rename one of them")
 }
 
 /// A list of models as [`entries`] reads it, with paths as seen from here.
@@ -319,7 +335,7 @@ mod tests {
     use crate::app::sentence;
 
     fn list(text: &str) -> Result<Vec<Entry>, String> {
-        listed(text, Path::new("here/list.csv")).map_err(|error| sentence(&error))
+        from_text(text, Path::new("here/list.csv")).map_err(|error| sentence(&error))
     }
 
     #[test]
@@ -360,7 +376,7 @@ mod tests {
             assert_eq!(list(text).unwrap(), expected, "{text}");
         }
         let entries = list("a.obj,e.csv,1 2 3\nb.obj\n").unwrap();
-        let again = listed(&plan(&entries).unwrap(), Path::new("list.csv")).unwrap();
+        let again = from_text(&plan(&entries).unwrap(), Path::new("list.csv")).unwrap();
         assert_eq!(again, entries);
     }
 

@@ -50,7 +50,11 @@ impl Groups {
         Self::from_text(&text, path).with_context(|| path.display().to_string())
     }
 
-    fn from_text(text: &str, path: &Path) -> Result<Self> {
+    /// Reads the text of a table.
+    ///
+    /// # Errors
+    /// As [`Groups::read`].
+    pub fn from_text(text: &str, path: &Path) -> Result<Self> {
         let mut table = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))

@@ -21,6 +21,7 @@ pub mod told;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
+use rayon::prelude::*;
 
 use self::comparison::{Comparison, comparisons};
 use self::entries::Entry;
@@ -33,6 +34,8 @@ use crate::tree::file::write_atomically;
 
 /// Branches of a cohort at most.
 const BRANCHES_MOST: usize = 20_000_000;
+/// Analyses that are read between two looks at the progress.
+const READ_TOGETHER: usize = 64;
 
 /// Names of tables, without their endings.
 const TABLES: [&str; 3] = ["branches", "comparison", "models"];
@@ -82,10 +85,13 @@ pub fn cohort(
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Cohort> {
     // What was analyzed already says of which file: names and groups are known before the long work.
-    let mut told: Vec<Option<Told>> = entries
-        .iter()
-        .map(|entry| entry.is_analyzed().then(|| read(&entry.path)))
-        .collect();
+    let ready = entries.iter().filter(|entry| entry.is_analyzed()).count();
+    let mut told: Vec<Option<Told>> = Vec::with_capacity(entries.len());
+    for some in entries.chunks(READ_TOGETHER) {
+        let read = |entry: &Entry| entry.is_analyzed().then(|| read(&entry.path));
+        told.par_extend(some.par_iter().map(read));
+        progress(told.len().min(ready), entries.len());
+    }
     let paths: Vec<PathBuf> = entries
         .iter()
         .zip(&told)
@@ -104,7 +110,8 @@ pub fn cohort(
     let grouped = grouped.unwrap_or_default();
     let open = || (0..entries.len()).filter(|place| !entries[*place].is_analyzed());
     let left: Vec<&Entry> = open().map(|place| &entries[place]).collect();
-    for (place, result) in open().zip(run::analyzed(&left, progress)) {
+    let results = run::analyzed(&left, &mut |done, _| progress(ready + done, entries.len()));
+    for (place, result) in open().zip(results) {
         let failed = |reason| Told::Failed(paths[place].display().to_string(), reason);
         told[place] = Some(result.unwrap_or_else(failed));
     }
@@ -206,6 +213,14 @@ pub fn file_names() -> Vec<String> {
     tables.chain(OTHERS.map(str::to_owned)).collect()
 }
 
+/// The pictures of models and of branches, as SVG.
+pub fn pictures(cohort: &Cohort, comparisons: &[Comparison]) -> [String; 2] {
+    [
+        picture::models(cohort, comparisons),
+        picture::branches(cohort),
+    ]
+}
+
 /// Writes tables and pictures into a folder that is there. Those of an older run are replaced, and what this one has none of is taken away.
 /// `models.csv` is written last: where it is, all is.
 ///
@@ -225,11 +240,9 @@ pub fn write(cohort: &Cohort, comparisons: &[Comparison], folder: &Path) -> Resu
         }
         false => all.insert(1, ("comparison", &comparison)),
     }
-    write_atomically(&place("branches.svg"), picture::branches(cohort).as_bytes())?;
-    write_atomically(
-        &place("models.svg"),
-        picture::models(cohort, comparisons).as_bytes(),
-    )?;
+    let [of_models, of_branches] = pictures(cohort, comparisons);
+    write_atomically(&place("branches.svg"), of_branches.as_bytes())?;
+    write_atomically(&place("models.svg"), of_models.as_bytes())?;
     let columns: Vec<(&str, &[Column])> = all
         .iter()
         .map(|(name, table)| (*name, table.columns.as_slice()))
@@ -242,3 +255,6 @@ pub fn write(cohort: &Cohort, comparisons: &[Comparison], folder: &Path) -> Resu
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

@@ -227,7 +227,15 @@ impl Told {
     /// None that a person could meet.
     pub fn new(mut analysis: Analysis) -> Result<Self> {
         analysis.nodes = Nodes::default();
-        Self::from_reader(serde_json::to_vec(&analysis)?.as_slice())
+        Self::from_bytes(&serde_json::to_vec(&analysis)?)
+    }
+
+    /// Of the bytes of such a file.
+    ///
+    /// # Errors
+    /// As [`Told::read`], without the file.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        Self::from_reader(bytes)
     }
 
     /// Reads what `ramus analyze --json` wrote into a file.
@@ -275,6 +283,13 @@ impl Form {
         ensure!(
             texts.iter().flatten().all(|text| text.len() <= TEXT_MOST),
             "has a text of more than {TEXT_MOST} bytes, and no analysis does: write it anew"
+        );
+        ensure!(
+            !texts
+                .iter()
+                .flatten()
+                .any(|text| text.contains(char::is_control)),
+            "has a path or a reason of more than one line: write it anew"
         );
         ensure!(
             !self.model.file.is_empty(),

@@ -3,7 +3,7 @@
 /// The axis is logarithmic where all numbers are above zero and the largest is more than so many times the smallest.
 const LOGARITHMIC_FROM: f64 = 50.0;
 /// Marks at most.
-const MARKS_MOST: f64 = 5.0;
+const MARKS_MOST: f64 = 6.0;
 
 /// An axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,9 +143,9 @@ mod tests {
     fn marks_are_round_numbers_within_the_axis() {
         for (numbers, logarithmic, expected) in [
             (vec![0.0, 10.0], false, "0 2 4 6 8 10"),
-            (vec![3.0], false, "2.8 3.0 3.2"),
+            (vec![3.0], false, "2.7 2.8 2.9 3.0 3.1 3.2"),
             (vec![0.0], false, "−1.0 −0.5 0 0.5 1.0"),
-            (vec![-0.021, 0.03], false, "−0.02 0 0.02"),
+            (vec![-0.021, 0.03], false, "−0.02 −0.01 0 0.01 0.02 0.03"),
             (
                 vec![2.79, 2.79004],
                 false,

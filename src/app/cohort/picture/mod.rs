@@ -33,9 +33,9 @@ const MARGINS: [f64; 4] = [44.0, 36.0, 8.0, 32.0];
 const HEIGHT: f64 = 118.0;
 const PER_GROUP: f64 = 50.0;
 const WIDTH_LEAST: f64 = 128.0;
-/// Above and below the plots.
+/// Above the plots, with one line of groups.
 const HEAD: f64 = 34.0;
-const FOOT: f64 = 44.0;
+const LEGEND_LINE: f64 = 16.0;
 /// Values from which on a box is drawn; fewer have a line at their median.
 const BOX_FROM: usize = 5;
 /// Points of a group at most; of more, those beyond the whiskers are shown.
@@ -228,26 +228,36 @@ fn page(cohort: &Cohort, plots: Vec<Plot>, foot: &[String]) -> String {
     let per_row = per_row(plots.len(), wide);
     let rows = plots.len().div_ceil(per_row);
     let width = per_row as f64 * wide + 2.0 * right;
+    let head = HEAD + legend(&mut svg, cohort, right + 6.0, width);
     for (place, plot) in plots.iter().enumerate() {
         let x = right + (place % per_row) as f64 * wide + left;
-        let y = HEAD + (place / per_row) as f64 * high + top;
+        let y = head + (place / per_row) as f64 * high + top;
         draw(&mut svg, plot, [x, y], inner, cohort);
     }
-    let mut x = right + 6.0;
-    for (place, name) in cohort.groups.iter().enumerate() {
-        let name = shortened(name, 40);
-        svg.square([x, 12.0], 9.0, colour(place));
-        svg.text([x + 13.0, 20.0], 10.0, Anchor::Start, INK, &name);
-        x += 30.0 + 6.0 * name.chars().count() as f64;
-    }
-    let mut y = HEAD + rows as f64 * high + 16.0;
+    let mut y = head + rows as f64 * high + 16.0;
     for line in foot {
         for line in wrapped(line, ((width - 24.0) / 4.6).max(40.0)) {
             svg.text([right + 6.0, y], 9.0, Anchor::Start, PALE, &line);
             y += 12.0;
         }
     }
-    svg.finish(width.max(x), y.max(HEAD + rows as f64 * high + FOOT))
+    svg.finish(width, y)
+}
+
+/// The groups' colours and names; says how much higher it is than one line.
+fn legend(svg: &mut Svg, cohort: &Cohort, left: f64, width: f64) -> f64 {
+    let [mut x, mut y] = [left, 12.0];
+    for (place, name) in cohort.groups.iter().enumerate() {
+        let name = shortened(name, 40);
+        let wide = 30.0 + 6.0 * name.chars().count() as f64;
+        if x > left && x + wide > width {
+            [x, y] = [left, y + LEGEND_LINE];
+        }
+        svg.square([x, y], 9.0, colour(place));
+        svg.text([x + 13.0, y + 8.0], 10.0, Anchor::Start, INK, &name);
+        x += wide;
+    }
+    y - 12.0
 }
 
 /// How many plots of a width stand beside each other: as many as narrow ones would, in rows of the same length.
