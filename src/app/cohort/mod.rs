@@ -33,7 +33,7 @@ use crate::tree::TreeError;
 use crate::tree::file::write_atomically;
 
 /// Branches of a cohort at most.
-const BRANCHES_MOST: usize = 20_000_000;
+const BRANCHES_MOST: usize = 10_000_000;
 /// Analyses that are read between two looks at the progress.
 const READ_TOGETHER: usize = 64;
 

@@ -113,7 +113,7 @@ fn written(mark: f64, step: f64) -> String {
     }
     let of_step = step.log10().floor();
     let size = mark.abs().log10().floor();
-    let text = match size >= 6.0 || size < -3.0 {
+    let text = match !(-3.0..6.0).contains(&size) {
         true => format!("{mark:.*e}", (size - of_step).clamp(0.0, 6.0) as usize),
         false => format!("{mark:.*}", (-of_step).clamp(0.0, 9.0) as usize),
     };

@@ -488,7 +488,7 @@ fn shape(mut shown: Vec<f64>) -> Vec<(f64, f64)> {
     }
     (0..=SHAPE_STEPS)
         .map(|step| {
-            let at = low + (high - low) * step as f64 / SHAPE_STEPS as f64;
+            let at = low + (high - low) * (step as f64 / SHAPE_STEPS as f64);
             let sum: f64 = bins
                 .iter()
                 .enumerate()
