@@ -31,7 +31,7 @@ const PER_ROW: usize = 5;
 const MARGINS: [f64; 4] = [44.0, 36.0, 8.0, 32.0];
 /// How high a plot is within its margins, and how wide for each group, at least.
 const HEIGHT: f64 = 118.0;
-const PER_GROUP: f64 = 50.0;
+const PER_GROUP: f64 = 49.0;
 const WIDTH_LEAST: f64 = 128.0;
 /// Above the plots, with one line of groups.
 const HEAD: f64 = 34.0;
