@@ -63,6 +63,8 @@ debian_family() {
         wanted+=(xvfb xdotool libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0)
         has node || wanted+=(nodejs)
         has npm || wanted+=(npm)
+        # Snakemake, which the workflow's test puts into the target folder.
+        python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || wanted+=(python3-venv)
     fi
     local package
     for package in "${wanted[@]}"; do
@@ -93,9 +95,9 @@ debian_family() {
 
 other_system() {
     say "this is ${PRETTY_NAME:-an unknown system}; Ramus needs a Vulkan driver, the Vulkan and OpenXR loaders and a C++ compiler:"
-    say "  Fedora:   sudo dnf install vulkan-loader mesa-vulkan-drivers openxr-libs gcc-c++ vulkan-validation-layers nodejs npm"
-    say "  Arch:     sudo pacman -S --needed vulkan-icd-loader vulkan-swrast openxr gcc vulkan-validation-layers nodejs npm"
-    say "  openSUSE: sudo zypper install libvulkan1 libvulkan_lvp libopenxr_loader1 gcc-c++ vulkan-validationlayers nodejs npm"
+    say "  Fedora:   sudo dnf install vulkan-loader mesa-vulkan-drivers openxr-libs gcc-c++ vulkan-validation-layers nodejs npm python3"
+    say "  Arch:     sudo pacman -S --needed vulkan-icd-loader vulkan-swrast openxr gcc vulkan-validation-layers nodejs npm python3"
+    say "  openSUSE: sudo zypper install libvulkan1 libvulkan_lvp libopenxr_loader1 gcc-c++ vulkan-validationlayers nodejs npm python3"
 }
 
 # A cargo tool of our own under target/tools, where the machine has none.

@@ -8,7 +8,7 @@ set -euo pipefail
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$repository"
 target=${CARGO_TARGET_DIR:-$repository/target}
-stages=(scripts fmt clippy fuzz docs validator driver monado build-tests doctests tests run)
+stages=(scripts fmt clippy fuzz docs validator driver monado build-tests doctests tests run workflow)
 
 if [ "${1:-}" = --list ]; then
     echo "${stages[*]}"
@@ -113,6 +113,35 @@ stage_run() {
             return 1
         fi
     done
+}
+
+# A Python with Snakemake in it, from 3.11 on, under the target folder; made anew when another version is wanted.
+snakemake_python() { # FOLDER
+    local wanted=workflows/requirements.txt python
+    ! cmp -s "$wanted" "$1/requirements.txt" || return 0
+    for python in python3 python3.14 python3.13 python3.12 python3.11; do
+        if "$python" -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+            "$python" -m venv --clear "$1" &&
+                "$1/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$wanted" &&
+                cp "$wanted" "$1/requirements.txt"
+            return
+        fi
+    done
+    echo "there is no Python from 3.11 on with venv: scripts/setup.sh test installs it on Debian and Ubuntu"
+    return 1
+}
+
+# The Snakemake workflow, on two cores here, makes what `ramus cohort` makes, byte for byte.
+stage_workflow() {
+    local folder=$target/snakemake
+    if ! snakemake_python "$folder" >"$target/snakemake.log" 2>&1; then
+        tail -n 3 "$target/snakemake.log"
+        echo "workflow: Snakemake cannot be had ($target/snakemake.log says why); away from CI the workflow's test is skipped"
+        [ "${CI:-}" != true ]
+        return
+    fi
+    stage_build-tests
+    scripts/workflow.sh "$target/debug/ramus" "$folder/bin/python" "$target/workflow-check"
 }
 
 began=$SECONDS

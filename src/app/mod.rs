@@ -7,7 +7,10 @@
 
 pub mod again;
 pub mod album;
+pub mod analysis;
 pub mod centerlines;
+pub mod cohort;
+
 pub mod convert;
 pub mod demonstration;
 pub mod doctor;
@@ -27,8 +30,21 @@ pub(crate) mod scans;
 pub mod session;
 pub mod store;
 pub mod studies;
+pub mod table;
 pub mod take_home;
 mod takeaway;
 pub mod window;
 pub mod worker;
 pub mod workshop;
+
+/// An error with its causes in one line; a cause that the text says already is not said twice.
+pub fn sentence(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |said, cause| {
+        let cause = cause.to_string();
+        match said.is_empty() {
+            true => cause,
+            false if said.contains(&cause) => said,
+            false => format!("{said}: {cause}"),
+        }
+    })
+}

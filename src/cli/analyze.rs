@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::{Context as _, Result};
 use clap::Args as ClapArgs;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::DVec3;
@@ -15,14 +15,13 @@ use super::inspect::{Drawn, Loaded, Up, draw_xray};
 use super::outputs::{check_places, not_over_each_other, picture_file};
 use super::print_result;
 use super::progress::Progress;
+use crate::app::analysis::{
+    Wanted, checked, endpoints, found, given_to_skeleton, measured, prepared, skeleton,
+};
 use crate::app::{centerlines, ends};
-use crate::centerline::analysis::{Analysis, ModelFacts};
-use crate::centerline::{Centerline, Params, centerline};
-use crate::mesh::endpoints::{Endpoint, Kind, propose};
-use crate::mesh::pick::Picker;
-use crate::mesh::report::{ReportParams, report};
-use crate::mesh::surface::Surface;
-use crate::mesh::unit::{Scale, Unit};
+use crate::centerline::Centerline;
+use crate::centerline::analysis::Analysis;
+use crate::mesh::unit::Unit;
 
 mod text;
 
@@ -112,29 +111,22 @@ pub(super) fn run(
     let load = milliseconds(started);
     let name = args.model.display();
     let cannot = || format!("cannot analyze {name}");
+    let wanted = Wanted {
+        source: args.source,
+        endpoints: given,
+        bridge: args.bridge,
+    };
     let (mut analysis, found) = match &loaded.skeleton {
-        Some(skeleton) => {
-            if args.source.is_some() || given.is_some() || args.auto || args.bridge.is_some() {
-                bail!(
-                    "{name} is a skeleton already: leave out --source, --targets, --auto and --bridge, and it is measured as it is"
-                );
-            }
-            let found = Centerline {
-                tree: skeleton.clone(),
-                origin: loaded.mesh.origin,
-                ..Centerline::default()
-            };
-            let model = ModelFacts {
-                file: name.to_string(),
-                unit: loaded.scale.map(|scale| scale.unit.name()),
-                ..ModelFacts::default()
-            };
+        Some(_) if args.auto => return Err(given_to_skeleton(&name.to_string())),
+        Some(tree) => {
             let measuring = Instant::now();
-            let mut analysis = Analysis::new(model, &found, false, 0);
+            let origin = loaded.mesh.origin;
+            let name = name.to_string();
+            let (mut analysis, found) = skeleton(&wanted, tree, origin, &name, loaded.scale)?;
             analysis.timing_ms.measure = milliseconds(measuring);
             (analysis, found)
         }
-        None => of_surface(args, &loaded, given).with_context(cannot)?,
+        None => of_surface(args, &loaded, &wanted).with_context(cannot)?,
     };
     analysis.timing_ms.load = load;
     if let Some(path) = &args.csv {
@@ -167,100 +159,30 @@ fn milliseconds(since: Instant) -> f64 {
 }
 
 /// Finds endpoints where they are not given, the centerlines, and measures them.
-fn of_surface(
-    args: &Args,
-    loaded: &Loaded,
-    given: Option<Vec<Endpoint>>,
-) -> Result<(Analysis, Centerline)> {
-    let never = AtomicBool::new(false);
-    let stopped = || anyhow!("it was cancelled");
+fn of_surface(args: &Args, loaded: &Loaded, wanted: &Wanted) -> Result<(Analysis, Centerline)> {
     let repairing = Instant::now();
     let mut progress = Progress::new("checking");
-    let report = report(
-        &loaded.mesh,
-        &ReportParams::default(),
-        &never,
-        &mut |done, of| progress.show(done, of),
-    )?;
+    let report = checked(&loaded.mesh, &mut |done, of| progress.show(done, of))?;
     let mut progress = Progress::new("preparing");
-    let picker = Picker::new(Arc::new(loaded.mesh.clone()), &never, &mut |done, of| {
+    let prepared = prepared(&loaded.mesh, report, &mut |done, of| {
         progress.show(done, of)
-    });
-    let surface = picker
-        .and_then(|picker| Surface::new(picker, &never))
-        .ok_or_else(stopped)?;
+    })?;
     let repair = milliseconds(repairing);
     let finding = Instant::now();
-    let endpoints = endpoints(args, given, &surface)?;
+    let endpoints = Progress::during("proposing ends", || endpoints(wanted, &prepared))?;
     let mut progress = Progress::new("looking for centerlines");
-    let params = Params {
-        bridge: args.bridge,
-        proposed: args.source.is_none() && args.targets.is_none(),
-    };
-    let found = centerline(&surface, &endpoints, &params, &never, &mut |done, of| {
+    let found = found(wanted, &prepared, &endpoints, &mut |done, of| {
         progress.show(done, of)
     })?;
     let finding = milliseconds(finding);
     for one in &found.unreached {
         whisper!("{} is {one}", one.name);
     }
-    let scale = loaded
-        .scale
-        .or_else(|| Scale::guessed(report.size().max_element()));
-    let model = ModelFacts::new(args.model.display().to_string(), &report, scale);
-    let loops = report
-        .components
-        .iter()
-        .filter_map(|component| component.genus())
-        .sum::<u32>();
     let measuring = Instant::now();
-    let automatic = args.targets.is_none();
-    let mut analysis = Analysis::new(model, &found, automatic, loops as usize);
+    let name = args.model.display().to_string();
+    let mut analysis = measured(wanted, &prepared, &found, name, loaded.scale);
     analysis.timing_ms.repair = repair;
     analysis.timing_ms.centerline = finding;
     analysis.timing_ms.measure = milliseconds(measuring);
     Ok((analysis, found))
-}
-
-/// What was given, and what is found for what was not.
-fn endpoints(
-    args: &Args,
-    given: Option<Vec<Endpoint>>,
-    surface: &Surface,
-) -> Result<Vec<Endpoint>> {
-    let source = args.source.map(|point| Endpoint {
-        point,
-        name: "source".to_owned(),
-        kind: Kind::Source,
-        snapped: None,
-    });
-    let mut ends = match given {
-        Some(given) => given,
-        None => {
-            let never = AtomicBool::new(false);
-            let found =
-                Progress::during("proposing ends", || propose(surface, &never)).unwrap_or_default();
-            let mut found: Vec<Endpoint> = found.into_iter().map(|one| one.endpoint).collect();
-            if found.len() < 2 {
-                bail!("no ends were found on its surface: give some with --source and --targets");
-            }
-            if let Some(source) = &source {
-                // The end that the source stands for is not a target of its own.
-                let distance = |end: &Endpoint| end.point.distance(source.point);
-                let nearest = found
-                    .iter()
-                    .enumerate()
-                    .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
-                let nearest = nearest.map(|(place, _)| place);
-                nearest.map(|place| found.remove(place));
-                found.iter_mut().for_each(|end| end.kind = Kind::Target);
-            }
-            found
-        }
-    };
-    if let Some(source) = source {
-        ends.retain(|end| end.kind == Kind::Target);
-        ends.insert(0, source);
-    }
-    Ok(ends)
 }

@@ -17,6 +17,7 @@ macro_rules! whisper {
 }
 
 mod analyze;
+mod cohort;
 mod derive;
 mod doctor;
 mod explain;
@@ -35,6 +36,8 @@ use std::io::{BufWriter, ErrorKind, IsTerminal as _, StdoutLock, Write as _};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use crate::app::sentence;
 
 /// What `ramus` is asked to do.
 #[derive(Debug, Parser)]
@@ -55,6 +58,7 @@ use clap::{Parser, Subcommand};
         ramus fmt *.lsys                              lay grammars out in the canonical way\n  \
         ramus inspect duct.ply                        what a scanned model is like and what is wrong with it\n  \
         ramus analyze duct.ply --png duct.png         its centerlines, measured and drawn\n  \
+        ramus cohort models --groups groups.csv --out results\n  \
         ramus doctor                                  what this machine has and what it lacks"
 )]
 struct Cli {
@@ -80,6 +84,8 @@ enum Command {
     Inspect(inspect::Args),
     /// Finds a scanned model's centerlines and measures them.
     Analyze(analyze::Args),
+    /// Analyzes several models into one table and compares groups of them.
+    Cohort(cohort::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
     Doctor,
 }
@@ -99,6 +105,7 @@ pub fn run() -> ExitCode {
         Some(Command::Import(args)) => import::run(&args),
         Some(Command::Inspect(args)) => inspect::run(&args, inspect::load),
         Some(Command::Analyze(args)) => analyze::run(&args, inspect::load),
+        Some(Command::Cohort(args)) => cohort::run(&args),
         Some(Command::Doctor) => doctor::run(),
     };
     match result {
@@ -130,18 +137,6 @@ fn print_result(
         }
         _ => Ok(()),
     }
-}
-
-/// An error with its causes in one line; a cause that the text says already is not said twice.
-fn sentence(error: &anyhow::Error) -> String {
-    error.chain().fold(String::new(), |said, cause| {
-        let cause = cause.to_string();
-        match said.is_empty() {
-            true => cause,
-            false if said.contains(&cause) => said,
-            false => format!("{said}: {cause}"),
-        }
-    })
 }
 
 /// Warnings go to standard error; `RAMUS_LOG` (as `RUST_LOG`) asks for more or less.

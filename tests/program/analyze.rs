@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::*;
 
 /// A tube of radius 2 from 0 to 40 along x, open at both ends, as OBJ.
-fn tube() -> String {
+pub(super) fn tube() -> String {
     let (round, rows) = (36_u32, 41_u32);
     let mut text = String::new();
     for row in 0..rows {

@@ -15,6 +15,7 @@ use ramus_xr::{Frame, Pose, session};
 use tempfile::TempDir;
 
 mod analyze;
+mod cohort;
 mod disk;
 mod doctor;
 mod explain;

@@ -11,6 +11,7 @@
 //! from Arborized 3D Model Using a Web Application".
 
 mod branch;
+pub mod compare;
 mod course;
 mod junction;
 mod orders;
@@ -20,7 +21,7 @@ mod table;
 pub use self::branch::{Branch, RadiusAlong};
 pub use self::junction::Junction;
 pub use self::orders::{Order, Ratios};
-pub use self::statistics::{Spread, spread};
+pub use self::statistics::{Spread, quantile, spread};
 pub use self::table::Table;
 use super::{NO_PARENT, Tree};
 
