@@ -2,7 +2,8 @@
 
 #![allow(
     clippy::unwrap_used,
-    reason = "a test that stops says enough by stopping"
+    clippy::cast_possible_truncation,
+    reason = "a test that stops says enough by stopping, and trees are in single precision"
 )]
 
 use std::path::PathBuf;
@@ -12,6 +13,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use super::{Mesh, MeshError, ReadLimits, read};
+use crate::tree::{NO_PARENT, Node, Tree};
 
 fn folder() -> Option<PathBuf> {
     let shared =
@@ -73,6 +75,30 @@ impl Skeleton {
     /// The smallest radius.
     pub(crate) fn thinnest(&self) -> f64 {
         self.radius.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// As a tree; the root is its first node.
+    pub(crate) fn tree(&self) -> Tree {
+        let mut tree = Tree {
+            letters: vec!["truth".to_owned()],
+            ..Tree::default()
+        };
+        let roots = (0..self.nodes.len()).filter(|node| self.parent[*node] < 0);
+        let mut open: Vec<(usize, u32)> = roots.map(|root| (root, NO_PARENT)).collect();
+        while let Some((node, parent)) = open.pop() {
+            let place = tree.push(Node {
+                parent,
+                position: self.nodes[node].as_vec3(),
+                radius: self.radius[node] as f32,
+                letter: 0,
+                order: 0,
+                birth: 0,
+            });
+            let children = (0..self.nodes.len())
+                .filter(|child| usize::try_from(self.parent[*child]) == Ok(node));
+            open.extend(children.map(|child| (child, place)));
+        }
+        tree
     }
 
     /// How far a point is from the skeleton, and the radius there.

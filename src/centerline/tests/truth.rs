@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::*;
 use crate::mesh::endpoints::propose;
-use crate::mesh::truth::{Seeds, Skeleton, model, seeds, skeleton};
-use crate::tree::measure::Measures;
+use crate::mesh::truth::{Seeds, Skeleton, model, model_of, seeds, skeleton};
+use crate::tree::measure::{Junction, Measures};
 
 /// What VMTK reaches, and what is asked for.
 struct Bar {
@@ -13,9 +13,9 @@ struct Bar {
     truth: &'static str,
     /// VMTK's mean distance from the axis, in radii.
     vmtk_mean: f64,
-    /// How far half of the points may be off at most.
+    /// How far half of the points may be off at most, in radii.
     median: f64,
-    /// How far half of the radii may be off at most.
+    /// How far half of the radii may be off at most, as a part.
     radius: f64,
     /// Junctions by their number of daughters.
     junctions: &'static [(usize, usize)],
@@ -28,12 +28,23 @@ const BARS: &[Bar] = &[
     bar("d_duct13", "d_duct13", 0.0097, 0.0012, &[(2, 10), (3, 1)]),
     Bar {
         // Ten vertices go round its thinnest branches: VMTK's median is 0.0012 there.
-        median: 0.0020,
+        median: 0.0021,
         ..bar(
             "e_artery40_50k",
             "e_artery40",
             0.0131,
             0.0,
+            &[(2, 25), (3, 7)],
+        )
+    },
+    Bar {
+        // Five go round them here: the wall itself is off by a hundredth of a radius and more.
+        radius: 0.009,
+        ..bar(
+            "e_artery40_10k",
+            "e_artery40",
+            0.0208,
+            0.0069,
             &[(2, 25), (3, 7)],
         )
     },
@@ -99,6 +110,78 @@ fn median(values: &mut [f64]) -> f64 {
     values[values.len() / 2]
 }
 
+/// The nodes from an end to the root.
+fn way(tree: &Tree, end: u32) -> Vec<u32> {
+    let mut way = vec![end];
+    while let Some(parent) = way
+        .last()
+        .map(|node| tree.parent[*node as usize])
+        .filter(|parent| *parent != NO_PARENT)
+    {
+        way.push(parent);
+    }
+    way
+}
+
+fn place(tree: &Tree, node: u32) -> DVec3 {
+    tree.position[node as usize].as_dvec3()
+}
+
+fn length(tree: &Tree, end: u32) -> f64 {
+    let way = way(tree, end);
+    way.windows(2)
+        .map(|pair| place(tree, pair[0]).distance(place(tree, pair[1])))
+        .sum()
+}
+
+/// By how much ways are longer or shorter than the true ones, each with what is left to where those begin and end.
+fn off_in_length(found: &Centerline, truth: &Tree, seeds: &Seeds) -> Vec<f64> {
+    let ends = found.ends.iter().flatten().zip(&seeds.targets);
+    ends.map(|(end, target)| {
+        let to = |node: &u32| place(truth, *node).distance_squared(*target);
+        let tips = truth.tips();
+        let tip = tips.iter().min_by(|a, b| to(a).total_cmp(&to(b))).unwrap();
+        let at = |node: u32| place(&found.tree, node) + found.origin;
+        let [first, last] = [at(*way(&found.tree, *end).last().unwrap()), at(*end)];
+        let left = last.distance(place(truth, *tip)) + first.distance(place(truth, 0));
+        (length(&found.tree, *end) + left) / length(truth, *tip) - 1.0
+    })
+    .collect()
+}
+
+/// By how many degrees angles between daughters are off, each pair with the true one whose daughters point the same ways.
+fn off_in_angle(found: &Centerline, truth: &Tree) -> Vec<f64> {
+    let (ours, theirs) = (Measures::new(&found.tree), Measures::new(truth));
+    let mut off = Vec::new();
+    for junction in &ours.junctions {
+        let here = place(&found.tree, junction.node) + found.origin;
+        let to = |other: &&Junction| place(truth, other.node).distance(here);
+        let other = theirs
+            .junctions
+            .iter()
+            .min_by(|a, b| to(a).total_cmp(&to(b)));
+        let others = &other.unwrap().vectors;
+        let same = |vector: &DVec3| {
+            let along = |other: &&DVec3| other.dot(*vector);
+            *others
+                .iter()
+                .max_by(|a, b| along(a).total_cmp(&along(b)))
+                .unwrap()
+        };
+        for (number, one) in junction.vectors.iter().enumerate() {
+            for other in &junction.vectors[number + 1..] {
+                let true_angle = same(one).angle_between(same(other));
+                off.push((one.angle_between(*other) - true_angle).to_degrees());
+            }
+        }
+    }
+    off
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
 fn ends(seeds: &Seeds) -> Vec<Endpoint> {
     let targets = seeds
         .targets
@@ -143,11 +226,21 @@ fn lines_are_nearer_to_the_axis_than_vmtks_and_junctions_are_exact() {
             bar.mesh
         );
         assert_eq!(measures.tips, seeds.targets.len(), "{}", bar.mesh);
+        let tree = truth.tree();
+        let mut lengths = off_in_length(&found, &tree, &seeds);
+        lengths.iter_mut().for_each(|off| *off = off.abs());
+        let angles = off_in_angle(&found, &tree);
+        let turned: Vec<f64> = angles.iter().map(|off| off.abs()).collect();
+        let branches = measures.table.branch_length.mean;
+        let branches = branches / Measures::new(&tree).table.branch_length.mean - 1.0;
+        assert!(mean(&lengths) < 0.01, "{}: {lengths:?}", bar.mesh);
+        assert!(branches.abs() < 0.01, "{}: branches {branches}", bar.mesh);
+        assert!(mean(&turned) < 1.5, "{}: {angles:?}", bar.mesh);
         let (mut distances, mut radii) = errors(&found, &truth, 0.25 * truth.thinnest());
-        let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+        let far = mean(&distances);
         assert!(
-            mean <= bar.vmtk_mean,
-            "{}: mean distance {mean}, VMTK {}",
+            far <= bar.vmtk_mean,
+            "{}: mean distance {far}, VMTK {}",
             bar.mesh,
             bar.vmtk_mean
         );
@@ -160,8 +253,11 @@ fn lines_are_nearer_to_the_axis_than_vmtks_and_junctions_are_exact() {
         let radius = median(&mut radii);
         assert!(radius <= bar.radius, "{}: median radius {radius}", bar.mesh);
         eprintln!(
-            "{}: distance mean {mean:.5} median {distance:.5}, radius {radius:.5}",
-            bar.mesh
+            "{}: distance mean {far:.5} median {distance:.5}, radius {radius:.5}, lengths {:.5}, branches {branches:.5}, angles {:.2} degrees, {:.2} in the mean",
+            bar.mesh,
+            mean(&lengths),
+            mean(&turned),
+            mean(&angles),
         );
     }
 }
@@ -243,5 +339,68 @@ fn the_same_lines_come_of_proposed_ends_and_of_a_turned_and_scaled_model() {
         (one.bifurcation_angle.mean, other.bifurcation_angle.mean),
     ] {
         assert!((one / other - 1.0).abs() < 0.01, "{one} {other}");
+    }
+}
+
+#[test]
+fn ends_that_are_found_lead_to_every_tip_and_no_other() {
+    for bar in BARS {
+        let Some(mesh) = model(&format!("{}.ply", bar.mesh)) else {
+            return;
+        };
+        let never = AtomicBool::new(false);
+        let surface = surface(mesh);
+        let ends: Vec<Endpoint> = propose(&surface, &never)
+            .unwrap()
+            .into_iter()
+            .map(|one| one.endpoint)
+            .collect();
+        let params = Params {
+            proposed: true,
+            ..Params::default()
+        };
+        let found = centerline(&surface, &ends, &params, &never, &mut |_, _| {}).unwrap();
+        let measures = Measures::new(&found.tree);
+        let branches: usize = bar.junctions.iter().map(|(_, count)| count).sum();
+        assert_eq!(
+            measures.tips,
+            seeds(bar.truth).targets.len(),
+            "{}",
+            bar.mesh
+        );
+        assert_eq!(measures.junctions.len(), branches, "{}", bar.mesh);
+        assert!(found.unreached.is_empty(), "{}", bar.mesh);
+    }
+}
+
+#[test]
+fn tubes_of_a_games_tree_and_a_neuron_of_scraps_are_found_whole() {
+    // Tubes, tips reached, and junctions: one where each tube but the first begins; where two begin in one place they are one.
+    for (name, tips, junctions) in [
+        ("eztree_ash_small.ply", 44, 40..=43),
+        ("eztree_oak_medium.ply", 138, 120..=139),
+        ("skeletor_722817260.obj", 290, 240..=330),
+        ("vmtk_aorta-surface-two-segments.vtp", 2, 1..=1),
+    ] {
+        let Some(mesh) = model_of("real", name) else {
+            return;
+        };
+        let never = AtomicBool::new(false);
+        let surface = surface(mesh);
+        let ends: Vec<Endpoint> = propose(&surface, &never)
+            .unwrap()
+            .into_iter()
+            .map(|one| one.endpoint)
+            .collect();
+        let params = Params {
+            proposed: true,
+            ..Params::default()
+        };
+        let found = centerline(&surface, &ends, &params, &never, &mut |_, _| {}).unwrap();
+        let measures = Measures::new(&found.tree);
+        assert!(found.unreached.is_empty(), "{name}: {:?}", found.unreached);
+        assert!(measures.tips >= tips, "{name}: {}", measures.tips);
+        let count = measures.junctions.len();
+        assert!(junctions.contains(&count), "{name}: {count} junctions");
     }
 }
