@@ -1,0 +1,474 @@
+//! What a model's page says of its centerlines: a table of branches, what they are like together, plots, and what is not reached.
+
+use std::sync::Arc;
+
+use egui::{Button, Grid, RichText, ScrollArea, Ui};
+
+use super::{
+    LineWish,
+    marks::page,
+    models::TITLE_SIZE,
+    panels::{View, Wish},
+    plot::{self, Histogram},
+    theme::{MESSAGE, TITLE},
+    words::Words,
+};
+use crate::centerline::analysis::{BranchFacts, MeanStd};
+use crate::mesh::unit::{Rounded, Unit};
+use crate::tree::measure::Spread;
+use crate::world::DrawTool;
+use crate::world::lines::{Dimension, LineLook, Lines, Quantity, Shading};
+use crate::world::model::Model;
+use crate::world::scene::SurfaceLook;
+
+/// Rows of the table that are seen at a time.
+const ROWS: u8 = 9;
+/// Columns of the table beside the number of the branch and what it is coloured by.
+const COLUMNS: [Quantity; 3] = [Quantity::Length, Quantity::Radius, Quantity::Order];
+/// Files that are written.
+const ENDINGS: [(&str, &str); 5] = [
+    ("SWC", "swc"),
+    ("VTP", "vtp"),
+    ("GLB", "glb"),
+    ("CSV", "csv"),
+    ("JSON", "json"),
+];
+
+/// What the page remembers between looks.
+#[derive(Default)]
+pub(super) struct Table {
+    /// By what it is sorted (the number of the branch, where by nothing), and whether the largest is first.
+    by: Option<Quantity>,
+    falls: bool,
+    /// The order of the rows, and for what it was made.
+    order: Vec<usize>,
+    of: Option<(Arc<Lines>, Option<Quantity>, bool)>,
+    /// The branch that the table was scrolled to last.
+    scrolled_to: Option<usize>,
+    bars: Option<(Arc<Lines>, Quantity, Histogram)>,
+    /// The first row that is seen of what is not reached.
+    first: usize,
+}
+
+/// A model's centerlines on the page.
+struct Page<'a> {
+    at: usize,
+    lines: &'a Arc<Lines>,
+    words: &'a Words,
+    unit: Unit,
+    lit: Option<usize>,
+    wishes: &'a mut Vec<Wish>,
+}
+
+impl Table {
+    /// Lays out what concerns one model; how its centerlines look is changed in `model`.
+    pub(super) fn show(
+        &mut self,
+        ui: &mut Ui,
+        view: &View<'_>,
+        words: &Words,
+        (at, model): (usize, &mut Model),
+        wishes: &mut Vec<Wish>,
+    ) {
+        let Some(mut look) = model.lines else {
+            if ui.button(words.find_lines).clicked() {
+                model.lines = Some(LineLook::default());
+                // What hides them is seen through from now on.
+                if model.surface.is_some() {
+                    model.surface = Some(SurfaceLook::XRay);
+                }
+            }
+            return;
+        };
+        // As it is kept: a hand that carries an endpoint changes nothing yet.
+        let kept = view.world.document().models.get(at);
+        let found = kept.and_then(|kept| view.world.lines(kept));
+        match found {
+            None => searching(ui, view, words, model, wishes),
+            Some(Err(why)) => {
+                let why = view.settings.language.say(why);
+                ui.label(RichText::new(why).color(MESSAGE));
+                if ui.button(words.again).clicked() {
+                    wishes.push(Wish::Line(LineWish::Again(at)));
+                }
+            }
+            Some(Ok(lines)) => {
+                let shading = kept.and_then(|kept| view.world.shading(kept));
+                let mut page = Page {
+                    at,
+                    lines,
+                    words,
+                    unit: model.unit,
+                    lit: kept.and_then(|kept| view.world.lit_branch(kept)),
+                    wishes,
+                };
+                page.counts(ui);
+                trigger(ui, view, words, page.wishes);
+                coloured_by(ui, words, &mut look);
+                legend(ui, shading, words, model.unit);
+                self.unreached(ui, view, &page);
+                ui.separator();
+                self.table(ui, &mut page, look.by);
+                self.plots(ui, &page, look.by);
+                ui.separator();
+                page.summary(ui);
+                page.files(ui);
+            }
+        }
+        model.lines = Some(look);
+        ui.separator();
+        if ui.button(words.no_lines).clicked() {
+            model.lines = None;
+        }
+    }
+
+    /// Targets that no way leads to.
+    fn unreached(&mut self, ui: &mut Ui, view: &View<'_>, page: &Page<'_>) {
+        let all = &page.lines.centerline.unreached;
+        if all.is_empty() {
+            return;
+        }
+        let heading = format!("{}: {}", page.words.not_reached, all.len());
+        ui.label(RichText::new(heading).color(MESSAGE));
+        for row in self::page(ui, &mut self.first, all.len()) {
+            if let Some(one) = all.get(row) {
+                let why = view.settings.language.say(&one.to_string());
+                ui.label(format!("{}: {why}", one.name));
+            }
+        }
+    }
+
+    /// The order of the rows.
+    fn sort(&mut self, lines: &Arc<Lines>) {
+        let is_so = |(of, by, falls): &(Arc<Lines>, Option<Quantity>, bool)| {
+            Arc::ptr_eq(of, lines) && (*by, *falls) == (self.by, self.falls)
+        };
+        if self.of.as_ref().is_some_and(is_so) {
+            return;
+        }
+        self.order = ordered(&lines.analysis.branches, self.by, self.falls);
+        self.of = Some((Arc::clone(lines), self.by, self.falls));
+        self.scrolled_to = None;
+    }
+
+    fn table(&mut self, ui: &mut Ui, page: &mut Page<'_>, by: Option<Quantity>) {
+        self.sort(page.lines);
+        let mut columns: Vec<Quantity> = COLUMNS.to_vec();
+        let further = by.filter(|by| *by != Quantity::RadiusHere && !columns.contains(by));
+        columns.push(further.unwrap_or(Quantity::Tortuosity));
+        #[expect(clippy::cast_precision_loss, reason = "five columns")]
+        let width = (ui.available_width() - 20.0) / (columns.len() as f32 + 0.6);
+        let height = ui.spacing().interact_size.y;
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 0.0;
+            let mut head = |ui: &mut Ui, of: Option<Quantity>, name: &str, width: f32| {
+                let mark = match (self.by == of, self.falls) {
+                    (false, _) => "",
+                    (true, false) => " +",
+                    (true, true) => " -",
+                };
+                let button = Button::new(format!("{name}{mark}")).truncate();
+                if ui.add_sized([width, height], button).clicked() {
+                    self.falls = self.by == of && !self.falls;
+                    self.by = of;
+                }
+            };
+            head(ui, None, page.words.branch, width * 0.6 + 8.0);
+            for column in &columns {
+                head(ui, Some(*column), name(*column, page.words), width);
+            }
+        });
+        self.sort(page.lines);
+        let mut area = ScrollArea::vertical()
+            .id_salt("branches")
+            .auto_shrink([false, true])
+            .max_height((height + ui.spacing().item_spacing.y) * f32::from(ROWS));
+        if self.scrolled_to != page.lit {
+            self.scrolled_to = page.lit;
+            let row = self.order.iter().position(|one| Some(*one) == page.lit);
+            if let Some(row) = row {
+                #[expect(clippy::cast_precision_loss, reason = "a place on a panel")]
+                let above = row as f32 - f32::from(ROWS / 2);
+                let offset = above * (height + ui.spacing().item_spacing.y);
+                area = area.vertical_scroll_offset(offset.max(0.0));
+            }
+        }
+        area.show_rows(ui, height, self.order.len(), |ui, rows| {
+            for row in rows {
+                if let Some(facts) = self
+                    .order
+                    .get(row)
+                    .and_then(|one| page.lines.analysis.branches.get(*one))
+                    && page.row(ui, facts, &columns, [width, height])
+                {
+                    // It is where the hand is: it need not be scrolled to.
+                    let lit = (page.lit != Some(facts.id)).then_some(facts.id);
+                    self.scrolled_to = lit;
+                    page.wishes.push(Wish::Line(LineWish::Light(page.at, lit)));
+                }
+            }
+        });
+    }
+
+    fn plots(&mut self, ui: &mut Ui, page: &Page<'_>, by: Option<Quantity>) {
+        let (words, of) = (page.words, by.unwrap_or(Quantity::Length));
+        let facts = page
+            .lit
+            .and_then(|branch| page.lines.analysis.branches.get(branch));
+        if let Some(facts) = facts {
+            ui.label(format!(
+                "{} {}: {}",
+                words.branch, facts.id, words.path_radius
+            ));
+            let (path, within) = page.lines.path_through(facts.id);
+            plot::line(ui, &path, &within, page.unit.symbol());
+        }
+        let is_so = |(lines, by, _): &(Arc<Lines>, Quantity, Histogram)| {
+            Arc::ptr_eq(lines, page.lines) && *by == of
+        };
+        if !self.bars.as_ref().is_some_and(is_so) {
+            let bars = Histogram::of(&page.lines.numbers(of));
+            self.bars = bars.map(|bars| (Arc::clone(page.lines), of, bars));
+        }
+        if let Some((_, _, bars)) = &self.bars {
+            ui.label(format!("{}: {}", name(of, words), words.how_many));
+            #[expect(clippy::cast_possible_truncation, reason = "a place in a plot")]
+            let chosen = facts.map(|facts| of.of(facts) as f32);
+            plot::bars(ui, bars, of.ramp(), &symbol(of, page.unit), chosen);
+        }
+    }
+}
+
+impl Page<'_> {
+    fn counts(&self, ui: &mut Ui) {
+        let (counts, words) = (self.lines.analysis.counts, self.words);
+        ui.label(format!(
+            "{} {}, {} {}, {} {}",
+            counts.branches,
+            words.branches,
+            counts.junctions,
+            words.junctions,
+            counts.tips,
+            words.tips
+        ));
+    }
+
+    /// A row of the table; whether it was pressed.
+    fn row(&self, ui: &mut Ui, facts: &BranchFacts, columns: &[Quantity], size: [f32; 2]) -> bool {
+        let [width, height] = size;
+        let is_lit = self.lit == Some(facts.id);
+        let (place, answer) = ui.allocate_exact_size(
+            egui::vec2(ui.available_width(), height),
+            egui::Sense::click(),
+        );
+        let fill = match (is_lit, answer.hovered()) {
+            (true, _) => Some(plot::lit_colour().gamma_multiply(0.6)),
+            (false, true) => Some(ui.visuals().widgets.hovered.bg_fill),
+            (false, false) => None,
+        };
+        if let Some(fill) = fill {
+            ui.painter().rect_filled(place, 3.0, fill);
+        }
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let ink = ui.visuals().text_color();
+        let mut right = place.left() + width * 0.6 + 4.0;
+        let cell = |text: String, right: f32| {
+            let at = egui::pos2(right, place.center().y);
+            let align = egui::Align2::RIGHT_CENTER;
+            ui.painter().text(at, align, text, font.clone(), ink);
+        };
+        cell(facts.id.to_string(), right);
+        for column in columns {
+            right += width;
+            cell(rounded(column.of(facts)), right);
+        }
+        answer.clicked()
+    }
+
+    /// What the branches are like together: the source papers' table.
+    fn summary(&self, ui: &mut Ui) {
+        let (words, table) = (self.words, self.lines.analysis.table);
+        ui.label(RichText::new(words.summary).color(TITLE).size(TITLE_SIZE));
+        let unit = self.unit.symbol();
+        let per = format!("1/{unit}");
+        let rows: [(&str, &str, Spread); 7] = [
+            (words.length, unit, table.branch_length),
+            (words.points, unit, table.point_radius),
+            (words.part_lines, unit, table.centerline_length),
+            (words.angle_between, "°", table.bifurcation_angle_deg),
+            (words.tortuosity, "", table.tortuosity),
+            (words.curvature, &per, table.curvature),
+            (words.torsion, &per, table.torsion),
+        ];
+        Grid::new("summary")
+            .num_columns(6)
+            .spacing([6.0, 3.0])
+            .show(ui, |ui| {
+                for head in [
+                    "",
+                    "n",
+                    words.mean,
+                    words.deviation,
+                    words.least,
+                    words.most,
+                ] {
+                    ui.label(head);
+                }
+                ui.end_row();
+                for (name, unit, spread) in rows {
+                    ui.add(egui::Label::new(format!("{name} {unit}")).truncate());
+                    ui.label(spread.n.to_string());
+                    for number in [spread.mean, spread.std, spread.min, spread.max] {
+                        ui.label(if spread.n > 0 {
+                            rounded(number)
+                        } else {
+                            "-".to_owned()
+                        });
+                    }
+                    ui.end_row();
+                }
+            });
+        let MeanStd { mean, std } = table.upwards_angle_deg;
+        ui.label(format!(
+            "{} {} {unit}, {} ± {}°",
+            words.stem,
+            rounded(table.stem_length),
+            rounded(mean),
+            rounded(std)
+        ));
+    }
+
+    fn files(&mut self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(self.words.write_lines);
+            for (name, ending) in ENDINGS {
+                if ui.button(name).clicked() {
+                    self.wishes
+                        .push(Wish::Line(LineWish::Write(self.at, ending)));
+                }
+            }
+        });
+    }
+}
+
+/// How far the search is.
+fn searching(ui: &mut Ui, view: &View<'_>, words: &Words, model: &Model, wishes: &mut Vec<Wish>) {
+    let finding = view.world.finding();
+    let Some(finding) = finding.filter(|finding| finding.file == model.file) else {
+        ui.label(words.waits);
+        return;
+    };
+    ui.horizontal_wrapped(|ui| {
+        ui.label(format!("{}: {} %", words.finding, finding.percent));
+        if ui.button(words.cancel).clicked() {
+            wishes.push(Wish::Line(LineWish::Stop));
+        }
+    });
+}
+
+/// Whether the trigger chooses branches.
+fn trigger(ui: &mut Ui, view: &View<'_>, words: &Words, wishes: &mut Vec<Wish>) {
+    let mut draw = view.draw;
+    ui.horizontal_wrapped(|ui| {
+        ui.label(words.the_trigger);
+        ui.selectable_value(&mut draw.tool, DrawTool::Draw, words.trigger_draws);
+        ui.selectable_value(&mut draw.tool, DrawTool::Branch, words.trigger_chooses);
+    });
+    if draw != view.draw {
+        wishes.push(Wish::Draw(draw));
+    }
+}
+
+fn coloured_by(ui: &mut Ui, words: &Words, look: &mut LineLook) {
+    ui.horizontal_wrapped(|ui| {
+        ui.label(words.colour_by);
+        ui.selectable_value(&mut look.by, None, words.nothing);
+        for by in Quantity::ALL {
+            ui.selectable_value(&mut look.by, Some(by), name(by, words));
+        }
+    });
+    ui.checkbox(&mut look.balls, words.inscribed_balls);
+}
+
+/// What the colours mean.
+fn legend(ui: &mut Ui, shading: Option<&Shading>, words: &Words, unit: Unit) {
+    let Some((by, shading)) = shading.and_then(|shading| Some((shading.by?, shading))) else {
+        return;
+    };
+    match shading.range {
+        Some(range) => super::marks::scale(ui, by.ramp(), range, &symbol(by, unit)),
+        None => _ = ui.label(words.no_numbers),
+    }
+}
+
+/// Branches in an order: by a quantity, those without a number last; by nothing, as they are numbered.
+fn ordered(branches: &[BranchFacts], by: Option<Quantity>, falls: bool) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..branches.len()).collect();
+    let Some(by) = by else {
+        if falls {
+            order.reverse();
+        }
+        return order;
+    };
+    let number = |at: usize| branches.get(at).map_or(f64::NAN, |branch| by.of(branch));
+    order.sort_by(|one, other| {
+        let [a, b] = [one, other].map(|at| number(*at));
+        let sorted = match falls {
+            true => b.total_cmp(&a),
+            false => a.total_cmp(&b),
+        };
+        (a.is_nan().cmp(&b.is_nan())).then(sorted)
+    });
+    order
+}
+
+/// What a person reads beside a branch that a hand is at.
+pub(super) fn said(view: &View<'_>, words: &Words, at: usize, branch: usize) -> Option<String> {
+    let model = view.world.document().models.get(at)?;
+    let lines = view.world.lines(model)?.ok()?;
+    let facts = lines.analysis.branches.get(branch)?;
+    let unit = model.unit.symbol();
+    Some(format!(
+        "{} {branch}: {} {unit}, {} {} {unit}",
+        words.branch,
+        rounded(facts.length),
+        words.radius,
+        rounded(facts.radius.along.mean)
+    ))
+}
+
+fn rounded(number: f64) -> String {
+    match number.is_finite() {
+        true => Rounded(number).to_string(),
+        false => "-".to_owned(),
+    }
+}
+
+fn name(of: Quantity, words: &Words) -> &'static str {
+    match of {
+        Quantity::RadiusHere => words.radius_here,
+        Quantity::Length => words.length,
+        Quantity::Radius => words.mean_radius,
+        Quantity::Tortuosity => words.tortuosity,
+        Quantity::Curvature => words.curvature,
+        Quantity::Torsion => words.torsion,
+        Quantity::Taper => words.taper,
+        Quantity::Volume => words.volume,
+        Quantity::Area => words.area,
+        Quantity::Order => words.order,
+        Quantity::Strahler => words.strahler,
+        Quantity::Horsfield => words.horsfield,
+        Quantity::Tips => words.tips,
+    }
+}
+
+fn symbol(of: Quantity, unit: Unit) -> String {
+    let unit = unit.symbol();
+    match of.dimension() {
+        Dimension::Number => String::new(),
+        Dimension::Unit(-1) => format!("1/{unit}"),
+        Dimension::Unit(1) => unit.to_owned(),
+        Dimension::Unit(2) => format!("{unit}²"),
+        Dimension::Unit(power) => format!("{unit}^{power}"),
+    }
+}
