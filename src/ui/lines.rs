@@ -25,6 +25,8 @@ use crate::world::scene::SurfaceLook;
 const ROWS: u8 = 9;
 /// Columns of the table beside the number of the branch and what it is coloured by.
 const COLUMNS: [Quantity; 3] = [Quantity::Length, Quantity::Radius, Quantity::Order];
+/// Signs that the label beside a hand has room for.
+const LABEL: usize = 22;
 /// Files that are written.
 const ENDINGS: [(&str, &str); 5] = [
     ("SWC", "swc"),
@@ -103,13 +105,14 @@ impl Table {
                     wishes,
                 };
                 page.counts(ui);
+                self.unreached(ui, view, &page);
                 trigger(ui, view, words, page.wishes);
+                self.table(ui, &mut page, look.by);
+                page.path(ui);
+                ui.separator();
                 coloured_by(ui, words, &mut look);
                 legend(ui, shading, words, model.unit);
-                self.unreached(ui, view, &page);
-                ui.separator();
-                self.table(ui, &mut page, look.by);
-                self.plots(ui, &page, look.by);
+                self.bars(ui, &page, look.by);
                 ui.separator();
                 page.summary(ui);
                 page.files(ui);
@@ -210,19 +213,9 @@ impl Table {
         });
     }
 
-    fn plots(&mut self, ui: &mut Ui, page: &Page<'_>, by: Option<Quantity>) {
-        let (words, of) = (page.words, by.unwrap_or(Quantity::Length));
-        let facts = page
-            .lit
-            .and_then(|branch| page.lines.analysis.branches.get(branch));
-        if let Some(facts) = facts {
-            ui.label(format!(
-                "{} {}: {}",
-                words.branch, facts.id, words.path_radius
-            ));
-            let (path, within) = page.lines.path_through(facts.id);
-            plot::line(ui, &path, &within, page.unit.symbol());
-        }
+    /// How often which numbers are.
+    fn bars(&mut self, ui: &mut Ui, page: &Page<'_>, by: Option<Quantity>) {
+        let of = by.unwrap_or(Quantity::Length);
         let is_so = |(lines, by, _): &(Arc<Lines>, Quantity, Histogram)| {
             Arc::ptr_eq(lines, page.lines) && *by == of
         };
@@ -231,15 +224,34 @@ impl Table {
             self.bars = bars.map(|bars| (Arc::clone(page.lines), of, bars));
         }
         if let Some((_, _, bars)) = &self.bars {
-            ui.label(format!("{}: {}", name(of, words), words.how_many));
+            ui.label(format!("{}: {}", page.words.how_many, name(of, page.words)));
             #[expect(clippy::cast_possible_truncation, reason = "a place in a plot")]
-            let chosen = facts.map(|facts| of.of(facts) as f32);
+            let chosen = page.facts().map(|facts| of.of(facts) as f32);
             plot::bars(ui, bars, of.ramp(), &symbol(of, page.unit), chosen);
         }
     }
 }
 
 impl Page<'_> {
+    /// The branch that is lit.
+    fn facts(&self) -> Option<&BranchFacts> {
+        self.lines.analysis.branches.get(self.lit?)
+    }
+
+    /// The radius along the way through the branch that is lit.
+    fn path(&self, ui: &mut Ui) {
+        let Some(facts) = self.facts() else {
+            return;
+        };
+        let words = self.words;
+        ui.label(format!(
+            "{} {}: {}",
+            words.branch, facts.id, words.path_radius
+        ));
+        let (path, within) = self.lines.path_through(facts.id);
+        plot::line(ui, &path, &within, self.unit.symbol());
+    }
+
     fn counts(&self, ui: &mut Ui) {
         let (counts, words) = (self.lines.analysis.counts, self.words);
         ui.label(format!(
@@ -280,7 +292,7 @@ impl Page<'_> {
         cell(facts.id.to_string(), right);
         for column in columns {
             right += width;
-            cell(rounded(column.of(facts)), right);
+            cell(written(*column, facts), right);
         }
         answer.clicked()
     }
@@ -428,13 +440,22 @@ pub(super) fn said(view: &View<'_>, words: &Words, at: usize, branch: usize) -> 
     let lines = view.world.lines(model)?.ok()?;
     let facts = lines.analysis.branches.get(branch)?;
     let unit = model.unit.symbol();
-    Some(format!(
-        "{} {branch}: {} {unit}, {} {} {unit}",
-        words.branch,
-        rounded(facts.length),
-        words.radius,
-        rounded(facts.radius.along.mean)
-    ))
+    let length = format!("{branch}: {} {unit}", rounded(facts.length));
+    let radius = rounded(facts.radius.along.mean);
+    let both = format!("{length}, r {radius} {unit}");
+    Some(match both.len() <= LABEL {
+        true => both,
+        false => format!("{} {length}", words.branch),
+    })
+}
+
+/// A branch's number as the table has it.
+fn written(of: Quantity, facts: &BranchFacts) -> String {
+    let number = of.of(facts);
+    match of.dimension() == Dimension::Number && number.fract() == 0.0 {
+        true => format!("{number:.0}"),
+        false => rounded(number),
+    }
 }
 
 fn rounded(number: f64) -> String {
@@ -470,5 +491,45 @@ fn symbol(of: Quantity, unit: Unit) -> String {
         Dimension::Unit(1) => unit.to_owned(),
         Dimension::Unit(2) => format!("{unit}²"),
         Dimension::Unit(power) => format!("{unit}^{power}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "each shows the figures")]
+    use super::*;
+    use crate::centerline::Centerline;
+    use crate::centerline::analysis::{Analysis, ModelFacts};
+
+    #[test]
+    fn rows_are_sorted_and_those_without_a_number_are_the_last() {
+        let none = Analysis::new(ModelFacts::default(), &Centerline::default(), false, 0);
+        assert!(ordered(&none.branches, Some(Quantity::Length), true).is_empty());
+        let found = Centerline {
+            tree: crate::world::lines::tests::tree(),
+            ..Centerline::default()
+        };
+        let mut branches = Analysis::new(ModelFacts::default(), &found, false, 0).branches;
+        assert_eq!(branches.len(), 5);
+        for (branch, torsion) in
+            branches
+                .iter_mut()
+                .zip([Some(2.0), None, Some(-3.0), Some(1.0), None])
+        {
+            branch.torsion = torsion;
+        }
+        for (by, falls, expected) in [
+            (None, false, [0, 1, 2, 3, 4]),
+            (None, true, [4, 3, 2, 1, 0]),
+            (Some(Quantity::Torsion), false, [2, 3, 0, 1, 4]),
+            (Some(Quantity::Torsion), true, [0, 3, 2, 1, 4]),
+            (Some(Quantity::Order), true, [3, 4, 1, 2, 0]),
+        ] {
+            assert_eq!(ordered(&branches, by, falls), expected, "{by:?} {falls}");
+        }
+        let cell = |of, at: usize| branches.get(at).map(|branch| written(of, branch));
+        assert_eq!(cell(Quantity::Order, 3).as_deref(), Some("2"));
+        assert_eq!(cell(Quantity::Torsion, 1).as_deref(), Some("-"));
+        assert_eq!(cell(Quantity::Length, 0).as_deref(), Some("2.00"));
     }
 }

@@ -13,6 +13,8 @@ use crate::world::branches::LIT;
 const HEIGHT: f32 = 90.0;
 /// Bars at most.
 const BARS_MOST: usize = 24;
+/// Whole numbers that are no farther apart than this have a bar each.
+const BARS_WIDE: f32 = 23.5;
 const GROUND: Color32 = Color32::from_rgb(12, 15, 17);
 const LINE: Color32 = Color32::from_rgb(86, 180, 233);
 
@@ -38,12 +40,13 @@ impl Histogram {
             clippy::cast_precision_loss,
             reason = "held between 1 and 24"
         )]
-        let steps = match whole && high - low < BARS_MOST as f32 {
+        let steps = match whole && high - low < BARS_WIDE {
             true => (high - low) as usize + 1,
             false => ((count as f32).sqrt().ceil() as usize).clamp(1, BARS_MOST),
         };
         // A whole number is the middle of its step.
-        let [low, high] = match whole && high - low < 24.0 {
+        let few = whole && high - low < BARS_WIDE;
+        let [low, high] = match few {
             true => [low - 0.5, high + 0.5],
             false if high > low => [low, high],
             false => [low - 0.5, low + 0.5],
@@ -180,4 +183,41 @@ pub(super) fn line(ui: &mut Ui, places: &[[f64; 2]], lit: &Range<usize>, unit: &
 pub(super) fn lit_colour() -> Color32 {
     let [red, green, blue, _] = LIT;
     egui::Rgba::from_rgb(red, green, blue).into()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "each shows the figures")]
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn bars_count_what_there_is() {
+        let of = |numbers: &[f32]| Histogram::of(numbers).map(|bars| (bars.range, bars.counts));
+        assert_eq!(of(&[]), None);
+        assert_eq!(of(&[f32::NAN, f32::INFINITY]), None);
+        // Whole numbers have a bar each, also where there are none of them.
+        let few = [1.0, 1.0, 4.0, 2.0, f32::NAN];
+        assert_eq!(of(&few), Some(([0.5, 4.5], vec![2, 1, 0, 1])));
+        assert_eq!(of(&[3.0]), Some(([2.5, 3.5], vec![1])));
+        // All the same, and not whole.
+        assert_eq!(of(&[0.25; 4]), Some(([-0.25, 0.75], vec![0, 4])));
+        let wide = [0.5, 0.6, 1.0, 2.5];
+        assert_eq!(of(&wide), Some(([0.5, 2.5], vec![3, 1])));
+    }
+
+    proptest! {
+        #[test]
+        fn every_number_is_in_one_bar(numbers in prop::collection::vec(-1e6_f32..1e6, 1..400)) {
+            let bars = Histogram::of(&numbers).unwrap_or_default();
+            prop_assert!(bars.counts.len() <= BARS_MOST);
+            prop_assert_eq!(bars.counts.iter().sum::<u32>() as usize, numbers.len());
+            let [low, high] = bars.range;
+            let own = |at: usize| numbers.iter().filter(|number| step(**number, [low, high], bars.counts.len()) == at).count();
+            for (at, count) in bars.counts.iter().enumerate() {
+                prop_assert_eq!(own(at), *count as usize);
+            }
+        }
+    }
 }

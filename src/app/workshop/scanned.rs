@@ -87,12 +87,13 @@ impl Workshop {
             .map_or_else(|| file.into(), |folder| folder.join(file))
     }
 
-    /// Whether a model is on its way.
+    /// Whether a model is on its way, or its centerlines are.
     #[must_use]
     pub fn is_reading(&self) -> bool {
         self.scans.is_busy()
             || self.world.wanted_model().is_some()
             || self.world.wanted_lines().is_some()
+            || self.world.wanted_shading().is_some()
     }
 
     /// Has the meshes read of models that stand on the stage, and brings those that were asked for. In a session that is recorded or played the frame
