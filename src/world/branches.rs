@@ -206,8 +206,9 @@ fn light(
         let radius = (thick * scale * LIT_RADIUS).max(least);
         Some((map.transform_point3(place), radius))
     };
-    for node in nodes.iter().step_by(every).chain(nodes.last()) {
-        let Some((place, radius)) = on_stage(node) else {
+    for (at, node) in nodes.iter().enumerate() {
+        let is_drawn = at % every == 0 || at + 1 == nodes.len();
+        let Some((place, radius)) = is_drawn.then(|| on_stage(node)).flatten() else {
             continue;
         };
         scene.balls.push(Ball {
