@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Button, Grid, RichText, ScrollArea, Ui};
+use egui::{Button, RichText, ScrollArea, Ui};
 
 use super::{
     LineWish,
@@ -22,7 +22,9 @@ use crate::world::model::Model;
 use crate::world::scene::SurfaceLook;
 
 /// Rows of the table that are seen at a time.
-const ROWS: u8 = 9;
+const ROWS: u8 = 7;
+/// How wide the first column is, in widths of the others.
+const FIRST: f32 = 0.75;
 /// Columns of the table beside the number of the branch and what it is coloured by.
 const COLUMNS: [Quantity; 3] = [Quantity::Length, Quantity::Radius, Quantity::Order];
 /// Signs that the label beside a hand has room for.
@@ -160,10 +162,11 @@ impl Table {
         let further = by.filter(|by| *by != Quantity::RadiusHere && !columns.contains(by));
         columns.push(further.unwrap_or(Quantity::Tortuosity));
         #[expect(clippy::cast_precision_loss, reason = "five columns")]
-        let width = (ui.available_width() - 20.0) / (columns.len() as f32 + 0.6);
+        let width = (ui.available_width() - 20.0) / (columns.len() as f32 + FIRST);
         let height = ui.spacing().interact_size.y;
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 0.0;
+            ui.spacing_mut().button_padding.x = 2.0;
             let mut head = |ui: &mut Ui, of: Option<Quantity>, name: &str, width: f32| {
                 let mark = match (self.by == of, self.falls) {
                     (false, _) => "",
@@ -176,24 +179,26 @@ impl Table {
                     self.by = of;
                 }
             };
-            head(ui, None, page.words.branch, width * 0.6 + 8.0);
+            head(ui, None, page.words.branch, width * FIRST + 8.0);
             for column in &columns {
                 head(ui, Some(*column), name(*column, page.words), width);
             }
         });
         self.sort(page.lines);
+        let each = height + ui.spacing().item_spacing.y;
+        let rows = u8::try_from(self.order.len()).unwrap_or(ROWS).min(ROWS);
         let mut area = ScrollArea::vertical()
             .id_salt("branches")
             .auto_shrink([false, true])
-            .max_height((height + ui.spacing().item_spacing.y) * f32::from(ROWS));
+            .min_scrolled_height(each * f32::from(rows))
+            .max_height(each * f32::from(rows));
         if self.scrolled_to != page.lit {
             self.scrolled_to = page.lit;
             let row = self.order.iter().position(|one| Some(*one) == page.lit);
             if let Some(row) = row {
                 #[expect(clippy::cast_precision_loss, reason = "a place on a panel")]
                 let above = row as f32 - f32::from(ROWS / 2);
-                let offset = above * (height + ui.spacing().item_spacing.y);
-                area = area.vertical_scroll_offset(offset.max(0.0));
+                area = area.vertical_scroll_offset((above * each).max(0.0));
             }
         }
         area.show_rows(ui, height, self.order.len(), |ui, rows| {
@@ -255,13 +260,13 @@ impl Page<'_> {
     fn counts(&self, ui: &mut Ui) {
         let (counts, words) = (self.lines.analysis.counts, self.words);
         ui.label(format!(
-            "{} {}, {} {}, {} {}",
-            counts.branches,
+            "{}: {}, {}: {}, {}: {}",
             words.branches,
-            counts.junctions,
+            counts.branches,
             words.junctions,
-            counts.tips,
-            words.tips
+            counts.junctions,
+            words.tips,
+            counts.tips
         ));
     }
 
@@ -283,7 +288,7 @@ impl Page<'_> {
         }
         let font = egui::TextStyle::Body.resolve(ui.style());
         let ink = ui.visuals().text_color();
-        let mut right = place.left() + width * 0.6 + 4.0;
+        let mut right = place.left() + width * FIRST + 4.0;
         let cell = |text: String, right: f32| {
             let at = egui::pos2(right, place.center().y);
             let align = egui::Align2::RIGHT_CENTER;
@@ -306,45 +311,36 @@ impl Page<'_> {
         let rows: [(&str, &str, Spread); 7] = [
             (words.length, unit, table.branch_length),
             (words.points, unit, table.point_radius),
-            (words.part_lines, unit, table.centerline_length),
-            (words.angle_between, "°", table.bifurcation_angle_deg),
+            (words.whole_way, unit, table.centerline_length),
+            (words.angle, "°", table.bifurcation_angle_deg),
             (words.tortuosity, "", table.tortuosity),
             (words.curvature, &per, table.curvature),
             (words.torsion, &per, table.torsion),
         ];
-        Grid::new("summary")
-            .num_columns(6)
-            .spacing([6.0, 3.0])
-            .show(ui, |ui| {
-                for head in [
-                    "",
-                    "n",
-                    words.mean,
-                    words.deviation,
-                    words.least,
-                    words.most,
-                ] {
-                    ui.label(head);
-                }
-                ui.end_row();
-                for (name, unit, spread) in rows {
-                    ui.add(egui::Label::new(format!("{name} {unit}")).truncate());
-                    ui.label(spread.n.to_string());
-                    for number in [spread.mean, spread.std, spread.min, spread.max] {
-                        ui.label(if spread.n > 0 {
-                            rounded(number)
-                        } else {
-                            "-".to_owned()
-                        });
-                    }
-                    ui.end_row();
-                }
-            });
+        let heads = ["n", words.mean, words.deviation, words.least, words.most];
+        cells(ui, "", heads.map(str::to_owned));
+        for (name, unit, spread) in rows {
+            let Spread {
+                n,
+                mean,
+                std,
+                min,
+                max,
+            } = spread;
+            let number = |number: f64| match n {
+                0 => "-".to_owned(),
+                _ => rounded(number),
+            };
+            let [mean, std, min, max] = [mean, std, min, max].map(number);
+            let name = format!("{name} {unit}");
+            cells(ui, &name, [n.to_string(), mean, std, min, max]);
+        }
         let MeanStd { mean, std } = table.upwards_angle_deg;
         ui.label(format!(
-            "{} {} {unit}, {} ± {}°",
+            "{} {} {unit}, {} {} ± {}°",
             words.stem,
             rounded(table.stem_length),
+            words.upwards,
             rounded(mean),
             rounded(std)
         ));
@@ -360,6 +356,24 @@ impl Page<'_> {
                 }
             }
         });
+    }
+}
+
+/// A row of the summary: what it is, how many, and four numbers.
+fn cells(ui: &mut Ui, name: &str, numbers: [String; 5]) {
+    let width = ui.available_width();
+    let height = ui.spacing().interact_size.y - 4.0;
+    let (place, _) = ui.allocate_exact_size(egui::vec2(width, height), egui::Sense::hover());
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let ink = ui.visuals().text_color();
+    let cell = |at: egui::Pos2, align: egui::Align2, text: &str| {
+        ui.painter().text(at, align, text, font.clone(), ink);
+    };
+    cell(place.left_center(), egui::Align2::LEFT_CENTER, name);
+    let part = width / 7.2;
+    for (back, number) in (0_u8..).zip(numbers.iter().rev()) {
+        let right = place.right_center() - egui::vec2(part * f32::from(back), 0.0);
+        cell(right, egui::Align2::RIGHT_CENTER, number);
     }
 }
 

@@ -38,6 +38,19 @@ fn length(visitor: &Visitor, branch: usize) -> String {
     Rounded(lines(visitor).analysis.branches[branch].length).to_string()
 }
 
+/// The middle node of a branch, on the stage.
+fn place_of(visitor: &Visitor, branch: usize) -> Vec3 {
+    let model = &visitor.document().models[0];
+    let loaded = visitor.workshop.world().loaded_model(model).unwrap();
+    let lines = lines(visitor);
+    let node = lines.nodes_of(branch);
+    let node = node[node.len() / 2];
+    let shift = lines.centerline.origin - loaded.plain.mesh.origin;
+    let at = lines.centerline.tree.position[node as usize] + shift.as_vec3();
+    let map = loaded.stage_from_model(model);
+    map.transform_point3(at)
+}
+
 fn says(visitor: &Visitor, part: &str) -> bool {
     let mut texts = visitor.workshop.texts(PanelId::Bench);
     texts.any(|text| text.contains(part))
@@ -81,7 +94,7 @@ fn centerlines_are_found_listed_and_lit_from_the_panel_and_from_the_model() {
     assert_eq!(model.lines, Some(LineLook::default()));
     let counts = lines(&visitor).analysis.counts;
     assert_eq!((counts.branches, counts.junctions, counts.tips), (3, 1, 2));
-    assert!(says(&visitor, "3 branches, 1 forks, 2 tips"));
+    assert!(says(&visitor, "branches: 3, forks: 1, tips: 2"));
     // The ends were proposed, which is shown, and no edit.
     assert_eq!(visitor.workshop.world().proposals(&model).len(), 3);
     assert_eq!(
@@ -132,13 +145,7 @@ fn centerlines_are_found_listed_and_lit_from_the_panel_and_from_the_model() {
     // The other way round: the ray on a branch, and the trigger.
     press(&mut visitor, "chooses branches");
     assert_eq!(visitor.workshop.world().settings().tool, DrawTool::Branch);
-    let loaded = visitor.workshop.world().loaded_model(&model).unwrap();
-    let map = loaded.stage_from_model(&model);
-    let shift = lines(&visitor).centerline.origin - loaded.plain.mesh.origin;
-    let node = lines(&visitor).nodes_of(1);
-    let node = node[node.len() / 2] as usize;
-    let at = lines(&visitor).centerline.tree.position[node] + shift.as_vec3();
-    let at = map.transform_point3(at);
+    let at = place_of(&visitor, 1);
     visitor.tip_to(RIGHT, at + Vec3::Z * 0.4);
     let label = format!("1: {} mm", length(&visitor, 1));
     visitor.frame();
@@ -147,7 +154,8 @@ fn centerlines_are_found_listed_and_lit_from_the_panel_and_from_the_model() {
     visitor.pull(RIGHT, false);
     assert_eq!(lit(&visitor), Some(1));
     assert!(visitor.document().sketch.is_empty(), "nothing is drawn");
-    assert!(says(&visitor, "branch 1: radius along"));
+    let plot = "branch 1: radius along the way through it";
+    visitor.scroll_to(RIGHT, PanelId::Bench, plot);
     assert_eq!(visitor.workshop.edits(), 2, "light is no edit");
 
     // Undo takes centerlines back with what made the model seen through.
@@ -309,22 +317,27 @@ fn the_search_goes_on_beside_the_session_and_can_be_stopped() {
     assert!(seen.is_sorted() && seen.len() >= 3, "{seen:?}");
     let counts = lines(&visitor).analysis.counts;
     assert!((16..=21).contains(&counts.tips), "{counts:?}");
-    // More rows than are seen: the one of a branch that is chosen elsewhere is scrolled to.
-    visitor.frame();
+    // More rows than are seen: the one of a branch that is chosen in the model is scrolled to.
     let last = lines(&visitor).len() - 1;
-    visitor.scroll_to(RIGHT, PanelId::Bench, "chooses branches");
-    let rows = |visitor: &Visitor| {
-        let all = 0..=last;
-        let seen = all.filter(|one| {
-            let text = length(visitor, *one);
-            visitor
-                .workshop
-                .find_text(PanelId::Bench, &text, 1)
-                .is_some()
-        });
-        seen.count()
+    assert!(last > 25, "orders are not so large: {last}");
+    press(&mut visitor, "chooses branches");
+    visitor.scroll_to(RIGHT, PanelId::Bench, "colour by");
+    let seen = |visitor: &Visitor, branch: usize| {
+        let row = visitor
+            .workshop
+            .find_text(PanelId::Bench, &branch.to_string(), 1);
+        row.is_some()
     };
-    assert!(rows(&visitor) <= 30, "{} rows", rows(&visitor));
+    // Scrolled to its end, and then sorted the other way round.
+    assert!(seen(&visitor, last));
+    visitor.click(RIGHT, PanelId::Bench, "branch");
+    assert!(!seen(&visitor, last), "it is far up");
+    let at = place_of(&visitor, last);
+    visitor.tip_to(RIGHT, at + Vec3::Z * 0.3);
+    visitor.pull(RIGHT, true);
+    visitor.pull(RIGHT, false);
+    assert_eq!(lit(&visitor), Some(last));
+    assert!(seen(&visitor, last), "its row is there");
 }
 
 #[test]
