@@ -330,7 +330,7 @@ fn the_search_goes_on_beside_the_session_and_can_be_stopped() {
     };
     // Scrolled to its end, and then sorted the other way round.
     assert!(seen(&visitor, last));
-    visitor.click(RIGHT, PanelId::Bench, "branch");
+    visitor.click(RIGHT, PanelId::Bench, "branch +");
     assert!(!seen(&visitor, last), "it is far up");
     let at = place_of(&visitor, last);
     visitor.tip_to(RIGHT, at + Vec3::Z * 0.3);
