@@ -23,6 +23,8 @@ const LINE: Color32 = Color32::from_rgb(86, 180, 233);
 pub(super) struct Histogram {
     /// Numbers at both ends.
     pub(super) range: [f32; 2],
+    /// Whether each step is a whole number's, in its middle.
+    whole: bool,
     /// How many in each step.
     pub(super) counts: Vec<u32>,
 }
@@ -59,6 +61,7 @@ impl Histogram {
         }
         Some(Self {
             range: [low, high],
+            whole: few,
             counts,
         })
     }
@@ -132,7 +135,9 @@ pub(super) fn bars(
         }
     }
     write(ui, ground.left_top(), Align2::LEFT_BOTTOM, most.to_string());
-    ends(ui, ground, [low.into(), high.into()], unit);
+    let inwards = if histogram.whole { 0.5 } else { 0.0 };
+    let numbers = [low + inwards, high - inwards].map(f64::from);
+    ends(ui, ground, numbers, unit);
 }
 
 fn ends(ui: &Ui, ground: Rect, [low, high]: [f64; 2], unit: &str) {

@@ -158,7 +158,11 @@ impl Models {
             }
             if let Some(branch) = lit {
                 let top = light(lines, branch, (model, loaded), &map, LIT, scene);
-                if let (Some(top), Some(facts)) = (top, lines.analysis.branches.get(branch)) {
+                // A hand that is at it has the label beside it.
+                let is_told = meant.contains(&Some((at, branch)));
+                if let (Some(top), Some(facts)) = (top, lines.analysis.branches.get(branch))
+                    && !is_told
+                {
                     let (length, symbol) = (Rounded(facts.length), model.unit.symbol());
                     let above = top + Vec3::Y * mark_radius(model);
                     signs::write(format_args!("{length} {symbol}"), above, head, scene);
