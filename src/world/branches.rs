@@ -27,6 +27,8 @@ const LIT_RADIUS: f32 = 1.6;
 const LIT_LEAST: f32 = 0.004;
 /// Rods that a lit branch is drawn with at most.
 const LIT_RODS: usize = 200;
+/// How far from a hand its label can be read, metres.
+const READABLE: f32 = 1.0;
 /// Colour of the largest balls within, linear.
 const BALLS: Color = [0.10, 0.45, 0.25, 1.0];
 
@@ -361,14 +363,14 @@ impl Tools {
         }
     }
 
-    /// Where a hand points at a branch, on the stage.
+    /// Where it is told what a hand is at, on the stage: at the branch, and no farther away than it can be read.
     pub(super) fn branch_place(&self, hand: usize) -> Option<Vec3> {
         let hand = self.hands.get(hand)?;
         let (sample, Hover::Branch { along, .. }) = (hand.sample?, hand.hover) else {
             return None;
         };
         Some(match along > 0.0 {
-            true => sample.aim.position + sample.direction * along,
+            true => sample.aim.position + sample.direction * along.min(READABLE),
             false => sample.tip,
         })
     }

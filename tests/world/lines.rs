@@ -12,6 +12,7 @@ use ramus::world::branches::LIT;
 use ramus::world::handles::Says;
 use ramus::world::lines::{LineLook, Lines, Quantity};
 use ramus::world::model::{LoadedModel, Model};
+use ramus::world::panels::PanelId;
 use ramus::world::scene::SurfaceLook;
 use ramus::world::{DrawSettings, DrawTool};
 
@@ -134,6 +135,15 @@ fn lit(person: &Person) -> Option<usize> {
     person.world.lit_branch(&person.world.document().models[0])
 }
 
+/// Where the label beside a hand stands.
+fn label(person: &Person) -> Vec3 {
+    let mut scene = Scene::default();
+    person.world.scene(&mut scene);
+    let slot = PanelId::Label.slot();
+    let panel = scene.panels.iter().find(|panel| panel.slot == slot);
+    panel.unwrap().world_from_panel.translation.into()
+}
+
 /// The middles of what is drawn in the colour of what is lit.
 fn lights(person: &Person) -> Vec<Vec3> {
     let mut scene = Scene::default();
@@ -166,6 +176,8 @@ fn a_branch_is_chosen_by_ray_and_by_touch_at_any_size_and_goes_out_again() {
                 }
                 let says = person.world.says();
                 assert_eq!(says, Some(Says::Branch { model: 0, branch }), "{size} m");
+                let aim = person.input.hands[hand].aim.position;
+                assert!(label(&person).distance(aim) < 1.1, "it can be read");
                 let before = person.world.history().undo_count();
                 person.click(hand, Button::Trigger);
                 assert_eq!(lit(&person), Some(branch));
