@@ -329,7 +329,7 @@ impl Page<'_> {
             } = spread;
             let number = |number: f64| match n {
                 0 => "-".to_owned(),
-                _ => rounded(number),
+                _ => short(number),
             };
             let [mean, std, min, max] = [mean, std, min, max].map(number);
             let name = format!("{name} {unit}");
@@ -479,6 +479,14 @@ fn rounded(number: f64) -> String {
     }
 }
 
+/// In at most six signs and a minus, which the summary's columns have room for.
+fn short(number: f64) -> String {
+    let fits = |text: &String| text.trim_start_matches('-').len() <= 6;
+    let one = || Some(format!("{number:.1e}")).filter(fits);
+    let written = Some(rounded(number)).filter(fits).or_else(one);
+    written.unwrap_or_else(|| format!("{number:.0e}"))
+}
+
 fn name(of: Quantity, words: &Words) -> &'static str {
     match of {
         Quantity::RadiusHere => words.radius_here,
@@ -540,6 +548,18 @@ mod tests {
             (Some(Quantity::Order), true, [3, 4, 1, 2, 0]),
         ] {
             assert_eq!(ordered(&branches, by, falls), expected, "{by:?} {falls}");
+        }
+        for (number, expected) in [
+            (0.0, "0.00"),
+            (-0.001_57, "-0.0016"),
+            (123_456.0, "123456"),
+            (1_234_567.0, "1.2e6"),
+            (2.13e-4, "2.1e-4"),
+            (1.53e-16, "2e-16"),
+            (-1.53e-16, "-2e-16"),
+            (f64::NAN, "-"),
+        ] {
+            assert_eq!(short(number), expected, "{number}");
         }
         let cell = |of, at: usize| branches.get(at).map(|branch| written(of, branch));
         assert_eq!(cell(Quantity::Order, 3).as_deref(), Some("2"));

@@ -398,10 +398,15 @@ fn what_is_wrong_is_told_and_what_is_not_reached_is_marked() {
     press(&mut visitor, "Room");
     press(&mut visitor, "Deutsch");
     press(&mut visitor, "Modelle");
-    assert!(says(
-        &visitor,
-        "far: nicht mit der Quelle verbunden: Lücke von"
-    ));
+    let told = "far: nicht mit der Quelle verbunden: Lücke von";
+    assert!(says(&visitor, told));
+    let middle = visitor.center(PanelId::Bench);
+    let bench = views(middle + visitor.normal(PanelId::Bench) * 0.62, middle);
+    for (text, name) in [("wählt Zweige", "table"), ("JSON", "summary")] {
+        visitor.scroll_to(RIGHT, PanelId::Bench, text);
+        let seen = draw(&mut visitor, &mut picture, &bench);
+        save(&seen, &format!("bench-lines-{name}-de.png"));
+    }
     assert_eq!(gpu.messages().count(), 0, "validation is silent");
 }
 
