@@ -11,6 +11,7 @@ mod panels {
     mod controllers;
     mod guide;
     mod lessons;
+    mod lines;
     mod models;
     pub(crate) mod pictures;
     mod recorded;

@@ -12,6 +12,7 @@ mod world {
     mod any_input;
     mod freehand;
     mod hold;
+    mod lines;
     mod marks;
     mod models;
     mod platform;

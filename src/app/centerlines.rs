@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::export::ExportError;
 use crate::centerline::Centerline;
 use crate::centerline::analysis::Analysis;
+use crate::mesh::unit::Unit;
 use crate::tree::export::{ExportParams, Glb, Swc, Vtp};
 use crate::tree::file::{write_atomically, write_atomically_with};
 use crate::tree::{Organs, Tree, TreeError};
@@ -84,6 +85,20 @@ fn in_model(found: &Centerline) -> Result<Tree, TreeError> {
     }
     tree.validate()?;
     Ok(tree)
+}
+
+/// Writes all that is told as one JSON object, as a model counts that stands in the workshop.
+///
+/// # Errors
+/// Where the disk does not take it.
+pub fn write_analysis(analysis: &Analysis, unit: Unit, path: &Path) -> Result<(), TreeError> {
+    let mut analysis = analysis.clone();
+    analysis.model.unit = Some(unit.name());
+    analysis.model.scale = Some(unit.metres());
+    write_atomically_with(path, |out| {
+        serde_json::to_writer(&mut *out, &analysis)?;
+        out.write_all(b"\n")
+    })
 }
 
 /// Writes a table of branches, one a row.

@@ -17,6 +17,7 @@ pub mod doctor;
 pub mod ends;
 pub mod export;
 pub mod film;
+mod finding;
 pub mod headset;
 mod layers;
 pub mod memory;

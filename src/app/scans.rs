@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use crate::app::queue::Queue;
+use crate::centerline::analysis::ModelFacts;
 use crate::mesh::colour::{by_parts, by_problems};
 use crate::mesh::display::Display;
 use crate::mesh::intersect::{IntersectParams, intersections};
@@ -13,7 +14,7 @@ use crate::mesh::mend::{Mend, mend_all};
 use crate::mesh::paint::Paint;
 use crate::mesh::pick::{Cache, Picker};
 use crate::mesh::problem::problems;
-use crate::mesh::report::{ReportParams, report};
+use crate::mesh::report::{Component, ReportParams, report};
 use crate::mesh::surface::Surface;
 use crate::mesh::textured::{LayerLimits, Textured, moved};
 use crate::mesh::unit::{Scale, Unit};
@@ -47,13 +48,23 @@ pub(super) struct Read {
 /// What became of a file.
 pub(super) type Done = (Scan, Result<Read, String>);
 
-/// How far the reading of a model is, thousandths; the thread writes and frames read.
+/// How far long work is, thousandths; the thread writes and frames read.
 #[derive(Default)]
-struct Progress(AtomicU32);
+pub(super) struct Progress(AtomicU32);
 
 impl Progress {
+    /// How far it is.
+    pub(super) fn now(&self) -> u32 {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// It begins.
+    pub(super) fn begin(&self) {
+        self.0.store(0, Ordering::Relaxed);
+    }
+
     /// What tells how far a stage is that begins and ends at so many thousandths of the whole.
-    fn stage(&self, [from, to]: [u32; 2]) -> impl FnMut(usize, usize) {
+    pub(super) fn stage(&self, [from, to]: [u32; 2]) -> impl FnMut(usize, usize) {
         self.0.store(from, Ordering::Relaxed);
         move |done, of| {
             let width = to - from;
@@ -105,7 +116,7 @@ impl Scans {
     /// The file that is being read, and how far that is, thousandths.
     pub(super) fn reading(&self) -> Option<(&str, u32)> {
         let scan = self.queue.open().next()?;
-        Some((&scan.file, self.progress.0.load(Ordering::Relaxed)))
+        Some((&scan.file, self.progress.now()))
     }
 
     /// Stops what is being read, and gives it back.
@@ -122,7 +133,7 @@ impl Scans {
 fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, String> {
     let Scan { path, mends, .. } = scan;
     let [mending, reporting, crossing, building] = STAGES;
-    progress.0.store(0, Ordering::Relaxed);
+    progress.begin();
     let model = read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?;
     let (stated, format) = (model.scale(), model.format);
     let stopped = || "the reading of the model was cancelled".to_owned();
@@ -159,6 +170,7 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     if let Some(skeleton) = &skeleton {
         let line = Display::new(Arc::new(along(skeleton)), None, cancel).ok_or_else(stopped)?;
         model.centerline = Some((Arc::new(line), new_revision()));
+        model.skeleton = Some(Arc::new(skeleton.clone()));
     }
     let plain = Arc::clone(&model.plain);
     let guess = stated.or_else(|| Scale::guessed(report.size().max_element()));
@@ -172,6 +184,9 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     model.problems = Arc::new(plain.coloured(by_problems(&mesh, &report, &found)));
     model.revisions = [new_revision(), new_revision(), new_revision()];
     model.faults = problems(&report, Some(&found));
+    model.facts = ModelFacts::new(scan.file.clone(), &report, guess);
+    let genus = report.components.iter().filter_map(Component::genus);
+    model.loops = genus.map(|genus| genus as usize).sum();
     model.accounts = accounts.iter().map(ToString::to_string).collect();
     Ok(Read {
         unit: guess.map_or(Unit::Metres, |scale| scale.unit),

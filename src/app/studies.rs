@@ -1,4 +1,4 @@
-//! What is worked out of models that stand on the stage: ways along them, ends that they may have, colours by numbers. On a worker, one after the
+//! What is worked out of models that stand on the stage: ways along them, ends that they may have, colours by numbers, and those of centerlines. On a worker, one after the
 //! other, each once.
 
 use std::sync::Arc;
@@ -13,6 +13,7 @@ use crate::mesh::field::{curvature, radius, thickness};
 use crate::mesh::measure::along;
 use crate::mesh::surface::Surface;
 use crate::world::World;
+use crate::world::lines::{Lines, Shading};
 use crate::world::marks::WayRequest;
 use crate::world::model::{Colouring, LoadedModel, Model};
 use crate::world::models::Painting;
@@ -27,6 +28,7 @@ enum Study {
     Way(WayRequest),
     Ends(Model, Arc<LoadedModel>),
     Paint(Model, Arc<LoadedModel>),
+    Shade(Model, Arc<Lines>),
 }
 
 /// What came of it; none where it was cancelled.
@@ -35,6 +37,7 @@ pub(super) enum Studied {
     Way(u64, Option<(f64, Vec<Vec3>)>),
     Ends(Model, Vec<Proposal>),
     Paint(Model, Painting),
+    Shade(Model, Shading),
     Cancelled,
 }
 
@@ -45,6 +48,7 @@ impl Studied {
             Self::Way(id, way) => world.give_way(id, way),
             Self::Ends(model, proposals) => world.give_proposals(&model, proposals),
             Self::Paint(model, painting) => world.give_painting(&model, painting),
+            Self::Shade(model, shading) => world.give_shading(&model, shading),
             Self::Cancelled => {}
         }
     }
@@ -74,7 +78,12 @@ impl Studies {
                     .wanted_painting()
                     .map(|(model, loaded)| Study::Paint(model.clone(), loaded))
             };
-            if let Some(study) = way.or_else(ends).or_else(paint) {
+            let shade = || {
+                world
+                    .wanted_shading()
+                    .map(|(model, lines)| Study::Shade(model.clone(), lines))
+            };
+            if let Some(study) = way.or_else(shade).or_else(ends).or_else(paint) {
                 // The line is empty.
                 let _ = self.0.ask(study);
             }
@@ -102,6 +111,10 @@ fn study(study: &Study, cancel: &AtomicBool) -> Studied {
             .map(|proposals| Studied::Ends(model.clone(), proposals)),
         Study::Paint(model, loaded) => painting(loaded, model.colouring, cancel)
             .map(|painting| Studied::Paint(model.clone(), painting)),
+        Study::Shade(model, lines) => {
+            let by = model.lines.and_then(|look| look.by);
+            Some(Studied::Shade(model.clone(), lines.shaded(by)))
+        }
     };
     done.unwrap_or(Studied::Cancelled)
 }

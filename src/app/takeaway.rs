@@ -2,17 +2,29 @@
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::app::take_home;
 use crate::app::worker::Worker;
+use crate::app::{centerlines, take_home};
+use crate::mesh::unit::Unit;
 use crate::world::document::Document;
+use crate::world::lines::Lines;
+
+/// What is written.
+#[derive(Clone, Debug)]
+pub(super) enum Taken {
+    /// A document's tree or, as `lsys`, its grammar.
+    Tree(Document),
+    /// A model's centerlines or, as `csv` and `json`, what is told of them, in its unit.
+    Lines(Arc<Lines>, Unit),
+}
 
 /// Writes what was asked for.
 pub(super) struct Takeaway {
-    worker: Worker<(Document, PathBuf), Result<PathBuf, String>>,
+    worker: Worker<(Taken, PathBuf), Result<PathBuf, String>>,
     /// Asked for and not begun: a worker would drop the older of two.
-    waiting: VecDeque<(Document, PathBuf)>,
+    waiting: VecDeque<(Taken, PathBuf)>,
     /// Being written.
     writing: Option<PathBuf>,
 }
@@ -24,7 +36,7 @@ impl Takeaway {
     /// # Errors
     /// Where the system gives no thread.
     pub(super) fn start() -> std::io::Result<Self> {
-        let job = |(document, path): &(Document, PathBuf), _: &AtomicBool| write(document, path);
+        let job = |(what, path): &(Taken, PathBuf), _: &AtomicBool| write(what, path);
         Ok(Self {
             worker: Worker::start("ramus-takeaway", job)?,
             waiting: VecDeque::new(),
@@ -32,14 +44,13 @@ impl Takeaway {
         })
     }
 
-    /// Asks for a document's tree (or, as `lsys`, its grammar) beside a project, under a name that is free. False: too many wait
-    /// already.
+    /// Asks for a file beside another one, under a name like that one's that is free. False: too many wait already.
     #[must_use]
-    pub(super) fn ask(&mut self, document: &Document, project: &Path, ending: &str) -> bool {
+    pub(super) fn ask(&mut self, what: Taken, name: &Path, ending: &str) -> bool {
         let room = self.waiting.len() < MOST_WAITING;
         if room {
-            let path = self.free_name(project, ending);
-            self.waiting.push_back((document.clone(), path));
+            let path = self.free_name(name, ending);
+            self.waiting.push_back((what, path));
         }
         room
     }
@@ -109,10 +120,20 @@ fn sentence(written: Result<PathBuf, String>) -> String {
     )
 }
 
-fn write(document: &Document, path: &Path) -> Result<PathBuf, String> {
-    let written = match path.extension().is_some_and(|ending| ending == "lsys") {
-        true => take_home::grammar(document, path),
-        false => take_home::export(document, path),
+fn write(what: &Taken, path: &Path) -> Result<PathBuf, String> {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    let written = match (what, ending.unwrap_or_default()) {
+        (Taken::Tree(document), "lsys") => take_home::grammar(document, path),
+        (Taken::Tree(document), _) => take_home::export(document, path),
+        (Taken::Lines(lines, _), "csv") => {
+            centerlines::write_branches(&lines.analysis, path).map_err(Into::into)
+        }
+        (Taken::Lines(lines, unit), "json") => {
+            centerlines::write_analysis(&lines.analysis, *unit, path).map_err(Into::into)
+        }
+        (Taken::Lines(lines, _), _) => {
+            centerlines::write(&lines.centerline, path).map_err(Into::into)
+        }
     };
     let wrong = |error: anyhow::Error| format!("{error:#}: {}", path.display());
     written.map(|()| path.to_owned()).map_err(wrong)
@@ -133,7 +154,8 @@ mod tests {
         let project = folder.path().join("oak.ramus");
         let mut takeaway = Takeaway::start().unwrap();
         for _ in 0..3 {
-            assert!(takeaway.ask(&Document::default(), &project, "lsys"));
+            let tree = Taken::Tree(Document::default());
+            assert!(takeaway.ask(tree, &project, "lsys"));
             // The first is with the worker now, and perhaps not written yet.
             takeaway.poll();
         }

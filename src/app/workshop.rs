@@ -14,10 +14,11 @@ use ramus_xr::profiles::Profile;
 use ramus_xr::{Frame, Hand, Pulse, View};
 
 use crate::app::convert::{buttons, input_from_frame};
+use crate::app::finding::Finding;
 use crate::app::scans::Scans;
 use crate::app::store::{Opened, Store, StoreError};
 use crate::app::studies::Studies;
-use crate::app::takeaway::Takeaway;
+use crate::app::takeaway::{Takeaway, Taken};
 use crate::app::worker::Worker;
 use crate::sketch::{Grower, Grown, Sketch};
 use crate::ui::sheet::Tick;
@@ -62,6 +63,7 @@ pub struct Workshop {
     takeaway: Takeaway,
     scans: Scans,
     studies: Studies,
+    finding: Finding,
     /// Time of the last frame.
     clock: Option<f64>,
     store: Option<Store>,
@@ -132,6 +134,7 @@ impl Workshop {
             takeaway: Takeaway::start()?,
             scans: Scans::start()?,
             studies: Studies::start()?,
+            finding: Finding::start()?,
             clock: None,
             world,
             store,
@@ -237,6 +240,7 @@ impl Workshop {
                 self.world.try_models_again();
                 self.offer_models();
             }
+            Wish::Line(wish) => self.do_with_lines(wish),
             Wish::StopReading => self.stop_reading(),
             Wish::Teach(lesson) => world.teach(lesson),
         }
@@ -307,6 +311,7 @@ impl Workshop {
         self.save()?;
         // Trees that are on their way belong to this world, and the next one's wishes have the same numbers.
         let (worker, scans, studies) = (grow_worker()?, Scans::start()?, Studies::start()?);
+        let finding = Finding::start()?;
         let opened = Store::open(project)?;
         if let Some(store) = self.store.replace(opened.store) {
             // Everything is in the file already; what is left is the journal's end.
@@ -318,6 +323,7 @@ impl Workshop {
         world.take_buttons(self.world.buttons().clone());
         self.world = world;
         (self.worker, self.scans, self.studies) = (worker, scans, studies);
+        self.finding = finding;
         self.growing = None;
         (self.grower, self.saved) = (Grower::default(), self.edits);
         self.offer_models();
@@ -333,7 +339,12 @@ impl Workshop {
             return self.world.show_message(NO_PROJECT.into());
         };
         let project = store.project().to_owned();
-        if !self.takeaway.ask(self.world.document(), &project, ending) {
+        let what = Taken::Tree(self.world.document().clone());
+        self.take_away(what, &project, ending);
+    }
+
+    fn take_away(&mut self, what: Taken, name: &Path, ending: &str) {
+        if !self.takeaway.ask(what, name, ending) {
             let told = "So many files wait to be written that this one is left out: ask again when they are there.";
             self.world.show_message(told.into());
         }

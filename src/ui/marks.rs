@@ -317,6 +317,11 @@ pub(super) fn legend(ui: &mut Ui, view: &View<'_>, words: &Words, model: &Model)
         Colouring::Curvature => (Ramp::AboutZero, format!("1/{symbol}")),
         _ => (Ramp::Rising, symbol.to_owned()),
     };
+    scale(ui, ramp, [low, high], &unit);
+}
+
+/// A scale of colours, with the numbers at both ends.
+pub(super) fn scale(ui: &mut Ui, ramp: Ramp, [low, high]: [f32; 2], unit: &str) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         ui.label(format!("{} ", Rounded(low.into())));
@@ -332,7 +337,7 @@ pub(super) fn legend(ui: &mut Ui, view: &View<'_>, words: &Words, model: &Model)
 }
 
 /// The rows of a list that are seen, and what goes to others where there are more.
-fn page(ui: &mut Ui, first: &mut usize, rows: usize) -> std::ops::Range<usize> {
+pub(super) fn page(ui: &mut Ui, first: &mut usize, rows: usize) -> std::ops::Range<usize> {
     if rows <= PAGE {
         *first = 0;
         return 0..rows;

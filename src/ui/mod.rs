@@ -12,9 +12,11 @@ mod bench;
 pub mod board;
 mod keyboard;
 mod lesson;
+mod lines;
 mod marks;
 mod models;
 mod panels;
+mod plot;
 mod projects;
 mod rules;
 pub mod sheet;
@@ -22,7 +24,7 @@ mod theme;
 pub mod words;
 
 pub use board::BoardUi;
-pub use panels::{Panels, Recent, Settings, Thumbnail, View, Wish};
+pub use panels::{LineWish, Panels, Recent, Settings, Thumbnail, View, Wish};
 
 /// How densely boards are laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]

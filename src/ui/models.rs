@@ -3,6 +3,7 @@
 use egui::{Button, RichText, Ui};
 
 use super::{
+    lines::Table,
     marks::{Marks, legend},
     panels::{View, Wish},
     theme::{MESSAGE, TITLE},
@@ -24,6 +25,7 @@ pub(super) struct Models {
     chosen: usize,
     part: Part,
     marks: Marks,
+    lines: Table,
 }
 
 /// Parts of a model's page.
@@ -36,6 +38,8 @@ enum Part {
     Mend,
     /// Endpoints and measures.
     Places,
+    /// Centerlines.
+    Lines,
 }
 
 /// Size of headings.
@@ -108,6 +112,7 @@ impl Models {
                 (Part::Look, words.part_look),
                 (Part::Mend, words.part_mend),
                 (Part::Places, words.part_places),
+                (Part::Lines, words.part_lines),
             ] {
                 ui.selectable_value(&mut self.part, part, name);
             }
@@ -129,6 +134,10 @@ impl Models {
             Part::Places => {
                 let on = (self.chosen, &mut *model);
                 self.marks.show(ui, view, words, on, wishes);
+            }
+            Part::Lines => {
+                let on = (self.chosen, &mut *model);
+                self.lines.show(ui, view, words, on, wishes);
             }
         }
         ui.separator();

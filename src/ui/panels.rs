@@ -61,6 +61,19 @@ pub struct Recent {
     pub picture: Option<Thumbnail>,
 }
 
+/// What a person wants with centerlines; models are told by their numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineWish {
+    /// Light a branch of a model, or none.
+    Light(usize, Option<usize>),
+    /// Look for those that were not found once more.
+    Again(usize),
+    /// Stop looking.
+    Stop,
+    /// Write them beside the project as a file with this ending.
+    Write(usize, &'static str),
+}
+
 /// What a person wants; the application carries it out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
@@ -102,6 +115,8 @@ pub enum Wish {
     WriteEnds(usize, &'static str),
     /// Take a model's endpoints from a file, as the project names it.
     ReadEnds(usize, String),
+    /// Do this with a model's centerlines.
+    Line(LineWish),
     /// Stop the reading of a model.
     StopReading,
     /// Look again which models lie beside the project, and try again those that could not be read.
@@ -168,6 +183,7 @@ impl<'a> View<'a> {
             linked: self.document.linked,
             read: self.world.model_changes(),
             reading: self.world.reading().map(|reading| reading.percent),
+            finding: self.world.finding().map(|finding| finding.percent),
             looking: self.world.looking(),
             step: self.document.step,
             moment: (self.moment * PARTS).round(),
@@ -193,6 +209,8 @@ struct Key {
     read: u64,
     /// How far the reading of one is.
     reading: Option<u32>,
+    /// How far the search for centerlines is.
+    finding: Option<u32>,
     looking: Looking,
     step: u32,
     moment: f64,
@@ -216,7 +234,7 @@ impl Key {
         Arc::ptr_eq(&self.sketch, &other.sketch)
             && Arc::ptr_eq(&self.models, &other.models)
             && (self.linked, self.read, self.looking) == (other.linked, other.read, other.looking)
-            && self.reading == other.reading
+            && (self.reading, self.finding) == (other.reading, other.finding)
             && (self.step, self.moment) == (other.step, other.moment)
             && self.seen == other.seen
     }
@@ -444,6 +462,9 @@ fn show_label(ui: &mut Ui, view: &View<'_>, words: &Words) {
                 .get(model)
                 .and_then(|model| model.endpoints.get(at));
             end.map(|end| end.name.clone()).unwrap_or_default()
+        }
+        Some(Says::Branch { model, branch }) => {
+            super::lines::said(view, words, model, branch).unwrap_or_default()
         }
         Some(Says::Divergence(degrees)) => format!("{} {degrees:.3}°", words.say_divergence),
         Some(Says::Moment(moment)) => format!("{} {moment:.1}", words.say_moment),

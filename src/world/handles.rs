@@ -54,6 +54,13 @@ pub enum Says {
         /// The endpoint's.
         at: usize,
     },
+    /// What is known of a branch of a model's centerlines.
+    Branch {
+        /// The model's number.
+        model: usize,
+        /// The branch's.
+        branch: usize,
+    },
 }
 
 /// Sizes and ways of the handles.
@@ -282,6 +289,13 @@ impl Tools {
         if let Some((model, at)) = end {
             let above = Vec3::Y * self.params.handles.label * 0.5;
             return Some((Says::End { model, at }, self.end_place(model, at)? + above));
+        }
+        let branch = [0, 1].into_iter().find_map(|hand| {
+            let (model, branch) = self.branch_meant(hand)?;
+            Some((Says::Branch { model, branch }, self.branch_place(hand)?))
+        });
+        if let Some((says, at)) = branch {
+            return Some((says, at + Vec3::Y * self.params.handles.label * 0.5));
         }
         let id = self
             .hands

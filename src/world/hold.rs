@@ -80,7 +80,9 @@ impl Tools {
                 self.grip_anew();
                 self.pulse(hand, self.params.haptics.choose);
             }
-            Hover::Model { at, .. } => self.take_model(hand, at),
+            Hover::Model { at, .. } | Hover::Branch { model: at, .. } => {
+                self.take_model(hand, at);
+            }
             Hover::End { model, at, .. } => {
                 let taken = Hold::End { model, at };
                 // One hand an endpoint.

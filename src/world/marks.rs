@@ -267,7 +267,7 @@ impl Models {
         (from < to).then_some([from, to])
     }
 
-    fn is_cut(&self, place: Vec3) -> bool {
+    pub(super) fn is_cut(&self, place: Vec3) -> bool {
         self.plane
             .is_some_and(|plane| plane.truncate().dot(place) > plane.w)
     }

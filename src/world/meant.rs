@@ -77,6 +77,16 @@ impl Tools {
             };
             along = Some(met);
         }
+        if let Some((model, branch, met)) = self.branch_at(pointer)
+            && along.is_none_or(|along| met <= along)
+        {
+            nearest = Hover::Branch {
+                model,
+                branch,
+                along: met,
+            };
+            along = Some(met);
+        }
         match self.panels.find(hand, pointer) {
             Some(on) if along.is_none_or(|along| on.along <= along) => return Hover::Panel(on),
             _ => {}

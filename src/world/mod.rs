@@ -14,6 +14,7 @@ use glam::{Affine3A, Vec3};
 use crate::sketch::{Grown, Sketch};
 
 pub mod board;
+pub mod branches;
 pub mod document;
 #[cfg(test)]
 mod document_tests;
@@ -28,6 +29,7 @@ pub mod hover;
 pub mod input;
 pub mod journal;
 pub mod lesson;
+pub mod lines;
 mod marking;
 pub mod marks;
 mod meant;
@@ -529,6 +531,9 @@ impl World {
         models.draw(document, meant, stage, palette, head, scene);
         let lit = [0, 1].map(|hand| self.tools.end_meant(hand));
         models.draw_marks(document, lit, head, scene);
+        let both = [document, self.history.committed()];
+        let branches = [0, 1].map(|hand| self.tools.branch_meant(hand));
+        models.draw_lines(both, branches, head, scene);
         let highlights = self.tools.hands.map(|hand| match (hand.hold, hand.hover) {
             (tools::Hold::Node(at), _) | (_, Hover::Node { at, .. }) => Some(at),
             _ => None,
@@ -600,6 +605,7 @@ impl World {
             | Hover::Rim { along }
             | Hover::Model { along, .. }
             | Hover::End { along, .. }
+            | Hover::Branch { along, .. }
             | Hover::Handle { along, .. } => (along, palette.ray_hit),
             Hover::Panel(on) => (on.along, palette.ray_hit),
             Hover::Nothing => (stage.ray_length, palette.ray),

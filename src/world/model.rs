@@ -10,7 +10,9 @@ use glam::{Affine3A, DVec3, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::document::{PLACEMENT_BOUNDS, Placement};
+use super::lines::LineLook;
 use super::scene::{ModelLook, SurfaceLook, new_revision};
+use crate::centerline::analysis::ModelFacts;
 use crate::mesh::display::Display;
 use crate::mesh::endpoints::{Endpoint, NAME_MOST};
 use crate::mesh::mend::Mend;
@@ -18,6 +20,7 @@ use crate::mesh::problem::Problem;
 use crate::mesh::surface::Surface;
 use crate::mesh::textured::Textured;
 use crate::mesh::unit::Unit;
+use crate::tree::Tree;
 
 /// Most models of a project.
 pub const MOST_MODELS: usize = 8;
@@ -85,6 +88,9 @@ pub struct Model {
     /// Where its paths begin and end, in the file's coordinates.
     #[serde(default, skip_serializing_if = "is_none")]
     pub endpoints: Arc<Vec<Endpoint>>,
+    /// How its centerlines are seen; none where they are not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lines: Option<LineLook>,
 }
 
 fn is_none(endpoints: &Arc<Vec<Endpoint>>) -> bool {
@@ -143,6 +149,7 @@ impl Model {
             boxed: false,
             colouring: Colouring::default(),
             endpoints: Arc::default(),
+            lines: None,
         }
     }
 
@@ -224,6 +231,12 @@ pub struct LoadedModel {
     pub textured: Option<(Arc<Display>, u64)>,
     /// The skeleton inside it and its number, where there is one: seen where the surface can be seen through.
     pub centerline: Option<(Arc<Display>, u64)>,
+    /// That skeleton itself, from the mesh's origin.
+    pub skeleton: Option<Arc<Tree>>,
+    /// What is told of the surface beside its centerlines.
+    pub facts: ModelFacts,
+    /// How many loops the surface has.
+    pub loops: usize,
     /// What of the file is not shown as it was meant, in a sentence each.
     pub remarks: Vec<String>,
     /// What is wrong with it, the worst first.
@@ -255,6 +268,9 @@ impl LoadedModel {
         Some(Self {
             textured: textured.map(materials),
             centerline: None,
+            skeleton: None,
+            facts: ModelFacts::default(),
+            loops: 0,
             remarks: Vec::new(),
             parts: Arc::clone(&plain),
             problems: Arc::clone(&plain),

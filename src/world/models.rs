@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, Vec4};
 
+use super::branches;
 use super::document::{Document, Edit, Placement};
 use super::grip::{GripParams, PlatformGrip};
 use super::history::History;
@@ -14,7 +15,7 @@ use super::hover::{self, Pointer};
 use super::input::Pose;
 use super::marks::Marks;
 use super::model::{Colouring, LoadedModel, Model, SIDE_BOUNDS};
-use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene, SurfaceLook};
+use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene};
 use super::signs;
 use super::stage::{Palette, StageParams, furniture, rim};
 use super::tools::{Hand, Hold, Hover, Tools};
@@ -66,13 +67,33 @@ pub struct Painting {
     pub range: Option<[f32; 2]>,
 }
 
-/// A file that is being read.
+/// A file that is being read, or whose centerlines are being found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reading {
     /// As the project names it.
     pub file: String,
     /// How far, in steps of five hundredths.
     pub percent: u32,
+}
+
+impl Reading {
+    /// Says which file is at work and how far that is, thousandths.
+    pub(super) fn tell(told: &mut Option<Self>, now: Option<(&str, u32)>) {
+        let Some((file, thousandths)) = now else {
+            *told = None;
+            return;
+        };
+        let percent = thousandths / 50 * 5;
+        match told {
+            Some(told) if told.file == file => told.percent = percent,
+            _ => {
+                *told = Some(Self {
+                    file: file.to_owned(),
+                    percent,
+                });
+            }
+        }
+    }
 }
 
 /// What became of a model's file.
@@ -110,8 +131,9 @@ pub(super) struct Models {
     /// The plane of the cut: its normal, towards the person, and how far along it lies.
     pub(super) plane: Option<Vec4>,
     /// Where the light is.
-    lamp: Option<Vec3>,
+    pub(super) lamp: Option<Vec3>,
     pub(super) marks: Marks,
+    pub(super) lines: branches::Store,
     /// Colours by numbers that were worked out.
     painted: Vec<(Source, Colouring, Painting)>,
     grip: Option<(usize, PlatformGrip)>,
@@ -144,6 +166,11 @@ impl Models {
         Some(found)
     }
 
+    /// Whether a model was read as it is to be.
+    pub(super) fn is_read(&self, model: &Model) -> bool {
+        matches!(self.get(model), Some(Ok(_)))
+    }
+
     /// The mesh of a model, if its file could be read and was; while another mend is at work, as it was before.
     pub(super) fn loaded(&self, model: &Model) -> Option<&Arc<LoadedModel>> {
         match self.get(model) {
@@ -165,6 +192,7 @@ impl Models {
         };
         self.found.retain(|(source, _)| kept(source));
         self.marks.keep(document);
+        self.lines.keep(document);
         self.painted.retain(|(source, by, _)| {
             let mut models = document.models.iter();
             models.any(|model| is_of(source, model) && model.colouring == *by)
@@ -175,8 +203,8 @@ impl Models {
     pub(super) fn unpainted<'a>(&self, document: &'a Document) -> Option<&'a Model> {
         let mut models = document.models.iter();
         models.find(|model| {
-            let is_read = matches!(self.get(model), Some(Ok(_)));
-            model.colouring.is_numbers() && is_read && self.painting(model).is_none()
+            let is_numbers = model.colouring.is_numbers();
+            is_numbers && self.is_read(model) && self.painting(model).is_none()
         })
     }
 
@@ -236,29 +264,6 @@ impl Models {
                     ..model.look()
                 },
             });
-        }
-        self.draw_centerlines(document, scene);
-    }
-
-    /// Describes what lies inside of models whose surface hides nothing.
-    fn draw_centerlines(&self, document: &Document, scene: &mut Scene) {
-        for model in document.models.iter() {
-            let seen_through = matches!(model.surface, None | Some(SurfaceLook::XRay));
-            let Some(loaded) = self.loaded(model).filter(|_| seen_through) else {
-                continue;
-            };
-            if let Some((display, revision)) = &loaded.centerline {
-                scene.models.push(PlacedModel {
-                    display: Arc::clone(display),
-                    revision: *revision,
-                    world_from_model: loaded.stage_from_model(model),
-                    look: ModelLook {
-                        cut: self.plane,
-                        lamp: self.lamp,
-                        ..centerline_look()
-                    },
-                });
-            }
         }
     }
 }

@@ -125,21 +125,7 @@ impl World {
 
     /// Says which file is being read and how far that is, thousandths; panels show it in steps of five hundredths.
     pub fn tell_reading(&mut self, reading: Option<(&str, u32)>) {
-        let told = &mut self.tools.models.reading;
-        let Some((file, thousandths)) = reading else {
-            *told = None;
-            return;
-        };
-        let percent = thousandths / 50 * 5;
-        match told {
-            Some(told) if told.file == file => told.percent = percent,
-            _ => {
-                *told = Some(Reading {
-                    file: file.to_owned(),
-                    percent,
-                });
-            }
-        }
+        Reading::tell(&mut self.tools.models.reading, reading);
     }
 
     /// The file that is being read.

@@ -21,6 +21,8 @@ pub enum DrawTool {
     Mark,
     /// It measures on scanned models.
     Measure(Measuring),
+    /// It chooses branches of centerlines.
+    Branch,
 }
 
 /// How drawing acts. Lengths are metres in the hand, on the stage: a larger platform draws more finely.

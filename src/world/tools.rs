@@ -115,6 +115,12 @@ pub(super) enum Hover {
     },
     /// An endpoint of a scanned model, so many metres along the ray (0: touched).
     End { model: usize, at: usize, along: f32 },
+    /// A branch of a model's centerlines, so many metres along the ray (0: touched).
+    Branch {
+        model: usize,
+        branch: usize,
+        along: f32,
+    },
     /// A panel.
     Panel(OnPanel),
     /// The lever, the wheel or the stump, so many metres along the ray (0: touched).
@@ -204,6 +210,7 @@ impl Hover {
             | Self::Rim { along }
             | Self::Model { along, .. }
             | Self::End { along, .. }
+            | Self::Branch { along, .. }
             | Self::Handle { along, .. } => Some(along),
             Self::Panel(on) => Some(on.along),
         }
@@ -382,6 +389,9 @@ impl Tools {
             Hover::End { model, at, .. } => {
                 !matches!(before, Hover::End { model: other, at: before, .. } if (other, before) == (model, at))
             }
+            Hover::Branch { model, branch, .. } => {
+                !matches!(before, Hover::Branch { model: other, branch: before, .. } if (other, before) == (model, branch))
+            }
             // Panels tick by themselves.
             Hover::Panel(_) | Hover::Rim { .. } | Hover::Model { .. } | Hover::Nothing => false,
         };
@@ -451,6 +461,9 @@ impl Tools {
                 self.delete_end(hand, model, at, history);
             }
             (Hold::Nothing, hover) if self.is_marking() => self.pull_at(hand, hover, history),
+            (Hold::Nothing, hover) if self.params.settings.tool == DrawTool::Branch => {
+                self.pull_at_branch(hand, hover);
+            }
             (Hold::Nothing, _) if self.params.settings.tool == DrawTool::Erase => {
                 self.begin_erasing(hand, history);
             }
@@ -459,7 +472,11 @@ impl Tools {
             }
             (
                 Hold::Nothing,
-                Hover::Nothing | Hover::Rim { .. } | Hover::Model { .. } | Hover::End { .. },
+                Hover::Nothing
+                | Hover::Rim { .. }
+                | Hover::Model { .. }
+                | Hover::End { .. }
+                | Hover::Branch { .. },
             ) => self.draw(hand, history),
         }
     }

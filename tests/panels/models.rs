@@ -30,11 +30,16 @@ use super::pictures::save;
 use super::visitor::{LEFT, RIGHT, Visitor};
 
 /// Points round a tube and along it.
-const ROUND: usize = 28;
-const ALONG: usize = 36;
+pub(super) const ROUND: usize = 28;
+pub(super) const ALONG: usize = 36;
 
 /// An open tube along a path, as the lines of an OBJ file, with vertices numbered from `first`.
-fn tube(text: &mut String, first: usize, path: impl Fn(f32) -> Vec3, radius: impl Fn(f32) -> f32) {
+pub(super) fn tube(
+    text: &mut String,
+    first: usize,
+    path: impl Fn(f32) -> Vec3,
+    radius: impl Fn(f32) -> f32,
+) {
     for row in 0..=ALONG {
         let t = row as f32 / ALONG as f32;
         let along = (path(t + 0.01) - path(t - 0.01)).normalize();

@@ -208,7 +208,7 @@ impl Visitor {
     pub(crate) fn scroll_to(&mut self, hand: usize, id: PanelId, text: &str) {
         let resting = self.frame.hands[hand];
         for stick in [-1.0, 1.0] {
-            for _ in 0..200 {
+            for _ in 0..600 {
                 if self.workshop.find_text(id, text, 1).is_some() {
                     self.frame.hands[hand] = resting;
                     return self.frame();

@@ -1,4 +1,4 @@
-//! Recorded sessions with a scanned model that lies beside them: brought, pulled large, cut open, marked and measured. Played on the simulated headset,
+//! Recorded sessions with a scanned model that lies beside them: brought, pulled large, cut open, marked, measured, and its centerline found. Played on the simulated headset,
 //! each makes the project that lies beside it.
 //!
 //! `UPDATE_SESSIONS=1` records them anew, and the model with them; look at what changed.
@@ -14,6 +14,7 @@ use ramus::app::portrait;
 use ramus::app::session::{self, Nobody};
 use ramus::app::workshop::Workshop;
 use ramus::mesh::endpoints::Kind;
+use ramus::mesh::unit::Rounded;
 use ramus::world::marks::Found;
 use ramus::world::models::Cut;
 use ramus::world::panels::PanelId;
@@ -127,13 +128,37 @@ fn marks(visitor: &mut Visitor) {
     }
 }
 
+/// The only model's centerlines, and the length of the first branch as the table has it.
+fn length(workshop: &Workshop) -> String {
+    let model = &workshop.document().models[0];
+    let lines = workshop.world().lines(model).unwrap().unwrap();
+    Rounded(lines.analysis.branches[0].length).to_string()
+}
+
+/// The centerline, its row, and then the line itself, which lets the light go out and lights it again.
+fn finds(visitor: &mut Visitor) {
+    brings(visitor);
+    press(visitor, "Centerlines");
+    press(visitor, "Find centerlines");
+    visitor.frame();
+    let row = length(&visitor.workshop);
+    press(visitor, &row);
+    press(visitor, "chooses branches");
+    for _ in 0..2 {
+        let tip = front(visitor, 0.2) + Vec3::new(0.02, 0.0, 0.37);
+        visitor.tip_to(RIGHT, tip);
+        visitor.pull(RIGHT, true);
+        visitor.pull(RIGHT, false);
+    }
+}
+
 /// What a person does.
 type Hands = fn(&mut Visitor);
 
 /// What it makes.
 type Made = fn(&mut Workshop) -> bool;
 
-const SESSIONS: [(&str, Hands, Made); 4] = [
+const SESSIONS: [(&str, Hands, Made); 5] = [
     ("brings", brings, |workshop| {
         let models = workshop.scene().models.len();
         models == 1 && workshop.document().models[0].file == "duct.obj"
@@ -145,6 +170,14 @@ const SESSIONS: [(&str, Hands, Made); 4] = [
     ("cuts", cuts, |workshop| {
         let looking = workshop.world().looking();
         looking.cut == Cut::Stays && workshop.scene().models[0].look.cut.is_some()
+    }),
+    ("finds", finds, |workshop| {
+        let model = workshop.document().models[0].clone();
+        let world = workshop.world();
+        let lines = world.lines(&model).unwrap().unwrap();
+        let length = lines.analysis.table.branch_length.mean;
+        // From the last ball of the tube to that of its other end.
+        lines.len() == 1 && (75.0..104.0).contains(&length) && world.lit_branch(&model) == Some(0)
     }),
     ("marks", marks, |workshop| {
         let [source, target] = &workshop.document().models[0].endpoints[..] else {

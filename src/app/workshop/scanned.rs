@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::{NO_PROJECT, Workshop};
 use crate::app::ends;
 use crate::app::scans::{Done, ENDINGS, Read, Scan, named, offered};
-use crate::app::takeaway::free_name;
+use crate::app::takeaway::{Taken, free_name};
+use crate::ui::LineWish;
 use crate::world::document::Edit;
 use crate::world::model::Model;
 use crate::world::scene::SurfaceLook;
@@ -86,10 +87,13 @@ impl Workshop {
             .map_or_else(|| file.into(), |folder| folder.join(file))
     }
 
-    /// Whether a model is on its way.
+    /// Whether a model is on its way, or its centerlines are.
     #[must_use]
     pub fn is_reading(&self) -> bool {
-        self.scans.is_busy() || self.world.wanted_model().is_some()
+        self.scans.is_busy()
+            || self.world.wanted_model().is_some()
+            || self.world.wanted_lines().is_some()
+            || self.world.wanted_shading().is_some()
     }
 
     /// Has the meshes read of models that stand on the stage, and brings those that were asked for. In a session that is recorded or played the frame
@@ -104,6 +108,14 @@ impl Workshop {
         } {
             self.take_scan(done);
         }
+        self.study(waits);
+        self.find_lines(waits);
+        let reading = self.scans.reading();
+        self.world.tell_reading(reading);
+    }
+
+    /// Has worked out what is wanted of models; `waits`: all of it, now.
+    fn study(&mut self, waits: bool) {
         while self.studies.follow(&self.world)
             && let Some(done) = if waits {
                 self.studies.wait()
@@ -113,8 +125,53 @@ impl Workshop {
         {
             done.give(&mut self.world);
         }
-        let reading = self.scans.reading();
-        self.world.tell_reading(reading);
+    }
+
+    /// Has the centerlines found that models are to show; `waits`: all of them, now.
+    fn find_lines(&mut self, waits: bool) {
+        while self.finding.follow(&self.world)
+            && let Some((model, found)) = if waits {
+                self.finding.wait()
+            } else {
+                self.finding.poll()
+            }
+        {
+            self.world.give_lines(&model, found);
+            self.study(waits);
+        }
+        self.world.tell_finding(self.finding.now());
+    }
+
+    /// Does what is wanted with centerlines.
+    pub(super) fn do_with_lines(&mut self, wish: LineWish) {
+        match wish {
+            LineWish::Light(model, branch) => self.world.light_branch(model, branch),
+            LineWish::Again(model) => self.world.find_lines_again(model),
+            LineWish::Stop => {
+                if let Some(model) = self.finding.stop() {
+                    let why = format!("Stopped looking for the centerlines of {}.", model.file);
+                    self.world.give_lines(&model, Err(why));
+                }
+            }
+            LineWish::Write(model, ending) => self.write_lines(model, ending),
+        }
+    }
+
+    /// Writes a model's centerlines beside the project, under a name that is free.
+    fn write_lines(&mut self, at: usize, ending: &'static str) {
+        let Some(model) = self.document().models.get(at).cloned() else {
+            return;
+        };
+        let Some(Ok(lines)) = self.world.lines(&model).map(|found| found.cloned()) else {
+            return;
+        };
+        let Some(project) = self.project() else {
+            return self.world.show_message(NO_PROJECT.into());
+        };
+        let stem = Path::new(&model.file).file_stem().unwrap_or_default();
+        let name = format!("{}-lines.{ending}", stem.to_string_lossy());
+        let name = project.with_file_name(name);
+        self.take_away(Taken::Lines(lines, model.unit), &name, ending);
     }
 
     /// Stops the reading of the model that is being read.
@@ -133,11 +190,8 @@ impl Workshop {
             self.take_scan(done);
             self.want_scans();
         }
-        while self.studies.follow(&self.world)
-            && let Some(done) = self.studies.wait()
-        {
-            done.give(&mut self.world);
-        }
+        self.study(true);
+        self.find_lines(true);
         self.world.tell_reading(None);
         self.keep_journal();
     }
