@@ -35,6 +35,15 @@ def rows(data, arrays):
     return [row(place) for place in range(first.GetNumberOfTuples())]
 
 
+def rounded(what):
+    """Seven digits are as many as the points have."""
+    if isinstance(what, float):
+        return float(f"{what:.7g}")
+    if isinstance(what, dict):
+        return {key: rounded(value) for key, value in what.items()}
+    return [rounded(value) for value in what] if isinstance(what, (list, tuple)) else what
+
+
 def main():
     model, seeds, step, out = sys.argv[1], json.load(open(sys.argv[2])), float(sys.argv[3]), sys.argv[4]
     find = vmtkscripts.vmtkCenterlines()
@@ -110,7 +119,7 @@ def main():
         vectors.GetOutput().GetPointData(),
         ["GroupIds", "BifurcationGroupIds", "Vector", "InPlaneAngle", "OutOfPlaneAngle", "Orientation"],
     )
-    json.dump(told, open(out + ".json", "w"))
+    json.dump(rounded(told), open(out + ".json", "w"), separators=(",", ":"))
     blanked = {tract["GroupIds"] for tract in told["tracts"] if tract["Blanking"]}
     print(f"{lines.GetNumberOfCells()} lines, {len(told['branches'])} branches, {len(blanked)} bifurcations")
 
