@@ -15,6 +15,8 @@ use crate::mesh::report::NONE;
 const OFF: f64 = 0.5;
 /// An endpoint farther inside than this part of its tube's radius is not on the outer wall. (The middle of an uneven opening is not on it either.)
 const BURIED: f64 = 0.5;
+/// A triangle whose vertices are all farther from a ball's place than so many of its radii is as large as the ball.
+const COARSE: f64 = 0.5;
 /// A target whose ball is nearer to the source's than this part of its radius is the source.
 const SAME: f64 = 0.05;
 
@@ -52,7 +54,21 @@ pub(super) fn ball_of(
     if !winding.is_inside(ball.centre) {
         return Ok(None);
     }
+    // Of a triangle that is as large as the ball, as flat caps have them, the vertices are at the rim, and balls there in its corner. What is
+    // inside the ball hangs together with it, too.
+    let skin_point = |vertex: u32| skin.surface.position(vertex);
+    let is_coarse = face
+        .iter()
+        .all(|vertex| skin_point(*vertex).distance(point) > COARSE * ball.radius);
+    let within: Vec<u32> = (0_u32..)
+        .zip(&cover.balls)
+        .filter(|(_, other)| is_coarse && other.centre.distance(ball.centre) < ball.radius)
+        .map(|(other, _)| other)
+        .collect();
     let number = cover.push(ball);
+    for other in within {
+        cover.link(number, other);
+    }
     for vertex in face {
         let other = cover.of_vertex[vertex as usize];
         if other != NONE {

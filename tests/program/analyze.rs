@@ -148,12 +148,32 @@ fn capped_lines_go_on_to_the_middles_of_open_ends() {
 }
 
 #[test]
+fn lines_leave_oblique_open_ends_straight() {
+    // Cut at 45°, the wall and the flat cap make a sharp corner, which is no way for a line.
+    let folder = folder();
+    let model = folder.path().join("oblique.obj");
+    let oblique = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
+        ["v", "0", y, z] => format!("v {} {y} {z}", y.parse::<f64>().unwrap() - 3.0),
+        _ => line.to_owned(),
+    };
+    let text: Vec<String> = tube().lines().map(oblique).collect();
+    fs::write(&model, text.join("\n")).unwrap();
+    for cap in [&[][..], &["--cap"]] {
+        let json = succeed(ramus().arg("analyze").arg(&model).arg("--json").args(cap));
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let bent = number(&json, "/branches/0/tortuosity");
+        assert!(bent < 0.02, "{bent}: {}", json["nodes"]["position"]);
+    }
+}
+
+#[test]
 fn centerlines_of_vmtk_are_measured_by_both_definitions() {
     let lines = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/vmtk/duct.vtp");
     let json = succeed(ramus().arg("analyze").arg(lines).arg("--json"));
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let count = |of: &str| json.pointer(of).and_then(serde_json::Value::as_u64);
-    assert_eq!(count("/counts/branches"), Some(24));
+    // A trifurcation is two forks of lines that part one after the other.
+    assert_eq!(count("/counts/branches"), Some(25));
     assert_eq!(count("/counts_vmtk/branches"), Some(24));
     assert_eq!(count("/counts_vmtk/multifurcations"), Some(1));
     assert_eq!(count("/counts/centerlines"), Some(13));

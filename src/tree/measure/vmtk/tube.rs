@@ -11,7 +11,7 @@ use super::ranges::Ranges;
 /// Segments, or boxes, in a box.
 const IN_BOX: usize = 8;
 
-/// A point in `what` the tubes of lines that part at a fork from the one it is on.
+/// Lines that part at a fork from the own one, which is in the tubes of some of them still.
 #[derive(Clone, Debug)]
 pub(super) struct Siblings {
     /// Where they part.
