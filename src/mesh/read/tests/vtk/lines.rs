@@ -179,7 +179,7 @@ fn of_group<'a>(rows: &'a Value, name: &str, group: &Value) -> Vec<&'a Value> {
         .collect()
 }
 
-fn nearest<'a>(rows: &'a [Value], distance: impl Fn(&Value) -> f64) -> &'a Value {
+fn nearest(rows: &[Value], distance: impl Fn(&Value) -> f64) -> &Value {
     let all = rows.iter();
     all.min_by(|a, b| distance(a).total_cmp(&distance(b)))
         .unwrap()
