@@ -30,12 +30,14 @@ pub struct Wanted {
     pub endpoints: Option<Vec<Endpoint>>,
     /// Parts that are apart by no more than this, in the model's unit, are bridged.
     pub bridge: Option<f64>,
+    /// Lines go on to the middles of open ends.
+    pub cap: bool,
 }
 
 impl Wanted {
     /// Whether it says nothing, as it must of a skeleton.
     pub fn is_nothing(&self) -> bool {
-        self.source.is_none() && self.endpoints.is_none() && self.bridge.is_none()
+        self.source.is_none() && self.endpoints.is_none() && self.bridge.is_none() && !self.cap
     }
 }
 
@@ -125,6 +127,7 @@ pub fn found(
     let params = Params {
         bridge: wanted.bridge,
         proposed: wanted.source.is_none() && wanted.endpoints.is_none(),
+        cap: wanted.cap,
     };
     Ok(centerline(
         &on.surface,
@@ -185,6 +188,6 @@ pub fn skeleton(
 /// Nothing can be given to a skeleton.
 pub fn given_to_skeleton(name: &str) -> anyhow::Error {
     anyhow!(
-        "{name} is a skeleton already: leave out --source, --targets, --auto and --bridge, and it is measured as it is"
+        "{name} is a skeleton already: leave out --source, --targets, --auto, --bridge and --cap, and it is measured as it is"
     )
 }

@@ -1,12 +1,15 @@
 //! Centerlines and their measures as files.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
 use super::export::ExportError;
 use crate::centerline::Centerline;
-use crate::centerline::analysis::Analysis;
+use crate::centerline::analysis::{
+    Analysis, BranchFacts, BranchVmtkFacts, CenterlineFacts, RadiusFacts,
+};
 use crate::mesh::unit::Unit;
 use crate::tree::export::{ExportParams, Glb, Swc, Vtp};
 use crate::tree::file::{write_atomically, write_atomically_with};
@@ -101,69 +104,144 @@ pub fn write_analysis(analysis: &Analysis, unit: Unit, path: &Path) -> Result<()
     })
 }
 
-/// Writes a table of branches, one a row.
+/// Columns of the table; each row has those that it is of.
+const COLUMNS: [&str; 27] = [
+    "table",
+    "id",
+    "name",
+    "parent",
+    "order",
+    "strahler",
+    "horsfield",
+    "tips",
+    "length",
+    "length_without_stem",
+    "root_to_surface",
+    "tip_to_surface",
+    "length_to_surface",
+    "chord",
+    "tortuosity",
+    "curvature",
+    "torsion",
+    "radius_mean",
+    "radius_min",
+    "radius_max",
+    "radius_start",
+    "radius_end",
+    "taper",
+    "volume",
+    "area",
+    "first_node",
+    "last_node",
+];
+
+/// A row: the cells that it has, by their columns.
+type Row = Vec<(&'static str, String)>;
+
+/// Writes what was measured as one CSV table: whole branches, branches by VMTK's definition, and centerlines, which the first column tells apart
+/// by the names that JSON has for them.
 ///
 /// # Errors
-/// Where the disk does not take it.
-pub fn write_branches(analysis: &Analysis, path: &Path) -> Result<(), TreeError> {
-    let columns = [
-        "id",
-        "parent",
-        "order",
-        "strahler",
-        "horsfield",
-        "tips",
-        "length",
-        "chord",
-        "tortuosity",
-        "curvature",
-        "torsion",
-        "radius_mean",
-        "radius_min",
-        "radius_max",
-        "radius_start",
-        "radius_end",
-        "taper",
-        "volume",
-        "area",
-        "first_node",
-        "last_node",
-    ];
-    let mut text = columns.join(",") + "\n";
-    let or_empty = |value: Option<String>| value.unwrap_or_default();
-    for one in &analysis.branches {
-        let radius = one.radius;
-        let finite = |value: f64| {
-            if value.is_finite() {
-                format!("{value:?}")
-            } else {
-                String::new()
-            }
+/// What the disk does not take.
+pub fn write_tables(analysis: &Analysis, path: &Path) -> Result<(), TreeError> {
+    let mut rows: Vec<Row> = analysis.branches.iter().map(whole_row).collect();
+    let junctions = analysis.junctions_vmtk.iter();
+    let parents: BTreeMap<usize, Option<usize>> = junctions
+        .map(|junction| (junction.group, junction.parent))
+        .collect();
+    let parent = |branch: &BranchVmtkFacts| parents.get(&branch.upstream?).copied().flatten();
+    rows.extend(
+        analysis
+            .branches_vmtk
+            .iter()
+            .map(|branch| vmtk_row(branch, parent(branch))),
+    );
+    rows.extend(analysis.centerlines.iter().map(line_row));
+    let mut out = csv::Writer::from_writer(Vec::new());
+    // Writing to memory does not fail.
+    let _ = out.write_record(COLUMNS);
+    for row in &rows {
+        let cell = |column: &&str| {
+            let found = row.iter().find(|(name, _)| name == column);
+            found.map_or("", |(_, cell)| cell.as_str())
         };
-        let cells = [
-            one.id.to_string(),
-            or_empty(one.parent.map(|parent| parent.to_string())),
-            one.order.to_string(),
-            one.strahler.to_string(),
-            one.horsfield.to_string(),
-            one.tips.to_string(),
-            finite(one.length),
-            finite(one.chord),
-            finite(one.tortuosity),
-            finite(one.curvature),
-            or_empty(one.torsion.map(finite)),
-            finite(radius.along.mean),
-            finite(radius.along.min),
-            finite(radius.along.max),
-            finite(radius.along.start),
-            finite(radius.along.end),
-            finite(radius.taper),
-            finite(one.volume),
-            finite(one.area),
-            one.nodes[0].to_string(),
-            one.nodes[1].to_string(),
-        ];
-        text += &(cells.join(",") + "\n");
+        let _ = out.write_record(COLUMNS.iter().map(cell));
     }
-    write_atomically(path, text.as_bytes())
+    write_atomically(path, &out.into_inner().unwrap_or_default())
+}
+
+/// A number with all its digits; nothing for what is none.
+fn number(value: impl Into<Option<f64>>) -> String {
+    let value: Option<f64> = value.into();
+    let value = value.filter(|value| value.is_finite());
+    value.map_or_else(String::new, |value| format!("{value:?}"))
+}
+
+fn whole(value: Option<usize>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+fn radius_cells(radius: &RadiusFacts) -> Row {
+    let along = radius.along;
+    vec![
+        ("radius_mean", number(along.mean)),
+        ("radius_min", number(along.min)),
+        ("radius_max", number(along.max)),
+        ("radius_start", number(along.start)),
+        ("radius_end", number(along.end)),
+        ("taper", number(radius.taper)),
+    ]
+}
+
+fn whole_row(one: &BranchFacts) -> Row {
+    let mut row = vec![
+        ("table", "branches".to_owned()),
+        ("id", one.id.to_string()),
+        ("parent", whole(one.parent)),
+        ("order", one.order.to_string()),
+        ("strahler", one.strahler.to_string()),
+        ("horsfield", one.horsfield.to_string()),
+        ("tips", one.tips.to_string()),
+        ("length", number(one.length)),
+        ("chord", number(one.chord)),
+        ("tortuosity", number(one.tortuosity)),
+        ("curvature", number(one.curvature)),
+        ("torsion", number(one.torsion)),
+        ("volume", number(one.volume)),
+        ("area", number(one.area)),
+        ("first_node", one.nodes[0].to_string()),
+        ("last_node", one.nodes[1].to_string()),
+    ];
+    row.extend(radius_cells(&one.radius));
+    row
+}
+
+fn vmtk_row(one: &BranchVmtkFacts, parent: Option<usize>) -> Row {
+    let mut row = vec![
+        ("table", "branches_vmtk".to_owned()),
+        ("id", one.group.to_string()),
+        ("parent", whole(parent)),
+        ("tips", one.lines.to_string()),
+        ("length", number(one.length)),
+        ("chord", number(one.first.distance(one.last))),
+        ("tortuosity", number(one.tortuosity)),
+        ("curvature", number(one.curvature)),
+        ("torsion", number(one.torsion)),
+    ];
+    row.extend(radius_cells(&one.radius));
+    row
+}
+
+fn line_row(one: &CenterlineFacts) -> Row {
+    vec![
+        ("table", "centerlines".to_owned()),
+        ("id", whole(one.target)),
+        ("name", one.name.clone()),
+        ("length", number(one.length)),
+        ("length_without_stem", number(one.length_without_stem)),
+        ("root_to_surface", number(one.root_to_surface)),
+        ("tip_to_surface", number(one.tip_to_surface)),
+        ("length_to_surface", number(one.length_to_surface)),
+        ("last_node", one.node.to_string()),
+    ]
 }

@@ -114,8 +114,8 @@ fn found(
                 return Err(NO_ENDS.to_owned());
             }
             let params = Params {
-                bridge: None,
                 proposed,
+                ..Params::default()
             };
             let mut stage = progress.stage(finding);
             let told = &mut |done: usize, of: usize| stage(done, of.max(STAGES));

@@ -126,7 +126,7 @@ fn write(what: &Taken, path: &Path) -> Result<PathBuf, String> {
         (Taken::Tree(document), "lsys") => take_home::grammar(document, path),
         (Taken::Tree(document), _) => take_home::export(document, path),
         (Taken::Lines(lines, _), "csv") => {
-            centerlines::write_branches(&lines.analysis, path).map_err(Into::into)
+            centerlines::write_tables(&lines.analysis, path).map_err(Into::into)
         }
         (Taken::Lines(lines, unit), "json") => {
             centerlines::write_analysis(&lines.analysis, *unit, path).map_err(Into::into)

@@ -1,16 +1,24 @@
 //! What is told of a model whose centerlines were found and measured: the JSON object `ramus-analysis/1`.
 //!
-//! Positions are in the model's own coordinates and unit, lengths in that unit, angles in degrees where a name says so. Branches here are
-//! whole: from junction to junction, or to the root or a tip.
+//! Positions are in the model's own coordinates and unit, lengths in that unit, angles in degrees where a name says so. Branches are
+//! whole, from junction to junction, or to the root or a tip; and where a name ends in `_vmtk` they are as [VMTK defines
+//! them](crate::tree::measure::vmtk).
+
+mod lines;
+mod vmtk;
 
 use glam::DVec3;
 use serde::{Serialize, Serializer};
 
+pub use self::lines::CenterlineFacts;
+pub use self::vmtk::{BranchVmtkFacts, CountsVmtk, JunctionVmtkFacts, TractFacts};
 use super::{Centerline, Unreached};
 use crate::mesh::endpoints::Kind;
 use crate::mesh::report::Report;
 use crate::mesh::unit::Scale;
-use crate::tree::measure::{Branch, Junction, Measures, Order, RadiusAlong, Spread};
+use crate::tree::measure::{
+    Branch, Direction, Frame, Junction, Measures, Order, RadiusAlong, Spread, Table,
+};
 use crate::tree::{NO_PARENT, Tree};
 
 /// The format's name.
@@ -27,14 +35,24 @@ pub struct Analysis {
     pub endpoints: EndpointFacts,
     /// How many there are of everything.
     pub counts: Counts,
+    /// How many there are of what VMTK's definition of a branch has; null where balls overlap too much for it.
+    pub counts_vmtk: Option<CountsVmtk>,
     /// Means and deviations, of whole branches.
     pub table: TableFacts,
+    /// The same by VMTK's definition of a branch; null where balls overlap too much for it.
+    pub table_vmtk: Option<TableFacts>,
+    /// Each way from the source to a target, or from the root to a tip.
+    pub centerlines: Vec<CenterlineFacts>,
     /// By Strahler's orders.
     pub orders: OrderFacts,
     /// Each branch.
     pub branches: Vec<BranchFacts>,
+    /// Each branch by VMTK's definition.
+    pub branches_vmtk: Vec<BranchVmtkFacts>,
     /// Each junction.
     pub junctions: Vec<JunctionFacts>,
+    /// Each bifurcation, of any number of daughters, by VMTK's definition.
+    pub junctions_vmtk: Vec<JunctionVmtkFacts>,
     /// The tree.
     pub nodes: Nodes,
     /// How long the stages took.
@@ -82,6 +100,8 @@ pub struct EndpointFacts {
     pub targets: Vec<DVec3>,
     /// Whether they were found and not given.
     pub automatic: bool,
+    /// At how many of them the lines go on to the middle of the open end.
+    pub capped: usize,
     /// Targets that no way leads to.
     pub unreached: Vec<UnreachedFacts>,
 }
@@ -121,6 +141,8 @@ pub struct Counts {
 /// The table.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct TableFacts {
+    /// What a branch is here.
+    pub definition: &'static str,
     /// Lengths of branches.
     pub branch_length: Spread,
     /// Radii at equally spaced points.
@@ -133,8 +155,10 @@ pub struct TableFacts {
     pub stem_iterations: f64,
     /// Ways without the stem in mean branch lengths.
     pub iterations: MeanStd,
-    /// Between daughters.
+    /// Between daughters, in space.
     pub bifurcation_angle_deg: Spread,
+    /// Between daughters, in the plane in which they branch.
+    pub bifurcation_angle_in_plane_deg: Spread,
     /// Of branches towards the stem's direction.
     pub upwards_angle_deg: MeanStd,
     /// Mean curvatures of branches.
@@ -226,12 +250,31 @@ pub struct JunctionFacts {
     pub angles_deg: Vec<f64>,
     /// Between the parent's direction and each daughter's.
     pub parent_angles_deg: Vec<f64>,
+    /// Between daughters in the plane in which they branch, as `angles_deg`.
+    pub angles_in_plane_deg: Vec<f64>,
+    /// From the way through the junction, in the plane: of the parent, then of each daughter; null of what has no direction.
+    pub in_plane_deg: Vec<Option<f64>>,
+    /// Out of the plane, likewise.
+    pub out_of_plane_deg: Vec<Option<f64>>,
+    /// The reference system of these angles.
+    pub frame: Option<FrameFacts>,
     /// With which exponent the daughters' radii add up to the parent's.
     pub murray: Option<f64>,
     /// How unequally tips are shared.
     pub asymmetry: Option<f64>,
     /// The parent's direction, then the daughters'.
     pub vectors: Vec<DVec3>,
+}
+
+/// A reference system.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct FrameFacts {
+    /// Its middle.
+    pub origin: DVec3,
+    /// Of the plane in which it branches; the thickest daughter is at the largest angle in it.
+    pub normal: DVec3,
+    /// The way through it, with the flow.
+    pub up: DVec3,
 }
 
 /// The tree.
@@ -299,7 +342,8 @@ impl Analysis {
                 .map(|end| end.point)
         };
         let bifurcations = measures.bifurcations();
-        let reached = found.ends.iter().filter(|end| end.is_some()).count();
+        let centerlines = lines::centerlines(found, measures.table.stem_length);
+        let vmtk = measures.vmtk.as_ref();
         Self {
             format: FORMAT,
             model,
@@ -307,14 +351,11 @@ impl Analysis {
                 source: of(Kind::Source).next(),
                 targets: of(Kind::Target).collect(),
                 automatic,
+                capped: found.capped,
                 unreached: found.unreached.iter().map(unreached).collect(),
             },
             counts: Counts {
-                centerlines: if found.ends.is_empty() {
-                    measures.tips
-                } else {
-                    reached
-                },
+                centerlines: centerlines.len(),
                 branches: measures.branches.len(),
                 junctions: measures.junctions.len(),
                 bifurcations,
@@ -322,7 +363,10 @@ impl Analysis {
                 tips: measures.tips,
                 loops_left_out: loops,
             },
-            table: table(&measures),
+            counts_vmtk: vmtk.map(vmtk::counts),
+            table: table(&measures.table, WHOLE),
+            table_vmtk: vmtk.map(|split| table(&split.table, VMTK)),
+            centerlines,
             orders: orders(&measures),
             branches: measures
                 .branches
@@ -330,7 +374,13 @@ impl Analysis {
                 .enumerate()
                 .map(|(id, one)| branch(id, one))
                 .collect(),
-            junctions: measures.junctions.iter().map(junction).collect(),
+            branches_vmtk: vmtk.map_or_else(Vec::new, |split| vmtk::branches(split, found)),
+            junctions: measures
+                .junctions
+                .iter()
+                .map(|one| junction(one, found.origin))
+                .collect(),
+            junctions_vmtk: vmtk.map_or_else(Vec::new, |split| vmtk::junctions(split, found)),
             nodes: nodes(&found.tree, found.origin),
             timing_ms: Timing::default(),
         }
@@ -356,10 +406,14 @@ fn degrees(spread: Spread) -> Spread {
     }
 }
 
-fn table(measures: &Measures) -> TableFacts {
-    let table = measures.table;
+/// What a branch is in each table.
+const WHOLE: &str = "whole branches: from junction to junction, or to the root or a tip";
+const VMTK: &str = "VMTK's branches: outside bifurcations, which begin one sphere before a line leaves another's tube";
+
+fn table(table: &Table, definition: &'static str) -> TableFacts {
     let upwards = degrees(table.upwards_angle);
     TableFacts {
+        definition,
         branch_length: table.branch_length,
         point_radius: table.point_radius,
         centerline_length: table.centerline_length,
@@ -370,6 +424,7 @@ fn table(measures: &Measures) -> TableFacts {
             std: table.iterations[1],
         },
         bifurcation_angle_deg: degrees(table.bifurcation_angle),
+        bifurcation_angle_in_plane_deg: degrees(table.in_plane_angle),
         upwards_angle_deg: MeanStd {
             mean: upwards.mean,
             std: upwards.std,
@@ -413,8 +468,24 @@ fn branch(id: usize, branch: &Branch) -> BranchFacts {
     }
 }
 
-fn junction(junction: &Junction) -> JunctionFacts {
+fn frame(frame: Frame, origin: DVec3) -> FrameFacts {
+    FrameFacts {
+        origin: frame.origin + origin,
+        normal: frame.normal,
+        up: frame.up,
+    }
+}
+
+fn junction(junction: &Junction, origin: DVec3) -> JunctionFacts {
     let in_degrees = |angles: &[f64]| angles.iter().map(|angle| angle.to_degrees()).collect();
+    let directions = std::iter::once(junction.parent_direction);
+    let directions = directions.chain(junction.directions.iter().copied());
+    let angles = |of: fn(Direction) -> f64| {
+        let directions = directions.clone();
+        directions
+            .map(|one| one.map(|one| of(one).to_degrees()))
+            .collect()
+    };
     let vectors = std::iter::once(junction.parent_vector).chain(junction.vectors.iter().copied());
     JunctionFacts {
         node: junction.node,
@@ -422,6 +493,10 @@ fn junction(junction: &Junction) -> JunctionFacts {
         daughters: junction.daughters.clone(),
         angles_deg: in_degrees(&junction.angles),
         parent_angles_deg: in_degrees(&junction.parent_angles),
+        angles_in_plane_deg: in_degrees(&junction.in_plane),
+        in_plane_deg: angles(|one| one.in_plane),
+        out_of_plane_deg: angles(|one| one.out_of_plane),
+        frame: junction.frame.map(|one| frame(one, origin)),
         murray: junction.exponent,
         asymmetry: junction.asymmetry,
         vectors: vectors.collect(),

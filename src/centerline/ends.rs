@@ -14,6 +14,8 @@ use crate::mesh::endpoints::{Endpoint, Kind};
 const OFF: f64 = 0.5;
 /// An endpoint farther inside than this part of its tube's radius is not on the outer wall. (The middle of an uneven opening is not on it either.)
 const BURIED: f64 = 0.5;
+/// A triangle whose vertices are all farther from a ball's place than so many of its radii is as large as the ball.
+const COARSE: f64 = 0.5;
 /// A target whose ball is nearer to the source's than this part of its radius is the source.
 const SAME: f64 = 0.05;
 
@@ -62,10 +64,21 @@ pub(super) fn ball_of(
     let Some(ball) = own.or(nearest) else {
         return Ok(None);
     };
+    // Of a triangle that is as large as the ball, as flat caps have them, the vertices are at the rim, and balls there in its corner. What is
+    // inside the ball hangs together with it, too.
+    let skin = solids.skin(part);
+    let is_coarse = face
+        .iter()
+        .all(|vertex| skin.surface.position(*vertex).distance(point) > COARSE * ball.radius);
+    let within: Vec<u32> = (0_u32..)
+        .zip(&cover.balls)
+        .filter(|(_, other)| is_coarse && other.centre.distance(ball.centre) < ball.radius)
+        .map(|(other, _)| other)
+        .collect();
     let number = cover.push(ball);
-    of_face
-        .into_iter()
-        .for_each(|other| cover.link(number, other));
+    for other in within.into_iter().chain(of_face) {
+        cover.link(number, other);
+    }
     Ok(Some(number))
 }
 

@@ -8,7 +8,7 @@
 use glam::{DMat3, DVec3};
 
 use super::line::Sample;
-use super::skin::{Ball, Skin, WallPoint};
+use super::skin::{Ball, WallPoint};
 use super::solids::Solids;
 use super::spline::{Knot, Smooth, smooth};
 use super::tube::Tube;
@@ -54,6 +54,8 @@ const FOLLOWED_MOST: usize = 40;
 const WIDER: f64 = 0.05;
 /// Distance between balls that are compared at an end, in radii.
 const END_STEP: f64 = 0.05;
+/// Between two of them, it is looked at so many more where the last ball is.
+const CLOSER: u32 = 8;
 /// How near a tube must be to an end for its axis to lead there, in radii.
 const END_NEAR: f64 = 2.5;
 /// Places of a line that are looked at for its end at most.
@@ -567,11 +569,20 @@ fn last_ball(solids: &Solids<'_>, places: &[(f64, DVec3)], part: u32) -> Option<
         .iter()
         .take_while(|(_, ball)| ball.radius > 0.1 * thick);
     let reach = |(s, ball): &(f64, Ball)| s / 2.0 + ball.radius;
-    let (place, (_, ball)) = inside
+    let (place, _) = inside
         .enumerate()
         .max_by(|(_, a), (_, b)| reach(a).total_cmp(&reach(b)))?;
+    // The same once more, closer about it.
+    let around = places.get(place.saturating_sub(1)..=(place + 1).min(places.len() - 1))?;
+    let closer = around.windows(2).flat_map(|pair| {
+        let (from, to) = (pair[0], pair[1]);
+        let parts = (0..=CLOSER).map(|part| f64::from(part) / f64::from(CLOSER));
+        parts.map(move |part| (from.0 + part * (to.0 - from.0), from.1.lerp(to.1, part)))
+    });
+    let closer = closer.map(|place| ball(&place));
+    let (_, ball) = closer.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
     solids.is_in(part, ball.centre).then(|| Last {
-        ball: *ball,
+        ball,
         onwards: (places[place].1 - places[place.saturating_sub(1)].1).normalize_or_zero(),
         thick,
     })

@@ -24,6 +24,7 @@ mod ends;
 mod error;
 mod fork;
 mod line;
+mod reach;
 mod refine;
 mod route;
 mod skin;
@@ -63,6 +64,8 @@ pub struct Params {
     /// The endpoints are [proposals](crate::mesh::endpoints::propose()) for the surface: those that are inside other parts of it are none, and which
     /// is the source does not matter: where more of them hang together than with it, the first of those takes its place.
     pub proposed: bool,
+    /// Lines that begin or end at an open end go on to its middle, with the radius of their last ball.
+    pub cap: bool,
 }
 
 /// Why no way leads to a target.
@@ -119,6 +122,10 @@ pub struct Centerline {
     pub ends: Vec<Option<u32>>,
     /// Targets that no way leads to.
     pub unreached: Vec<Unreached>,
+    /// How far the surface is from each end, straight on: from the source, then from each target. None where there is no line, and where others go on.
+    pub to_surface: Vec<Option<f64>>,
+    /// At how many ends lines go on to the middle of an open end.
+    pub capped: usize,
 }
 
 /// Finds the centerlines of a model from its source to its targets. `progress` gets how many of [`STAGES`] are done.
@@ -145,6 +152,7 @@ pub fn centerline(
     };
     stage()?;
     let mut endpoints = source_first(endpoints)?;
+    let given = surface;
     let surface = prepared(surface, cancel)?;
     stage()?;
     let origin = surface.mesh().origin;
@@ -217,13 +225,19 @@ pub fn centerline(
     let network = network(&skeleton, lines, &solids);
     stage()?;
     let (tree, ends) = gathered(&network, &skeleton);
-    Ok(Centerline {
+    let mut found = Centerline {
+        to_surface: reach::to_surface(&tree, &ends, &solids),
         tree,
         origin,
         endpoints,
         ends,
         unreached,
-    })
+        capped: 0,
+    };
+    if params.cap {
+        reach::to_caps(&mut found, given);
+    }
+    Ok(found)
 }
 
 /// The endpoints with the source first.

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::skin::Skin;
 use crate::mesh::Mesh;
@@ -166,12 +166,17 @@ impl<'a> Solids<'a> {
         self.around(point).next().is_some()
     }
 
-    /// How deep a point is inside the solid in which it is deepest, without one of them; zero where it is in none.
-    pub(super) fn depth(&self, point: DVec3, without: Option<u32>) -> f64 {
+    /// The solid in which a point is deepest, without one of them, and how deep.
+    pub(super) fn deepest(&self, point: DVec3, without: Option<u32>) -> Option<(&Skin<'a>, f64)> {
         self.around(point)
             .filter(|skin| Some(skin.part) != without)
-            .map(|skin| skin.distance(point))
-            .fold(0.0, f64::max)
+            .map(|skin| (skin, skin.distance(point)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// How deep that is; zero where it is in none.
+    pub(super) fn depth(&self, point: DVec3, without: Option<u32>) -> f64 {
+        self.deepest(point, without).map_or(0.0, |(_, depth)| depth)
     }
 
     /// How far a point is from the wall: that of the solid in which it is deepest, or else that of a part.

@@ -27,7 +27,7 @@ mod text;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
-    /// The model: a surface, or a skeleton as SWC files have it, which is measured as it is
+    /// The model: a surface, or a skeleton (SWC) or centerlines (VTP), which are measured as they are
     model: PathBuf,
     /// Where centerlines begin, in the model's coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
@@ -41,10 +41,13 @@ pub(super) struct Args {
     /// Bridge parts that are apart by no more than this, in the model's unit
     #[arg(long, value_name = "GAP", value_parser = gap)]
     bridge: Option<f64>,
+    /// Let lines go on to the middles of open ends, which are closed flat, and not end a radius before them
+    #[arg(long)]
+    cap: bool,
     /// Print all that is known as one JSON object on one line
     #[arg(long)]
     json: bool,
-    /// Write the branches as a table
+    /// Write the branches and centerlines as a table
     #[arg(long, value_name = "FILE", value_parser = table_file())]
     csv: Option<PathBuf>,
     /// Write the centerlines as .swc, .vtp or .glb
@@ -115,6 +118,7 @@ pub(super) fn run(
         source: args.source,
         endpoints: given,
         bridge: args.bridge,
+        cap: args.cap,
     };
     let (mut analysis, found) = match &loaded.skeleton {
         Some(_) if args.auto => return Err(given_to_skeleton(&name.to_string())),
@@ -130,7 +134,7 @@ pub(super) fn run(
     };
     analysis.timing_ms.load = load;
     if let Some(path) = &args.csv {
-        centerlines::write_branches(&analysis, path)?;
+        centerlines::write_tables(&analysis, path)?;
     }
     if let Some(path) = &args.export {
         centerlines::write(&found, path)?;
@@ -175,6 +179,9 @@ fn of_surface(args: &Args, loaded: &Loaded, wanted: &Wanted) -> Result<(Analysis
         progress.show(done, of)
     })?;
     let finding = milliseconds(finding);
+    if args.cap && found.capped == 0 {
+        whisper!("no line begins or ends at an open end: --cap changes nothing");
+    }
     for one in &found.unreached {
         whisper!("{} is {one}", one.name);
     }

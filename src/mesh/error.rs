@@ -82,7 +82,7 @@ pub enum MeshError {
     },
     /// Lines, and no surface.
     #[error(
-        "the {format} file has {lines} lines and no triangle, as centerlines and skeletons have: give the surface that they were made from, or save the skeleton as SWC"
+        "the {format} file has {lines} lines and no triangle, as centerlines and skeletons have, but no radii: give the surface that they were made from, or save the skeleton as SWC, or as VTP with the point array MaximumInscribedSphereRadius"
     )]
     OnlyLines {
         /// Its format.

@@ -1,14 +1,17 @@
-//! SWC files read into trees; anything at all may stand in such a file.
+//! SWC files read into trees, and [lines] joined into one; anything at all may stand in such a file.
 //!
 //! Lines of `id type x y z radius parent` in any order: forward references, ids from anywhere in i64, several roots (each
 //! becomes a root of the tree), comments in any encoding. Refused with the line's number: what is no number or not finite, an
 //! id used twice, a parent that does not exist, circles. Memory stays in proportion to the file: some 150 bytes for each node,
 //! and no node takes less than 14 bytes of text.
 
+mod lines;
+
 use std::collections::HashMap;
 
 use glam::Vec3;
 
+pub use self::lines::lines;
 use super::{NO_PARENT, Node, Tree, TreeError};
 
 /// Longest line read, in bytes; a node needs about 60.

@@ -70,10 +70,35 @@ fn a_tube_is_measured_and_exported() {
     assert!((radius - 2.0).abs() < 0.02 && json["branches"][0]["radius"]["taper"].is_number());
     assert_eq!(json["orders"]["strahler"][0]["order"], 1);
     let rows = fs::read_to_string(&csv).unwrap();
+    assert!(rows.starts_with("table,id,name,parent,order,"), "{rows}");
+    // One branch, whole and by VMTK's definition, and one centerline.
+    let tables: Vec<&str> = rows
+        .lines()
+        .skip(1)
+        .filter_map(|row| row.split(',').next())
+        .collect();
+    assert_eq!(tables, ["branches", "branches_vmtk", "centerlines"]);
+    // From surface to surface it is as long as the tube.
+    let line = &json["centerlines"][0];
+    assert_eq!(line["target"], 0);
     assert!(
-        rows.starts_with("id,parent,order,") && rows.lines().count() == 2,
-        "{rows}"
+        (number(line, "/length_to_surface") - 40.0).abs() < 0.05,
+        "{line}"
     );
+    assert!((number(line, "/tip_to_surface") - 2.0).abs() < 0.2);
+    assert!((number(line, "/root_to_surface") - 2.0).abs() < 0.2);
+    assert_eq!(number(line, "/length_without_stem"), 0.0);
+    assert!(
+        json["table"]["definition"]
+            .as_str()
+            .unwrap()
+            .contains("whole")
+            && json["table_vmtk"]["definition"]
+                .as_str()
+                .unwrap()
+                .contains("VMTK")
+    );
+    assert!((number(&json, "/table_vmtk/branch_length/mean") - length).abs() < 1e-3);
     succeed(&mut analyze(&vtp));
     let lines = fs::read_to_string(&vtp).unwrap();
     assert!(
@@ -82,12 +107,106 @@ fn a_tube_is_measured_and_exported() {
         "{lines}"
     );
     // What was written is a skeleton, and is measured alike.
-    let again = succeed(ramus().arg("analyze").arg(&swc).arg("--json"));
-    let again: serde_json::Value = serde_json::from_str(&again).unwrap();
+    for skeleton in [&swc, &vtp] {
+        let again = succeed(ramus().arg("analyze").arg(skeleton).arg("--json"));
+        let again: serde_json::Value = serde_json::from_str(&again).unwrap();
+        assert!(
+            (number(&again, "/branches/0/length") / length - 1.0).abs() < 1e-6,
+            "{again}"
+        );
+        assert_eq!(again["centerlines"][0]["name"], "tip 1");
+        assert!(again["centerlines"][0]["length_to_surface"].is_null());
+    }
+}
+
+#[test]
+fn capped_lines_go_on_to_the_middles_of_open_ends() {
+    let folder = folder();
+    let model = folder.path().join("tube.obj");
+    fs::write(&model, tube()).unwrap();
+    let json = succeed(ramus().arg("analyze").arg(&model).args(["--cap", "--json"]));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["endpoints"]["capped"], 2);
+    let line = &json["centerlines"][0];
+    for of in ["/length", "/length_to_surface"] {
+        assert!((number(line, of) - 40.0).abs() < 0.02, "{line}");
+    }
+    assert_eq!(number(line, "/tip_to_surface"), 0.0);
+    // It begins in the middle of one open end and ends in that of the other.
+    let nodes = json["nodes"]["position"].as_array().unwrap();
+    for (node, x) in [(0, 0.0), (nodes.len() - 1, 40.0)] {
+        let end = |axis: usize| nodes[node][axis].as_f64().unwrap();
+        let x = if end(0) > 20.0 { 40.0_f64.max(x) } else { 0.0 };
+        assert!(
+            (end(0) - x).abs() < 1e-4 && end(1).abs() < 1e-4 && end(2).abs() < 1e-4,
+            "{:?}",
+            nodes[node]
+        );
+    }
+    assert_eq!(json["nodes"]["parent"][0], -1);
+    assert_eq!(json["nodes"]["parent"][1], 0);
+}
+
+#[test]
+fn lines_leave_oblique_open_ends_straight() {
+    // The aorta's upper end is cut obliquely: the wall and the flat cap make a sharp corner, through which no line should go.
+    let Some(shared) = std::env::var_os("RAMUS_SHARED") else {
+        println!("skipped: RAMUS_SHARED names no folder with models");
+        return;
+    };
+    let model = Path::new(&shared).join("models/real/vmtk_aorta-surface-open-ends.stl");
+    for cap in [&[][..], &["--cap"]] {
+        let json = succeed(ramus().arg("analyze").arg(&model).arg("--json").args(cap));
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let bent = number(&json, "/table/tortuosity/max");
+        assert!(bent < 0.02, "{bent}");
+        // VMTK has 30.43 ± 0.66 and a radius of 5.20, from its own ends.
+        if cap.is_empty() {
+            let length = number(&json, "/table_vmtk/branch_length/mean");
+            assert!((length - 30.43).abs() < 0.66, "{length}");
+        }
+    }
+}
+
+#[test]
+fn centerlines_of_vmtk_are_measured_by_both_definitions() {
+    let lines = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/vmtk/duct.vtp");
+    let json = succeed(ramus().arg("analyze").arg(lines).arg("--json"));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let count = |of: &str| json.pointer(of).and_then(serde_json::Value::as_u64);
+    // A trifurcation is two forks of lines that part one after the other.
+    assert_eq!(count("/counts/branches"), Some(25));
+    assert_eq!(count("/counts_vmtk/branches"), Some(24));
+    assert_eq!(count("/counts_vmtk/multifurcations"), Some(1));
+    assert_eq!(count("/counts/centerlines"), Some(13));
+    // What is blanked is missing from branches.
+    let [whole, vmtk] = ["/table", "/table_vmtk"]
+        .map(|table| number(&json, &format!("{table}/branch_length/mean")));
+    assert!(vmtk < 0.9 * whole, "{vmtk} {whole}");
+    let junctions = json["junctions_vmtk"].as_array().unwrap();
+    let branches = json["branches_vmtk"].as_array().unwrap();
+    assert_eq!((junctions.len(), branches.len()), (11, 24));
+    for junction in junctions {
+        let all = junction["daughters"].as_array().unwrap().len() + 1;
+        for of in ["in_plane_deg", "out_of_plane_deg", "vectors", "short"] {
+            assert_eq!(junction[of].as_array().unwrap().len(), all, "{of}");
+        }
+        assert_eq!(junction["tracts"][0]["blanked"], true);
+        let parent = &junction["parent"];
+        let ends_there = |branch: &&serde_json::Value| branch["group"] == *parent;
+        let branch = branches.iter().find(ends_there).unwrap();
+        assert_eq!(branch["downstream"], junction["group"]);
+    }
+    for junction in json["junctions"].as_array().unwrap() {
+        assert!(junction["in_plane_deg"][0].is_number(), "{junction}");
+        assert!(junction["frame"]["normal"].is_array());
+    }
+    let said = succeed(ramus().arg("analyze").arg(lines));
     assert!(
-        (number(&again, "/branches/0/length") / length - 1.0).abs() < 1e-6,
-        "{again}"
+        said.contains("\nwhole branches") && said.contains("\nVMTK's branches"),
+        "{said}"
     );
+    assert!(said.contains("by VMTK's definition 24 branches, 11 bifurcations (10 of two)"));
 }
 
 #[test]
@@ -165,6 +284,7 @@ fn what_cannot_be_analyzed_is_said_in_one_sentence() {
         ),
         (&tube, vec!["--targets", two], "there are 2 sources"),
         (&skeleton, vec!["--auto"], "is a skeleton already"),
+        (&skeleton, vec!["--cap"], "is a skeleton already"),
     ] {
         let output = ramus()
             .arg("analyze")

@@ -75,7 +75,7 @@ fn analyze(entry: &Entry) -> Result<Told> {
     let wanted = Wanted {
         source: entry.source,
         endpoints: given.map_err(anyhow::Error::msg)?,
-        bridge: None,
+        ..Wanted::default()
     };
     let path: &Path = &entry.path;
     let name = path.display().to_string();

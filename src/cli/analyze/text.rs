@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use crate::centerline::analysis::Analysis;
+use crate::centerline::analysis::{Analysis, TableFacts};
 use crate::mesh::unit::Rounded;
-use crate::tree::measure::Spread;
+use crate::tree::measure::{Spread, spread};
 
-/// A dozen lines.
+/// Some thirty lines.
 pub(super) fn screen(analysis: &Analysis) -> String {
     let mut text = String::new();
     let counts = analysis.counts;
@@ -45,29 +45,74 @@ pub(super) fn screen(analysis: &Analysis) -> String {
             many(counts.loops_left_out, "loop", "loops")
         ));
     }
-    let table = &analysis.table;
-    line(String::new());
-    line(format!(
-        "{:<34}{:>10}{:>10}{:>10}{:>10}{:>8}",
-        "whole branches", "mean", "std", "min", "max", "n"
-    ));
+    if let Some(vmtk) = analysis.counts_vmtk {
+        let swallowed = match vmtk.swallowed {
+            0 => String::new(),
+            many => format!(", {many} too short to be any"),
+        };
+        line(format!(
+            "by VMTK's definition {}, {} ({} of two){swallowed}",
+            many(vmtk.branches, "branch", "branches"),
+            many(
+                vmtk.bifurcations + vmtk.multifurcations,
+                "bifurcation",
+                "bifurcations"
+            ),
+            vmtk.bifurcations,
+        ));
+    } else {
+        line("balls overlap too much for VMTK's definition of branch".to_owned());
+    }
+    text += &table("whole branches", &analysis.table);
+    if let Some(vmtk) = &analysis.table_vmtk {
+        text += &table("VMTK's branches", vmtk);
+    }
+    let to_surface = spread(
+        analysis
+            .centerlines
+            .iter()
+            .filter_map(|one| one.length_to_surface),
+    );
+    if to_surface.n > 0 {
+        let _ = writeln!(
+            text,
+            "centerlines from surface to surface {} ± {}",
+            Rounded(to_surface.mean),
+            Rounded(to_surface.std),
+        );
+    }
+    text
+}
+
+/// The rows of a table whose branches are so.
+fn table(branches: &str, table: &TableFacts) -> String {
+    let mut text = format!(
+        "\n{branches:<34}{:>10}{:>10}{:>10}{:>10}{:>8}\n",
+        "mean", "std", "min", "max", "n"
+    );
     let mut row = |name: &str, spread: &Spread| {
         let numbers = [spread.mean, spread.std, spread.min, spread.max]
             .map(|number| Rounded(number).to_string());
         let [mean, std, min, max] = numbers;
-        line(format!(
+        let _ = writeln!(
+            text,
             "{name:<34}{mean:>10}{std:>10}{min:>10}{max:>10}{:>8}",
             spread.n
-        ));
+        );
     };
     row("branch length", &table.branch_length);
     row("point radius", &table.point_radius);
     row("centerline length", &table.centerline_length);
     row("bifurcation angle (degrees)", &table.bifurcation_angle_deg);
+    row(
+        "the same in its plane",
+        &table.bifurcation_angle_in_plane_deg,
+    );
     row("curvature", &table.curvature);
     row("torsion", &table.torsion);
     row("tortuosity (length / chord − 1)", &table.tortuosity);
-    line(format!(
+    let _ = writeln!(
+        text,
         "stem {} ({} iterations); iterations {} ± {}; upwards angle {} ± {} degrees",
         Rounded(table.stem_length),
         Rounded(table.stem_iterations),
@@ -75,6 +120,6 @@ pub(super) fn screen(analysis: &Analysis) -> String {
         Rounded(table.iterations.std),
         Rounded(table.upwards_angle_deg.mean),
         Rounded(table.upwards_angle_deg.std),
-    ));
+    );
     text
 }

@@ -4,7 +4,7 @@
 //! Tubes narrow at tips, as everything that grows does here; the skeleton's radii stay as they are. A tree has single precision, so the
 //! skeleton is moved to its origin before tubes are made, where that loses nothing.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::points::origin;
 use super::stl::{Joined, Parts};
@@ -23,15 +23,20 @@ const SEGMENTS: usize = 1 << 10;
 pub(super) fn read(bytes: &[u8], task: &Task<'_>) -> Result<Surface, Stop> {
     task.go_on()?;
     let mut skeleton = import::swc(bytes).map_err(Stop::Skeleton)?;
+    let origin = origin(skeleton.position.iter().map(|point| point.to_array()));
+    for position in skeleton.position.iter_mut() {
+        *position = (position.as_dvec3() - origin).as_vec3();
+    }
+    of_skeleton(skeleton, origin, task)
+}
+
+/// A skeleton of which positions are counted from an origin, with the surface of its tubes.
+pub(super) fn of_skeleton(skeleton: Tree, origin: DVec3, task: &Task<'_>) -> Result<Surface, Stop> {
     task.go_on()?;
     let segments = skeleton.segment_count();
     if segments == 0 {
         let problem = "begins a skeleton in which no node has a parent: there is nothing to see, save it with its segments";
         return Err(Stop::fault(0, problem));
-    }
-    let origin = origin(skeleton.position.iter().map(|point| point.to_array()));
-    for position in skeleton.position.iter_mut() {
-        *position = (position.as_dvec3() - origin).as_vec3();
     }
     let (points, triangles) = tubes(&skeleton, segments, task)?;
     Ok(Surface {

@@ -3,6 +3,8 @@
 use glam::DVec3;
 
 use super::branch::{Branch, position};
+use super::frame::{Daughter, Direction, Frame, apart};
+use super::vmtk::Ball;
 use crate::tree::{NO_PARENT, Tree};
 
 /// A vector of a branch is its chord over so many of its mean radii.
@@ -27,6 +29,14 @@ pub struct Junction {
     pub angles: Vec<f64>,
     /// Angles between the parent's direction and each daughter's: 0 where it goes straight on.
     pub parent_angles: Vec<f64>,
+    /// The reference system. None where nothing there goes anywhere.
+    pub frame: Option<Frame>,
+    /// The parent's angles in it; None at a root.
+    pub parent_direction: Option<Direction>,
+    /// The daughters', in their order.
+    pub directions: Vec<Option<Direction>>,
+    /// Angles between daughters within the plane, in the order of `angles`, 0 to π.
+    pub in_plane: Vec<f64>,
     /// The exponent with which the daughters' radii add up to the parent's (Murray: 3; da Vinci: 2). None where a daughter is as thick as the
     /// parent, or where there is no parent.
     pub exponent: Option<f64>,
@@ -61,11 +71,20 @@ fn junction(tree: &Tree, branches: &[Branch], node: u32, daughters: Vec<usize>) 
         .map(|place| vector(tree, &branches[*place], false))
         .collect();
     let parent_vector = parent.map_or(DVec3::ZERO, |parent| vector(tree, &branches[parent], true));
-    let mut angles = Vec::new();
+    let frame = frame(tree, branches, (node, parent), &daughters, &vectors);
+    let direction = |vector: &DVec3| frame.and_then(|frame| frame.direction(*vector));
+    let directions: Vec<Option<Direction>> = vectors.iter().map(direction).collect();
+    let (mut angles, mut in_plane) = (Vec::new(), Vec::new());
     for (place, one) in vectors.iter().enumerate() {
         angles.extend(vectors[place + 1..].iter().map(|other| angle(*one, *other)));
+        let others = directions[place + 1..].iter();
+        in_plane.extend(others.map(|other| directions[place].zip(*other).map_or(0.0, apart)));
     }
     Junction {
+        frame,
+        parent_direction: direction(&parent_vector),
+        directions,
+        in_plane,
         node,
         parent,
         parent_angles: vectors
@@ -83,6 +102,49 @@ fn junction(tree: &Tree, branches: &[Branch], node: u32, daughters: Vec<usize>) 
         angles,
         daughters,
     }
+}
+
+/// The reference system of a junction: of the ways from two radii up its parent to two radii down each daughter.
+fn frame(
+    tree: &Tree,
+    branches: &[Branch],
+    (node, parent): (u32, Option<usize>),
+    daughters: &[usize],
+    vectors: &[DVec3],
+) -> Option<Frame> {
+    let end = |place: usize, is_parent: bool| {
+        let branch = &branches[place];
+        let mut nodes = branch.nodes.clone();
+        if is_parent {
+            nodes.reverse();
+        }
+        Ball {
+            centre: at(tree, &nodes, RADII * branch.radius.mean),
+            radius: branch.radius.mean,
+        }
+    };
+    let from = parent.map_or_else(
+        || Ball {
+            centre: position(tree, node),
+            radius: f64::from(tree.radius[node as usize]),
+        },
+        |parent| end(parent, true),
+    );
+    let ways: Vec<[Ball; 2]> = daughters
+        .iter()
+        .map(|daughter| [from, end(*daughter, false)])
+        .collect();
+    let kinds: Vec<Daughter> = daughters
+        .iter()
+        .zip(vectors)
+        .map(|(daughter, vector)| Daughter {
+            vector: *vector,
+            radius: branches[*daughter].radius.mean,
+            tips: branches[*daughter].tips,
+            length: branches[*daughter].length,
+        })
+        .collect();
+    Frame::new(&ways).map(|frame| frame.turned(&kinds))
 }
 
 /// The chord of a branch over two of its radii from where it comes out of the junction's ball, with the flow, of length 1. What is nearer than that
@@ -122,7 +184,7 @@ fn at(tree: &Tree, nodes: &[u32], length: f64) -> DVec3 {
 }
 
 /// By the tangent: exact also near 0 and 180 degrees (Kahan).
-fn angle(one: DVec3, other: DVec3) -> f64 {
+pub(super) fn angle(one: DVec3, other: DVec3) -> f64 {
     one.cross(other).length().atan2(one.dot(other))
 }
 

@@ -4,6 +4,7 @@
 //! Tree ─▶ branches (junction to junction, or to the root or a tip) ─▶ course: length, curvature, torsion, radius
 //!            │                └▶ orders: generation, Strahler, Horsfield      └▶ table: n, mean, std, min, max
 //!            └▶ junctions: angles, exponents, asymmetry
+//! Tree ─▶ vmtk: branches and bifurcations as VMTK defines them ─▶ a table of those
 //! ```
 //!
 //! Whatever made the tree (a scanned model's centerlines, an SWC file, an L-system), the same code measures it. Lengths are in the tree's
@@ -13,16 +14,20 @@
 mod branch;
 pub mod compare;
 mod course;
+mod frame;
 mod junction;
 mod orders;
 mod statistics;
 mod table;
+pub mod vmtk;
 
 pub use self::branch::{Branch, RadiusAlong};
+pub use self::frame::{Direction, Frame};
 pub use self::junction::Junction;
 pub use self::orders::{Order, Ratios};
 pub use self::statistics::{Spread, quantile, spread};
 pub use self::table::Table;
+pub use self::vmtk::Split;
 use super::{NO_PARENT, Tree};
 
 /// A tree, measured.
@@ -38,8 +43,10 @@ pub struct Measures {
     pub orders: Vec<Order>,
     /// Ratios between orders.
     pub ratios: Ratios,
-    /// The table.
+    /// The table, of whole branches.
     pub table: Table,
+    /// Branches and bifurcations as VMTK defines them, with a table of their own. None where balls overlap so much that it would take too long.
+    pub vmtk: Option<Split>,
 }
 
 impl Measures {
@@ -54,6 +61,7 @@ impl Measures {
             tips: branches.iter().filter(|branch| branch.is_tip).count(),
             table: table::table(tree, &branches, &junctions),
             ratios: orders::ratios(&orders),
+            vmtk: Split::new(tree, &children),
             orders,
             junctions,
             branches,

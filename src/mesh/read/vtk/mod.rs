@@ -2,7 +2,7 @@
 //!
 //! Both hold the same: points, and cells as lists of point numbers – vertices, lines, polygons and triangle strips. Polygons are cut
 //! into fans and strips into triangles; vertices and lines are counted and left out; arrays of data on points and cells are passed over
-//! without being looked at. <https://docs.vtk.org/en/latest/vtk_file_formats/index.html>
+//! without being looked at. A VTP file of nothing but lines with radii, as VMTK and 3D Slicer save centerlines, is a skeleton. <https://docs.vtk.org/en/latest/vtk_file_formats/index.html>
 //!
 //! ```text
 //! xml, legacy ─▶ arrays of numbers: text | bytes | base64 | compressed blocks ─▶ points, cells ─▶ triangles

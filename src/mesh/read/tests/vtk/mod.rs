@@ -6,6 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use super::*;
 
 pub(super) mod legacy;
+mod lines;
 
 /// Where arrays stand in an XML file.
 #[derive(Clone, Copy, Debug, PartialEq)]

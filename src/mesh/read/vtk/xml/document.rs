@@ -53,10 +53,17 @@ pub(super) struct Piece {
     pub(super) points: Option<Array>,
     pub(super) polygons: Cells,
     pub(super) strips: Cells,
-    /// How many cells there are that are no surface.
-    pub(super) lines: usize,
+    pub(super) lines: Cells,
+    /// How many cells there are that are points.
     pub(super) vertices: usize,
+    /// Radii of points, by the name that is taken first.
+    pub(super) radii: Option<(usize, Array)>,
+    /// Which line each cell is a part of, and which part of it, where lines are cut: VMTK's `CenterlineIds` and `TractIds`.
+    pub(super) parts: [Option<Array>; 2],
 }
+
+/// Names that arrays of radii have: VMTK's, then those of others.
+const RADII: [&str; 3] = ["MaximumInscribedSphereRadius", "Radius", "radius"];
 
 /// Cells of one shape.
 #[derive(Debug, Default)]
@@ -96,6 +103,9 @@ enum Section {
     Points,
     Polygons,
     Strips,
+    Lines,
+    OfPoints,
+    OfCells,
 }
 
 /// Reads what the XML says.
@@ -264,8 +274,10 @@ impl Walk<'_> {
             points: None,
             polygons: cells(count("NumberOfPolys")?),
             strips: cells(count("NumberOfStrips")?),
-            lines: count("NumberOfLines")?,
+            lines: cells(count("NumberOfLines")?),
             vertices: count("NumberOfVerts")?,
+            radii: None,
+            parts: [None; 2],
         });
         Ok(())
     }
@@ -275,12 +287,16 @@ impl Walk<'_> {
             "Points" => Section::Points,
             "Polys" => Section::Polygons,
             "Strips" => Section::Strips,
+            "Lines" => Section::Lines,
+            "PointData" => Section::OfPoints,
+            "CellData" => Section::OfCells,
             _ => return,
         };
         self.section = Some((section, self.depth));
         if let Some(piece) = self.document.pieces.last_mut() {
             match section {
-                Section::Points => {}
+                Section::Points | Section::OfPoints | Section::OfCells => {}
+                Section::Lines => piece.lines.at = at,
                 Section::Polygons => piece.polygons.at = at,
                 Section::Strips => piece.strips.at = at,
             }
@@ -295,6 +311,8 @@ impl Walk<'_> {
         let name = attribute(tag, "Name").unwrap_or_default();
         let is_wanted = match section {
             Section::Points => true,
+            Section::OfPoints => RADII.contains(&name.as_str()),
+            Section::OfCells => name == "CenterlineIds" || name == "TractIds",
             _ => name == "connectivity" || name == "offsets",
         };
         if !is_wanted {
@@ -329,6 +347,18 @@ impl Walk<'_> {
         };
         if let Some(piece) = self.document.pieces.last_mut() {
             let to = match (section, name.as_str()) {
+                (Section::OfPoints, name) => {
+                    let rank = RADII.iter().position(|other| *other == name);
+                    let rank = rank.unwrap_or(RADII.len());
+                    if piece.radii.is_none_or(|(other, _)| rank < other) {
+                        piece.radii = Some((rank, array));
+                    }
+                    return Ok(());
+                }
+                (Section::OfCells, "CenterlineIds") => &mut piece.parts[0],
+                (Section::OfCells, _) => &mut piece.parts[1],
+                (Section::Lines, "offsets") => &mut piece.lines.ends,
+                (Section::Lines, _) => &mut piece.lines.points,
                 (Section::Points, _) => &mut piece.points,
                 (Section::Polygons, "offsets") => &mut piece.polygons.ends,
                 (Section::Polygons, _) => &mut piece.polygons.points,

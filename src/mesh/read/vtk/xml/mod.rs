@@ -3,10 +3,12 @@
 mod array;
 mod blocks;
 mod document;
+mod lines;
 
 use std::fs::File;
 
 use super::super::points::{Coordinate, mesh};
+use super::super::swc::of_skeleton;
 use super::super::{Stop, Surface, Task, zeroed};
 use super::cells::{Shape, Triangles, are_triangles, points_of};
 use super::number::{Kind, Plain};
@@ -56,8 +58,13 @@ fn read_as<C: Coordinate>(
         triangles.points = add_points(&mut arrays, piece, &mut points, task)?;
         cells(&mut arrays, &piece.polygons, Shape::Polygon, &mut triangles)?;
         cells(&mut arrays, &piece.strips, Shape::Strip, &mut triangles)?;
-        surface.skipped_lines = surface.skipped_lines.saturating_add(piece.lines);
+        surface.skipped_lines = surface.skipped_lines.saturating_add(piece.lines.count);
         surface.skipped_points = surface.skipped_points.saturating_add(piece.vertices);
+    }
+    if triangles.made.is_empty() && lines::have_radii(document) {
+        let placed = mesh(points, Vec::new());
+        let skeleton = lines::skeleton(&mut arrays, document, &placed.positions, task)?;
+        return of_skeleton(skeleton, placed.origin, task);
     }
     surface.skipped_faces = triangles.skipped;
     surface.mesh = mesh(points, triangles.made);
