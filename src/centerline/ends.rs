@@ -45,6 +45,9 @@ pub(super) fn ball_of(
         .iter()
         .flat_map(|ball| std::iter::once(ball).chain(&cover.links[*ball as usize]));
     let radii = around.map(|ball| cover.balls[*ball as usize].radius);
+    if ball.is_none() && of_face.is_empty() {
+        return Ok(None);
+    }
     let own = ball.map_or(0.0, |ball| ball.radius);
     let radius = radii.fold(own, f64::max);
     if distance > OFF * radius && !solids.is_inside(point) {

@@ -12,7 +12,7 @@ use super::skin::Ball;
 use crate::mesh::report::NONE;
 
 /// Power of a step's length in radii.
-const POWER: f64 = 1.5;
+const POWER: f64 = 1.25;
 /// Nearer than so many radii of the smaller ball, two balls are in one tube.
 const SAME: f64 = 0.4;
 /// If their radii are to each other as so much, or nearer.

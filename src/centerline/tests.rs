@@ -5,6 +5,7 @@
     reason = "a test that stops says enough by stopping"
 )]
 
+mod any;
 mod truth;
 
 use std::sync::Arc;
