@@ -23,6 +23,9 @@ use crate::mesh::surface::Surface;
 /// Triangles of a part at least: fewer enclose nothing.
 const FEWEST: usize = 4;
 
+/// Parts at most: of more, as a cloud of debris has them, those with the largest areas.
+const PARTS_MOST: usize = 1 << 14;
+
 /// The solids of a surface as skins, each with its place among them. None when `cancel` was set.
 pub(super) fn skins<'a>(surface: Cow<'a, Surface>, cancel: &AtomicBool) -> Option<Vec<Skin<'a>>> {
     let mut parts = parts(&surface);
@@ -30,17 +33,46 @@ pub(super) fn skins<'a>(surface: Cow<'a, Surface>, cancel: &AtomicBool) -> Optio
         return Some(vec![Skin::new(surface, 0)]);
     }
     parts.retain(|part| part.len() >= FEWEST);
-    let mut places = vec![NONE; surface.mesh().positions.len()];
-    let mut skins = Vec::with_capacity(parts.len());
-    for part in &parts {
-        skins.push(skin(&surface, part, skins.len(), &mut places, cancel)?);
+    leave_out_least(&surface, &mut parts);
+    let all = |parts: &[Vec<u32>]| -> Option<Vec<Skin<'a>>> {
+        let mut places = vec![NONE; surface.mesh().positions.len()];
+        let parts = parts.iter().enumerate();
+        parts
+            .map(|(place, part)| skin(&surface, part, place, &mut places, cancel))
+            .collect()
+    };
+    let skins = all(&parts)?;
+    let hollows = hollows(&skins);
+    if hollows.is_empty() {
+        return Some(skins);
     }
-    for (hollow, around) in hollows(&skins) {
+    for (hollow, around) in hollows {
         let mut inner = std::mem::take(&mut parts[hollow]);
         parts[around].append(&mut inner);
-        skins[around] = skin(&surface, &parts[around], around, &mut places, cancel)?;
     }
-    Some(skins)
+    parts.retain(|part| !part.is_empty());
+    all(&parts)
+}
+
+/// Leaves the smallest parts out of more than [`PARTS_MOST`].
+fn leave_out_least(surface: &Surface, parts: &mut Vec<Vec<u32>>) {
+    if parts.len() <= PARTS_MOST {
+        return;
+    }
+    let area = |triangle: &u32| {
+        let [a, b, c] = surface.faces()[*triangle as usize].map(|vertex| surface.position(vertex));
+        (b - a).cross(c - a).length()
+    };
+    let areas: Vec<f64> = parts
+        .iter()
+        .map(|part| part.iter().map(area).sum())
+        .collect();
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    order.sort_by(|a, b| areas[*b].total_cmp(&areas[*a]).then(a.cmp(b)));
+    for least in &order[PARTS_MOST..] {
+        parts[*least].clear();
+    }
+    parts.retain(|part| !part.is_empty());
 }
 
 /// Triangles that hang together by their vertices, in their order.
@@ -106,21 +138,23 @@ fn skin<'a>(
     Some(Skin::new(Cow::Owned(surface), part))
 }
 
-/// Skins that show their backs to the outside and lie within others: hollows, each with what it is in.
+/// Skins that show their backs to the outside and lie within others: hollows, each with the smallest that it is in.
 fn hollows(skins: &[Skin<'_>]) -> Vec<(usize, usize)> {
+    let is_hollow = |skin: &Skin<'_>| skin.surface.picker().is_inside_out();
+    let size = |skin: &Skin<'_>| skin.bounds[0].distance(skin.bounds[1]);
     let mut hollows = Vec::new();
     for (place, skin) in skins.iter().enumerate() {
-        if !skin.surface.picker().is_inside_out() {
+        if !is_hollow(skin) {
             continue;
         }
         let corner = skin.surface.position(0);
-        let around = skins.iter().position(|other| {
-            !other.surface.picker().is_inside_out()
-                && other.holds(skin.bounds[0])
-                && other.holds(skin.bounds[1])
+        let around = skins.iter().enumerate().filter(|(_, other)| {
+            !is_hollow(other)
+                && skin.bounds.into_iter().all(|corner| other.holds(corner))
                 && Winding::new(other.surface.picker()).is_inside(corner)
         });
-        hollows.extend(around.map(|around| (place, around)));
+        let smallest = around.min_by(|a, b| size(a.1).total_cmp(&size(b.1)));
+        hollows.extend(smallest.map(|(around, _)| (place, around)));
     }
     hollows
 }

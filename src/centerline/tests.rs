@@ -14,7 +14,7 @@ use glam::Vec3;
 
 use super::*;
 use crate::mesh::Mesh;
-use crate::mesh::made::{sphere, torus, tube};
+use crate::mesh::made::{sphere, torus, tube, turned};
 use crate::mesh::pick::Picker;
 
 pub(super) fn surface(mesh: Mesh) -> Surface {
@@ -123,6 +123,25 @@ fn tubes_pushed_into_each_other_are_one_and_tubes_apart_are_not() {
         "{}",
         bridged.tree.total_length()
     );
+}
+
+#[test]
+fn a_hollow_is_no_inside_and_ways_go_through_the_wall_beside_it() {
+    let hollow = |one: Vec3| 0.5 * one + 10.0 * Vec3::Z;
+    let mesh = with(tube(40, 41), turned(tube(40, 41), |_| true), hollow);
+    let line = found(mesh, &of_tube(40.0), &Params::default()).unwrap();
+    let nodes = || line.tree.position.iter().zip(&line.tree.radius);
+    let beside: Vec<_> = nodes()
+        .filter(|(place, _)| (place.z - 20.0).abs() < 5.0)
+        .collect();
+    assert!(!beside.is_empty());
+    for (place, radius) in beside {
+        let off = place.truncate().length();
+        assert!(
+            (off - 0.75).abs() < 0.1 && (radius - 0.25).abs() < 0.05,
+            "{place} {radius}"
+        );
+    }
 }
 
 #[test]
