@@ -95,7 +95,10 @@ fn models_and_branches_are_told_in_three_formats_that_agree() {
     let (models, groups) = two_groups(folder.path());
     let out = folder.path().join("new/out");
     let said = succeed(cohort(&models, &out).arg("--groups").arg(&groups));
-    assert!(said.contains("10 models, 30 branches"), "{said}");
+    assert!(
+        said.contains("10 models, 30 branches, 30 by VMTK's definition"),
+        "{said}"
+    );
     assert!(said.contains("groups: young (5), old (5)"), "{said}");
     let rows = json(&out.join("models.json"));
     assert_eq!(
@@ -123,21 +126,57 @@ fn models_and_branches_are_told_in_three_formats_that_agree() {
             "/table/bifurcation_angle_deg/mean",
         ),
         ("tips", "/counts/tips"),
+        (
+            "bifurcation_angle_in_plane_deg_mean",
+            "/table/bifurcation_angle_in_plane_deg/mean",
+        ),
+        ("vmtk_branches", "/counts_vmtk/branches"),
+        ("vmtk_branch_length_mean", "/table_vmtk/branch_length/mean"),
+        ("vmtk_stem_length", "/table_vmtk/stem_length"),
+        (
+            "vmtk_bifurcation_angle_in_plane_deg_mean",
+            "/table_vmtk/bifurcation_angle_in_plane_deg/mean",
+        ),
     ] {
         assert_eq!(rows[0][column], *one.pointer(place).unwrap(), "{column}");
     }
     let branches = json(&out.join("branches.json"));
-    assert_eq!(branches.len(), 30);
-    for (row, branch) in branches.iter().zip(one["branches"].as_array().unwrap()) {
+    assert_eq!(branches.len(), 60);
+    assert_eq!(rows[0]["definitions"], "whole and vmtk");
+    let vmtk = one["branches_vmtk"].as_array().unwrap();
+    let of_both = [
+        ("whole", "id", one["branches"].as_array().unwrap()),
+        ("vmtk", "group", vmtk),
+    ];
+    let of_both = of_both
+        .iter()
+        .flat_map(|(definition, id, all)| all.iter().map(move |branch| (definition, id, branch)));
+    let mut compared = 0;
+    for (row, (definition, id, branch)) in branches.iter().zip(of_both) {
         assert_eq!(
-            (&row["model"], &row["id"]),
-            (&Value::from("old0.swc"), &branch["id"])
+            (&row["model"], &row["definition"], &row["id"]),
+            (
+                &Value::from("old0.swc"),
+                &Value::from(*definition),
+                &branch[id]
+            )
         );
-        assert_eq!(
-            (&row["length"], &row["radius_mean"]),
-            (&branch["length"], &branch["radius"]["mean"])
-        );
+        for (column, place) in [
+            ("length", "/length"),
+            ("tortuosity", "/tortuosity"),
+            ("curvature", "/curvature"),
+            ("radius_mean", "/radius/mean"),
+            ("upstream", "/upstream"),
+        ] {
+            let told = branch.pointer(place).unwrap_or(&Value::Null);
+            assert_eq!(&row[column], told, "{column} of {definition} {}", row["id"]);
+        }
+        assert_eq!(row["volume"].is_null(), *definition == "vmtk");
+        compared += 1;
     }
+    assert_eq!(compared, 6);
+    // The branches of both are not the same ones.
+    assert!(branches[0]["length"].as_f64() > branches[3]["length"].as_f64());
     for name in ["models", "branches", "comparison"] {
         let rows = json(&out.join(format!("{name}.json")));
         let of_csv = csv_rows(&out.join(format!("{name}.csv")));
@@ -227,6 +266,22 @@ fn groups_are_compared_by_models() {
     );
     assert!(number(length, "hedges_g") < -2.0 && length["cliffs_delta_size"] == "large");
     assert!(number(length, "median_a") < number(length, "median_b"));
+    // Each row says of which branches it is, and both definitions are compared and count in the corrections.
+    for (measure, definition) in [
+        ("branch_length_mean", Some("whole")),
+        ("vmtk_branch_length_mean", Some("vmtk")),
+    ] {
+        assert_eq!(of(measure)["definition"].as_str(), definition);
+        assert_eq!(
+            (&of(measure)["tested"], number(of(measure), "cliffs_delta")),
+            (&Value::from(true), -1.0)
+        );
+    }
+    assert!(
+        !rows
+            .iter()
+            .any(|row| row["measure"] == "vmtk_centerline_length_mean")
+    );
     // What is the same in all is not tested, and costs the others nothing.
     let tips = of("tips");
     assert!(tips["mann_whitney_p"].is_null() && tips["tested"] == false);
@@ -345,6 +400,24 @@ fn files_of_analyses_that_are_none_fail_alone() {
     let good = succeed(ramus().arg("analyze").arg(good).arg("--json"));
     let table: Vec<(&str, String, &str)> = vec![
         ("cut", good[..good.len() / 2].to_owned(), "is no analysis"),
+        (
+            "older",
+            good.replace("\"branches_vmtk\":", "\"was\":"),
+            "branches by VMTK's definition are missing; write it anew",
+        ),
+        (
+            "half",
+            good.replace("\"table_vmtk\":", "\"table_vmtk\":null,\"was\":"),
+            "has one half of what VMTK's definition tells",
+        ),
+        (
+            "more",
+            good.replace(
+                "\"counts_vmtk\":{\"branches\":3",
+                "\"counts_vmtk\":{\"branches\":9",
+            ),
+            "says that there are 9 branches of VMTK, and has 3",
+        ),
         ("deep", "[".repeat(100_000), "is no analysis"),
         ("list", "[]".to_owned(), "is no analysis"),
         (
@@ -399,7 +472,7 @@ fn files_of_analyses_that_are_none_fail_alone() {
     assert_eq!(output.status.code(), Some(1));
     let said = text(&output.stderr);
     assert!(
-        said.contains("11 of 12 models could not be analyzed"),
+        said.contains("14 of 15 models could not be analyzed"),
         "{said}"
     );
     let rows = json(&out.join("models.json"));
@@ -424,7 +497,97 @@ fn files_of_analyses_that_are_none_fail_alone() {
         (good["branches"].as_u64(), &good["failed"]),
         (Some(3), &Value::Null)
     );
-    assert_eq!(json(&out.join("branches.json")).len(), 3);
+    assert_eq!(json(&out.join("branches.json")).len(), 6);
+}
+
+#[test]
+fn where_vmtks_definition_tells_nothing_nothing_stands() {
+    let folder = folder();
+    let models = folder.path().join("models");
+    for name in ["has.json", "none.json"] {
+        let model = write(
+            folder.path(),
+            &name.replace("json", "swc"),
+            &tree(1.0, 20.0),
+        );
+        let told = succeed(ramus().arg("analyze").arg(model).arg("--json"));
+        let mut told: Value = serde_json::from_str(&told).unwrap();
+        if name == "none.json" {
+            for key in ["table_vmtk", "counts_vmtk"] {
+                told[key] = Value::Null;
+            }
+            for key in ["branches_vmtk", "junctions_vmtk"] {
+                told[key] = Value::Array(Vec::new());
+            }
+        }
+        write(&models, name, &told.to_string());
+    }
+    let out = folder.path().join("out");
+    let said = succeed(&mut cohort(&models, &out));
+    assert!(
+        said.contains("2 models, 6 branches, 3 by VMTK's definition"),
+        "{said}"
+    );
+    let rows = json(&out.join("models.json"));
+    let columns: Vec<&String> = rows[0].as_object().unwrap().keys().collect();
+    let mut of_vmtk = 0;
+    for column in columns {
+        let [has, none] = [&rows[0][column], &rows[1][column]];
+        match column.as_str() {
+            "model" => {}
+            "definitions" => assert_eq!(
+                (has.as_str(), none.as_str()),
+                (Some("whole and vmtk"), Some("whole"))
+            ),
+            _ if column.starts_with("vmtk_") => {
+                assert!(none.is_null(), "{column}: {none}");
+                of_vmtk += 1;
+            }
+            _ => assert_eq!(has, none, "{column}"),
+        }
+    }
+    assert!(of_vmtk > 40 && rows[0]["vmtk_branch_length_mean"].is_number());
+    // Which definition each column follows is told.
+    for row in csv::Reader::from_path(out.join("columns.csv"))
+        .unwrap()
+        .into_records()
+    {
+        let row = row.unwrap();
+        let expected = match &row[1] {
+            name if name.starts_with("vmtk_") => "vmtk",
+            "branches" | "tips" if &row[0] == "models" => "whole",
+            "branch_length_mean" | "strahler_max" | "total_length" => "whole",
+            "triangles" | "centerlines" | "length" | "definition" => "",
+            _ => continue,
+        };
+        assert_eq!(&row[4], expected, "{row:?}");
+    }
+}
+
+#[test]
+fn lines_of_surfaces_are_capped_on_request() {
+    let folder = folder();
+    let models = folder.path().join("models");
+    write(&models, "tube.obj", &analyze::tube());
+    write(&models, "tree.swc", &tree(1.0, 20.0));
+    let [plain, capped] = ["plain", "capped"].map(|name| folder.path().join(name));
+    succeed(&mut cohort(&models, &plain));
+    succeed(cohort(&models, &capped).arg("--cap"));
+    let [plain, capped] = [plain, capped].map(|out| json(&out.join("models.json")));
+    assert_eq!(plain[0], capped[0], "a skeleton has no open ends");
+    assert_eq!(
+        (&plain[1]["capped"], &capped[1]["capped"]),
+        (&0.into(), &2.into())
+    );
+    let one = succeed(
+        ramus()
+            .arg("analyze")
+            .arg(models.join("tube.obj"))
+            .args(["--cap", "--json"]),
+    );
+    let one: Value = serde_json::from_str(&one).unwrap();
+    assert_eq!(capped[1]["total_length"], one["branches"][0]["length"]);
+    assert!(capped[1]["total_length"].as_f64() > plain[1]["total_length"].as_f64());
 }
 
 #[test]
@@ -622,6 +785,7 @@ fn what_cannot_be_a_cohort_is_said_in_one_sentence() {
         &["--out", "x", "--plan"][..],
         &[],
         &["--plan", "--groups", groups.to_str().unwrap()],
+        &["--plan", "--cap"],
     ] {
         let output = ramus()
             .arg("cohort")

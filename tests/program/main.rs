@@ -22,6 +22,7 @@ mod explain;
 mod fmt;
 mod inspect;
 mod memory;
+mod odd;
 mod older;
 mod opening;
 mod outputs;
