@@ -21,6 +21,7 @@ mod doctor;
 mod explain;
 mod fmt;
 mod inspect;
+mod joined;
 mod memory;
 mod odd;
 mod older;
