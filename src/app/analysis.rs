@@ -5,6 +5,7 @@
 //! skeleton ────────────────────────────────────────────────────────────────────────▶ Analysis
 //! ```
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -84,7 +85,7 @@ pub fn endpoints(wanted: &Wanted, on: &Prepared) -> Result<Vec<Endpoint>> {
         snapped: None,
     });
     let mut ends = match &wanted.endpoints {
-        Some(given) => given.clone(),
+        Some(given) => named(given.clone()),
         None => {
             let never = AtomicBool::new(false);
             let found = propose(&on.surface, &never).unwrap_or_default();
@@ -111,6 +112,30 @@ pub fn endpoints(wanted: &Wanted, on: &Prepared) -> Result<Vec<Endpoint>> {
         ends.insert(0, source);
     }
     Ok(ends)
+}
+
+/// Gives names to those that have none, by their places, so that messages and tables can call them.
+fn named(mut ends: Vec<Endpoint>) -> Vec<Endpoint> {
+    let mut taken: HashSet<String> = ends.iter().map(|end| end.name.clone()).collect();
+    let [mut sources, mut targets] = [0_usize; 2];
+    for end in &mut ends {
+        let number = match end.kind {
+            Kind::Source => &mut sources,
+            Kind::Target => &mut targets,
+        };
+        *number += 1;
+        while end.name.is_empty() {
+            let name = match (end.kind, *number) {
+                (Kind::Source, 1) => "source".to_owned(),
+                (kind, number) => format!("{} {number}", kind.as_str()),
+            };
+            match taken.insert(name.clone()) {
+                true => end.name = name,
+                false => *number += 1,
+            }
+        }
+    }
+    ends
 }
 
 /// Finds the centerlines between endpoints.
@@ -190,4 +215,34 @@ pub fn given_to_skeleton(name: &str) -> anyhow::Error {
     anyhow!(
         "{name} is a skeleton already: leave out --source, --targets, --auto, --bridge and --cap, and it is measured as it is"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nameless_are_called_by_their_places_and_nobody_twice() {
+        let end = |name: &str, kind| Endpoint {
+            point: DVec3::ZERO,
+            name: name.to_owned(),
+            kind,
+            snapped: None,
+        };
+        let given = [
+            ("", Kind::Target),
+            ("", Kind::Source),
+            ("left", Kind::Target),
+            ("", Kind::Target),
+            ("target 4", Kind::Target),
+            ("", Kind::Target),
+            ("", Kind::Source),
+        ];
+        let ends = named(given.map(|(name, kind)| end(name, kind)).to_vec());
+        let names: Vec<&str> = ends.iter().map(|end| end.name.as_str()).collect();
+        let expected = [
+            "target 1", "source", "left", "target 3", "target 4", "target 5", "source 2",
+        ];
+        assert_eq!(names, expected, "{ends:?}");
+    }
 }

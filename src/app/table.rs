@@ -94,6 +94,8 @@ pub struct Column {
     pub unit: &'static str,
     /// What it says, in a few words.
     pub meaning: String,
+    /// The definition of a branch that it follows; empty where it follows none.
+    pub definition: &'static str,
 }
 
 /// Gives the cell of a row and a column.
@@ -296,6 +298,7 @@ mod tests {
             kind,
             unit,
             meaning: String::new(),
+            definition: "",
         }
     }
 

@@ -11,6 +11,7 @@ use super::progress::{Progress, start_watch};
 use crate::app::cohort::comparison::Comparison;
 use crate::app::cohort::entries::{Entry, entries, plan};
 use crate::app::cohort::groups::Groups;
+use crate::app::cohort::told::Definition;
 use crate::app::cohort::{Cohort, cohort, file_names, write};
 use crate::mesh::unit::Rounded;
 use crate::tree::file::check_place;
@@ -30,8 +31,12 @@ pub(super) struct Args {
     /// The folder for tables and pictures; it is made where there is none
     #[arg(long, value_name = "DIR", required_unless_present = "plan")]
     out: Option<PathBuf>,
+    /// Let lines go on to the middles of surfaces' open ends, which are closed flat, and not end a radius before them; analyses that are
+    /// there already stay as they are
+    #[arg(long)]
+    cap: bool,
     /// Analyze nothing: print the models with their endpoints as a list, which this command reads, too
-    #[arg(long, conflicts_with_all = ["groups", "out"])]
+    #[arg(long, conflicts_with_all = ["groups", "out", "cap"])]
     plan: bool,
 }
 
@@ -47,7 +52,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     check_outputs(args, &entries, out)?;
     start_watch();
     let mut progress = Progress::new("analyzing models");
-    let cohort = cohort(&entries, groups.as_ref(), &mut |done, of| {
+    let cohort = cohort(&entries, groups.as_ref(), args.cap, &mut |done, of| {
         progress.show(done, of);
     })?;
     drop(progress);
@@ -145,9 +150,10 @@ fn screen(cohort: &Cohort, comparisons: &[Comparison], out: &Path) -> String {
         failed => format!(" ({failed} failed)"),
     };
     let mut lines = vec![format!(
-        "{}{failed}, {}, in {}",
+        "{}{failed}, {}, {} by VMTK's definition, in {}",
         many(cohort.models.len(), "model", "models"),
-        many(cohort.branches(), "branch", "branches"),
+        many(cohort.branches(Definition::Whole), "branch", "branches"),
+        cohort.branches(Definition::Vmtk),
         out.display()
     )];
     if !cohort.groups.is_empty() {

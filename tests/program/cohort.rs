@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::*;
 
 /// A skeleton of a stem and two daughters; `size` scales it, `turn` spreads the daughters.
-fn tree(size: f64, turn: f64) -> String {
+pub(super) fn tree(size: f64, turn: f64) -> String {
     let nodes = [
         [0.0, 0.0, 0.0, 4.0],
         [0.0, 60.0, 0.0, 3.0],
@@ -24,7 +24,7 @@ fn tree(size: f64, turn: f64) -> String {
     nodes.into_iter().enumerate().map(row).collect()
 }
 
-fn write(folder: &Path, name: &str, text: &str) -> PathBuf {
+pub(super) fn write(folder: &Path, name: &str, text: &str) -> PathBuf {
     let path = folder.join(name);
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     fs::write(&path, text).unwrap();
@@ -51,13 +51,13 @@ fn two_groups(folder: &Path) -> (PathBuf, PathBuf) {
     (folder.join("models"), write(folder, "groups.csv", &groups))
 }
 
-fn cohort(models: &Path, out: &Path) -> Command {
+pub(super) fn cohort(models: &Path, out: &Path) -> Command {
     let mut command = ramus();
     command.arg("cohort").arg(models).arg("--out").arg(out);
     command
 }
 
-fn json(path: &Path) -> Vec<Value> {
+pub(super) fn json(path: &Path) -> Vec<Value> {
     serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
 }
 
@@ -95,7 +95,10 @@ fn models_and_branches_are_told_in_three_formats_that_agree() {
     let (models, groups) = two_groups(folder.path());
     let out = folder.path().join("new/out");
     let said = succeed(cohort(&models, &out).arg("--groups").arg(&groups));
-    assert!(said.contains("10 models, 30 branches"), "{said}");
+    assert!(
+        said.contains("10 models, 30 branches, 30 by VMTK's definition"),
+        "{said}"
+    );
     assert!(said.contains("groups: young (5), old (5)"), "{said}");
     let rows = json(&out.join("models.json"));
     assert_eq!(
@@ -123,21 +126,57 @@ fn models_and_branches_are_told_in_three_formats_that_agree() {
             "/table/bifurcation_angle_deg/mean",
         ),
         ("tips", "/counts/tips"),
+        (
+            "bifurcation_angle_in_plane_deg_mean",
+            "/table/bifurcation_angle_in_plane_deg/mean",
+        ),
+        ("vmtk_branches", "/counts_vmtk/branches"),
+        ("vmtk_branch_length_mean", "/table_vmtk/branch_length/mean"),
+        ("vmtk_stem_length", "/table_vmtk/stem_length"),
+        (
+            "vmtk_bifurcation_angle_in_plane_deg_mean",
+            "/table_vmtk/bifurcation_angle_in_plane_deg/mean",
+        ),
     ] {
         assert_eq!(rows[0][column], *one.pointer(place).unwrap(), "{column}");
     }
     let branches = json(&out.join("branches.json"));
-    assert_eq!(branches.len(), 30);
-    for (row, branch) in branches.iter().zip(one["branches"].as_array().unwrap()) {
+    assert_eq!(branches.len(), 60);
+    assert_eq!(rows[0]["definitions"], "whole and vmtk");
+    let vmtk = one["branches_vmtk"].as_array().unwrap();
+    let of_both = [
+        ("whole", "id", one["branches"].as_array().unwrap()),
+        ("vmtk", "group", vmtk),
+    ];
+    let of_both = of_both
+        .iter()
+        .flat_map(|(definition, id, all)| all.iter().map(move |branch| (definition, id, branch)));
+    let mut compared = 0;
+    for (row, (definition, id, branch)) in branches.iter().zip(of_both) {
         assert_eq!(
-            (&row["model"], &row["id"]),
-            (&Value::from("old0.swc"), &branch["id"])
+            (&row["model"], &row["definition"], &row["id"]),
+            (
+                &Value::from("old0.swc"),
+                &Value::from(*definition),
+                &branch[id]
+            )
         );
-        assert_eq!(
-            (&row["length"], &row["radius_mean"]),
-            (&branch["length"], &branch["radius"]["mean"])
-        );
+        for (column, place) in [
+            ("length", "/length"),
+            ("tortuosity", "/tortuosity"),
+            ("curvature", "/curvature"),
+            ("radius_mean", "/radius/mean"),
+            ("upstream", "/upstream"),
+        ] {
+            let told = branch.pointer(place).unwrap_or(&Value::Null);
+            assert_eq!(&row[column], told, "{column} of {definition} {}", row["id"]);
+        }
+        assert_eq!(row["volume"].is_null(), *definition == "vmtk");
+        compared += 1;
     }
+    assert_eq!(compared, 6);
+    // The branches of both are not the same ones.
+    assert!(branches[0]["length"].as_f64() > branches[3]["length"].as_f64());
     for name in ["models", "branches", "comparison"] {
         let rows = json(&out.join(format!("{name}.json")));
         let of_csv = csv_rows(&out.join(format!("{name}.csv")));
@@ -227,6 +266,22 @@ fn groups_are_compared_by_models() {
     );
     assert!(number(length, "hedges_g") < -2.0 && length["cliffs_delta_size"] == "large");
     assert!(number(length, "median_a") < number(length, "median_b"));
+    // Each row says of which branches it is, and both definitions are compared and count in the corrections.
+    for (measure, definition) in [
+        ("branch_length_mean", Some("whole")),
+        ("vmtk_branch_length_mean", Some("vmtk")),
+    ] {
+        assert_eq!(of(measure)["definition"].as_str(), definition);
+        assert_eq!(
+            (&of(measure)["tested"], number(of(measure), "cliffs_delta")),
+            (&Value::from(true), -1.0)
+        );
+    }
+    assert!(
+        !rows
+            .iter()
+            .any(|row| row["measure"] == "vmtk_centerline_length_mean")
+    );
     // What is the same in all is not tested, and costs the others nothing.
     let tips = of("tips");
     assert!(tips["mann_whitney_p"].is_null() && tips["tested"] == false);
@@ -336,95 +391,6 @@ fn neither_threads_nor_the_order_of_a_list_nor_files_of_analyses_change_a_byte()
         "{\"format\":\"ramus-endpoints/1\",\"endpoints\":[]}",
     );
     assert!(first == run(&analyses, "joined", "2"));
-}
-
-#[test]
-fn files_of_analyses_that_are_none_fail_alone() {
-    let folder = folder();
-    let good = write(folder.path(), "t.swc", &tree(1.0, 20.0));
-    let good = succeed(ramus().arg("analyze").arg(good).arg("--json"));
-    let table: Vec<(&str, String, &str)> = vec![
-        ("cut", good[..good.len() / 2].to_owned(), "is no analysis"),
-        ("deep", "[".repeat(100_000), "is no analysis"),
-        ("list", "[]".to_owned(), "is no analysis"),
-        (
-            "other",
-            good.replace("ramus-analysis/1", "ramus-analysis/9"),
-            "its format is not ramus-analysis/1",
-        ),
-        (
-            "huge",
-            good.replacen("\"mean\":", "\"mean\":1e999,\"a\":", 1),
-            "is no analysis",
-        ),
-        (
-            "count",
-            good.replace("\"branches\":3", "\"branches\":4"),
-            "says that there are 4 branches, and has 3",
-        ),
-        (
-            "loop",
-            good.replace("\"id\":1,\"parent\":0", "\"id\":1,\"parent\":1"),
-            "before its parent",
-        ),
-        (
-            "nobody",
-            good.replacen("\"file\":\"", "\"file\":\"\",\"was\":\"", 1),
-            "does not say of which file",
-        ),
-        (
-            "part",
-            "{\"format\":\"ramus-analysis/1\",\"model\":{\"file\":\"x\"}}".to_owned(),
-            "endpoints are missing",
-        ),
-        (
-            "long",
-            format!(
-                "{{\"format\":\"ramus-analysis/1\",\"model\":{{\"file\":\"{}\"}}}}",
-                "x".repeat(99_999)
-            ),
-            "has a text of more than",
-        ),
-    ];
-    let mut list = String::new();
-    for (name, text, _) in &table {
-        assert!(*text != good, "{name}");
-        write(folder.path(), &format!("{name}.json"), text);
-        list += &format!("{name}.json\n");
-    }
-    write(folder.path(), "good.json", &good);
-    let list = write(folder.path(), "list.txt", &(list + "good.json\nnone.swc\n"));
-    let out = folder.path().join("out");
-    let output = cohort(&list, &out).output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
-    let said = text(&output.stderr);
-    assert!(
-        said.contains("11 of 12 models could not be analyzed"),
-        "{said}"
-    );
-    let rows = json(&out.join("models.json"));
-    for (name, _, expected) in table {
-        let row = rows
-            .iter()
-            .find(|row| row["model"] == format!("{name}.json"))
-            .unwrap();
-        let reason = row["failed"].as_str().unwrap();
-        assert!(
-            reason.contains(expected) && reason.lines().count() == 1 && reason.len() < 400,
-            "{name}: {reason}"
-        );
-    }
-    let none = rows.iter().find(|row| row["model"] == "none.swc").unwrap();
-    assert!(
-        none["failed"].as_str().unwrap().ends_with(": none.swc"),
-        "{none}"
-    );
-    let good = rows.iter().find(|row| row["model"] == "t.swc").unwrap();
-    assert_eq!(
-        (good["branches"].as_u64(), &good["failed"]),
-        (Some(3), &Value::Null)
-    );
-    assert_eq!(json(&out.join("branches.json")).len(), 3);
 }
 
 #[test]
@@ -622,6 +588,7 @@ fn what_cannot_be_a_cohort_is_said_in_one_sentence() {
         &["--out", "x", "--plan"][..],
         &[],
         &["--plan", "--groups", groups.to_str().unwrap()],
+        &["--plan", "--cap"],
     ] {
         let output = ramus()
             .arg("cohort")

@@ -152,7 +152,8 @@ fn untestable(cohort: &Cohort, groups: [usize; 2], values: [&[f64]; 2]) -> Optio
     same.then(|| "not tested: it is the same in all models".to_owned())
 }
 
-/// Corrects the p of each test for all measures and pairs that were tested.
+/// Corrects the p of each test for all measures and pairs that were tested. Those of both definitions count: whoever looks at both for what
+/// differs has as many chances.
 fn correct(all: &mut [Comparison]) {
     let mut tested: Vec<&mut Tested> = all
         .iter_mut()
@@ -179,12 +180,21 @@ fn real(value: Option<f64>) -> Cell<'static> {
     Cell::or_empty(value, Cell::Real)
 }
 
-const COLUMNS: [(&str, Kind, &str, Taken); 25] = [
+const COLUMNS: [(&str, Kind, &str, Taken); 26] = [
     (
         "measure",
         Kind::Text,
         "the column of the table of models",
         |_, one| Cell::Text(&one.measure.name),
+    ),
+    (
+        "definition",
+        Kind::Text,
+        "the definition of a branch that it follows: whole or vmtk; empty where it follows none",
+        |_, one| match one.measure.definition {
+            "" => Cell::Empty,
+            definition => Cell::Text(definition),
+        },
     ),
     (
         "unit",
@@ -255,13 +265,13 @@ const COLUMNS: [(&str, Kind, &str, Taken); 25] = [
     (
         "mann_whitney_p_holm",
         Kind::Real,
-        "p corrected by Holm for all rows that were tested",
+        "p corrected by Holm for all rows that were tested, of both definitions",
         |_, one| tested(one, |one| Cell::Real(one.ranks_corrected[0])),
     ),
     (
         "mann_whitney_p_bh",
         Kind::Real,
-        "p corrected by Benjamini and Hochberg for all rows that were tested",
+        "p corrected by Benjamini and Hochberg for all rows that were tested, of both definitions",
         |_, one| tested(one, |one| Cell::Real(one.ranks_corrected[1])),
     ),
     (
@@ -282,13 +292,13 @@ const COLUMNS: [(&str, Kind, &str, Taken); 25] = [
     (
         "ks_p_holm",
         Kind::Real,
-        "p corrected by Holm for all rows that were tested",
+        "p corrected by Holm for all rows that were tested, of both definitions",
         |_, one| tested(one, |one| Cell::Real(one.apart_corrected[0])),
     ),
     (
         "ks_p_bh",
         Kind::Real,
-        "p corrected by Benjamini and Hochberg for all rows that were tested",
+        "p corrected by Benjamini and Hochberg for all rows that were tested, of both definitions",
         |_, one| tested(one, |one| Cell::Real(one.apart_corrected[1])),
     ),
     (
@@ -324,6 +334,7 @@ pub(super) fn table<'a>(cohort: &'a Cohort, comparisons: &'a [Comparison]) -> Ta
         kind,
         unit: "",
         meaning: meaning.to_owned(),
+        definition: "",
     });
     Table {
         columns: columns.to_vec(),

@@ -1,8 +1,9 @@
 //! What is told of models and of branches, measure by measure: each is a column, with its unit and its meaning.
 //!
-//! Names are those of the analysis (`ramus-analysis/1`), made flat: `branch_length.mean` is `branch_length_mean`.
+//! Names are those of the analysis (`ramus-analysis/1`), made flat: `branch_length.mean` is `branch_length_mean`. What follows VMTK's definition
+//! of a branch begins with `vmtk_`: `table_vmtk.branch_length.mean` is `vmtk_branch_length_mean`.
 
-use super::told::{Branch, Facts, Junction, Measured, Spread};
+use super::told::{Branch, CountsVmtk, Definition, Facts, Junction, Measured, Spread};
 use crate::app::table::{Cell, Column, Kind};
 use crate::tree::measure::spread;
 
@@ -38,6 +39,7 @@ impl<T: ?Sized> Measure<T> {
                 kind,
                 unit,
                 meaning: meaning.into(),
+                definition: NOTHING,
             },
             compared: false,
             of: Box::new(of),
@@ -46,6 +48,12 @@ impl<T: ?Sized> Measure<T> {
 
     fn compared(mut self) -> Self {
         self.compared = true;
+        self
+    }
+
+    /// Of whole branches.
+    fn whole(mut self) -> Self {
+        self.column.definition = Definition::Whole.name();
         self
     }
 
@@ -69,31 +77,29 @@ fn count(name: &'static str, meaning: &'static str, of: fn(&Facts) -> usize) -> 
     })
 }
 
-fn number(
+fn number<T: 'static>(
     name: &'static str,
     unit: &'static str,
     meaning: &'static str,
-    of: fn(&Facts) -> Option<f64>,
-) -> Measure<Facts> {
-    Measure::new(name, Kind::Real, unit, meaning, move |facts| {
-        real(of(facts))
-    })
+    of: fn(&T) -> Option<f64>,
+) -> Measure<T> {
+    Measure::new(name, Kind::Real, unit, meaning, move |one| real(of(one)))
 }
 
 /// Five columns of a spread; what is compared of it is named.
-fn spread_of(
+fn spread_of<T: 'static>(
     name: &str,
     unit: &'static str,
     meaning: &str,
     compared: &[&str],
-    of: fn(&Facts) -> Spread,
-) -> Vec<Measure<Facts>> {
+    of: fn(&T) -> Spread,
+) -> Vec<Measure<T>> {
     let n = Measure::new(
         format!("{name}_n"),
         Kind::Whole,
         NOTHING,
         format!("{meaning}: how many"),
-        move |facts: &Facts| Cell::whole(of(facts).n),
+        move |one: &T| Cell::whole(of(one).n),
     );
     type Part = fn(&Spread) -> Option<f64>;
     let parts: [(&str, &str, Part); 4] = [
@@ -110,8 +116,8 @@ fn spread_of(
             Kind::Real,
             unit,
             format!("{meaning}: {words}"),
-            move |facts: &Facts| {
-                let spread = of(facts);
+            move |one: &T| {
+                let spread = of(one);
                 // Of nothing there is no mean, though the analysis says 0.
                 real(value(&spread).filter(|_| spread.n > 0))
             },
@@ -144,12 +150,16 @@ fn angles_to_parents(facts: &Facts) -> Spread {
 /// What is told of a model.
 pub(super) fn of_models() -> Vec<Measure<Facts>> {
     let mut all = about_models();
-    all.extend([
-        count(
-            "centerlines",
-            "ways from the source to a target, or from the root to a tip",
-            |facts| facts.counts.centerlines,
-        ),
+    let whole = counts().into_iter().chain(of_table(Definition::Whole));
+    all.extend(whole.chain(of_junctions()).map(Measure::whole));
+    all.extend(counts_vmtk());
+    all.extend(of_table(Definition::Vmtk));
+    all
+}
+
+/// How many there are, and their sums.
+fn counts() -> Vec<Measure<Facts>> {
+    vec![
         count(
             "branches",
             "branches, from junction to junction or to the root or a tip",
@@ -166,11 +176,6 @@ pub(super) fn of_models() -> Vec<Measure<Facts>> {
             facts.counts.multifurcations
         }),
         count("tips", "ends", |facts| facts.counts.tips).compared(),
-        count(
-            "loops_left_out",
-            "loops of the surface, of which the tree has one side",
-            |facts| facts.counts.loops_left_out,
-        ),
         number("total_length", LENGTH, "length of all branches", |facts| {
             total(facts, |one| one.length)
         })
@@ -185,17 +190,95 @@ pub(super) fn of_models() -> Vec<Measure<Facts>> {
             total(facts, |one| one.volume)
         })
         .compared(),
-    ]);
-    all.extend(from_table());
-    all.extend([
+    ]
+}
+
+/// How many there are by VMTK's definition.
+fn counts_vmtk() -> Vec<Measure<Facts>> {
+    type Of = fn(&CountsVmtk) -> usize;
+    let counts: [(&str, &str, bool, Of); 5] = [
+        (
+            "branches",
+            "VMTK's branches: outside bifurcations",
+            true,
+            |counts| counts.branches,
+        ),
+        (
+            "bifurcations",
+            "VMTK's bifurcations of two daughters",
+            false,
+            |counts| counts.bifurcations,
+        ),
+        (
+            "multifurcations",
+            "VMTK's bifurcations of more",
+            false,
+            |counts| counts.multifurcations,
+        ),
+        (
+            "tips",
+            "VMTK's branches that end in a tip",
+            true,
+            |counts| counts.tips,
+        ),
+        (
+            "swallowed",
+            "tips whose lines never leave another's tube, and that VMTK has no branch of",
+            false,
+            |counts| counts.swallowed,
+        ),
+    ];
+    let measures = counts.map(|(name, meaning, compared, of)| {
+        let name = format!("{}{name}", Definition::Vmtk.prefix());
+        let mut measure =
+            Measure::new(name, Kind::Whole, NOTHING, meaning, move |facts: &Facts| {
+                Cell::or_empty(facts.counts_vmtk, |counts| Cell::whole(of(&counts)))
+            });
+        measure.column.definition = Definition::Vmtk.name();
+        measure.compared = compared;
+        measure
+    });
+    measures.into()
+}
+
+/// The table of the source papers by a definition.
+fn of_table(definition: Definition) -> Vec<Measure<Facts>> {
+    let of_facts = |measure: Measure<Measured>| {
+        let Measure {
+            mut column,
+            mut compared,
+            of,
+        } = measure;
+        // Whole ways are the same by both: they are compared once.
+        compared &= definition == Definition::Whole || !column.name.starts_with("centerline_");
+        column.name.insert_str(0, definition.prefix());
+        column.definition = definition.name();
+        if definition == Definition::Vmtk {
+            column.meaning.push_str(" (by VMTK's definition)");
+        }
+        Measure {
+            column,
+            compared,
+            of: Box::new(move |facts: &Facts| match facts.table_of(definition) {
+                Some(table) => of(table),
+                None => Cell::Empty,
+            }),
+        }
+    };
+    table().into_iter().map(of_facts).collect()
+}
+
+/// Orders, and junctions one by one.
+fn of_junctions() -> Vec<Measure<Facts>> {
+    let mut all = vec![
         Measure::new(
             "strahler_max",
             Kind::Whole,
             NOTHING,
             "highest of Strahler's orders",
             |facts: &Facts| {
-                let highest = facts.branches.iter().map(|branch| branch.strahler).max();
-                Cell::or_empty(highest, |order| Cell::Whole(order.into()))
+                let orders = facts.branches.iter().filter_map(|branch| branch.strahler);
+                Cell::or_empty(orders.max(), |order| Cell::Whole(order.into()))
             },
         )
         .compared(),
@@ -203,24 +286,24 @@ pub(super) fn of_models() -> Vec<Measure<Facts>> {
             "branching_ratio",
             NOTHING,
             "branches of one of Strahler's orders to those of the next",
-            |facts| facts.orders.branching_ratio,
+            |facts: &Facts| facts.orders.branching_ratio,
         )
         .compared(),
         number(
             "length_ratio",
             NOTHING,
             "length of one of Strahler's orders to that of the one before",
-            |facts| facts.orders.length_ratio,
+            |facts: &Facts| facts.orders.length_ratio,
         )
         .compared(),
         number(
             "radius_ratio",
             NOTHING,
             "radius of one of Strahler's orders to that of the one before",
-            |facts| facts.orders.radius_ratio,
+            |facts: &Facts| facts.orders.radius_ratio,
         )
         .compared(),
-    ]);
+    ];
     all.extend(spread_of(
         "parent_angle_deg",
         DEGREES,
@@ -287,64 +370,88 @@ fn about_models() -> Vec<Measure<Facts>> {
             "whether the endpoints were found and not given",
             |facts: &Facts| Cell::Flag(facts.endpoints.automatic),
         ),
+        count(
+            "capped",
+            "endpoints from where lines go on to the middle of the open end",
+            |facts| facts.endpoints.capped,
+        ),
         count("unreached", "targets that no way leads to", |facts| {
             facts.endpoints.unreached()
         }),
+        count(
+            "centerlines",
+            "ways from the source to a target, or from the root to a tip",
+            |facts| facts.counts.centerlines,
+        ),
+        count(
+            "loops_left_out",
+            "loops of the surface, of which the tree has one side",
+            |facts| facts.counts.loops_left_out,
+        ),
+        Measure::new(
+            "definitions",
+            Kind::Text,
+            NOTHING,
+            "by which definitions its branches are told: columns that begin with vmtk_ follow VMTK's and are empty where balls overlap too much for it; all others of branches are of whole ones",
+            |facts: &Facts| {
+                Cell::Text(match facts.table_vmtk {
+                    Some(_) => "whole and vmtk",
+                    None => "whole",
+                })
+            },
+        ),
     ]
 }
 
-/// The table of the source papers.
-fn from_table() -> Vec<Measure<Facts>> {
-    fn table(facts: &Facts) -> &Measured {
-        &facts.table
-    }
+/// The table of the source papers, whatever a branch is.
+fn table() -> Vec<Measure<Measured>> {
     let mut all = spread_of(
         "branch_length",
         LENGTH,
         "lengths of branches",
         &["mean", "std"],
-        |facts| table(facts).branch_length,
+        |table: &Measured| table.branch_length,
     );
     all.extend(spread_of(
         "point_radius",
         LENGTH,
         "radii at equally spaced points",
         &["mean", "std"],
-        |facts| table(facts).point_radius,
+        |table: &Measured| table.point_radius,
     ));
     all.extend(spread_of(
         "centerline_length",
         LENGTH,
         "ways from root to tip",
         &["mean", "max"],
-        |facts| table(facts).centerline_length,
+        |table: &Measured| table.centerline_length,
     ));
     all.extend([
         number(
             "stem_length",
             LENGTH,
             "from the root to the first junction",
-            |facts| table(facts).stem_length,
+            |table: &Measured| table.stem_length,
         )
         .compared(),
         number(
             "stem_iterations",
             NOTHING,
             "the same in mean branch lengths",
-            |facts| table(facts).stem_iterations,
+            |table: &Measured| table.stem_iterations,
         ),
         number(
             "iterations_mean",
             NOTHING,
             "ways without the stem in mean branch lengths: mean",
-            |facts| table(facts).iterations.mean,
+            |table: &Measured| table.iterations.mean,
         )
         .compared(),
         number(
             "iterations_std",
             NOTHING,
             "ways without the stem in mean branch lengths: standard deviation",
-            |facts| table(facts).iterations.std,
+            |table: &Measured| table.iterations.std,
         ),
     ]);
     all.extend(spread_of(
@@ -352,21 +459,28 @@ fn from_table() -> Vec<Measure<Facts>> {
         DEGREES,
         "angles between daughters",
         &["mean", "std"],
-        |facts| table(facts).bifurcation_angle_deg,
+        |table: &Measured| table.bifurcation_angle_deg,
+    ));
+    all.extend(spread_of(
+        "bifurcation_angle_in_plane_deg",
+        DEGREES,
+        "angles between daughters in the plane in which they branch",
+        &["mean"],
+        |table: &Measured| table.bifurcation_angle_in_plane_deg,
     ));
     all.extend([
         number(
             "upwards_angle_deg_mean",
             DEGREES,
             "turns of branches towards the stem's direction: mean",
-            |facts| table(facts).upwards_angle_deg.mean,
+            |table: &Measured| table.upwards_angle_deg.mean,
         )
         .compared(),
         number(
             "upwards_angle_deg_std",
             DEGREES,
             "turns of branches towards the stem's direction: standard deviation",
-            |facts| table(facts).upwards_angle_deg.std,
+            |table: &Measured| table.upwards_angle_deg.std,
         ),
     ]);
     all.extend(spread_of(
@@ -374,68 +488,100 @@ fn from_table() -> Vec<Measure<Facts>> {
         PER_LENGTH,
         "mean curvatures of branches",
         &["mean"],
-        |facts| table(facts).curvature,
+        |table: &Measured| table.curvature,
     ));
     all.extend(spread_of(
         "torsion",
         PER_LENGTH,
         "mean torsions of branches",
         &["mean"],
-        |facts| table(facts).torsion,
+        |table: &Measured| table.torsion,
     ));
     all.extend(spread_of(
         "tortuosity",
         NOTHING,
         "length over chord, less 1, of branches",
         &["mean"],
-        |facts| table(facts).tortuosity,
+        |table: &Measured| table.tortuosity,
     ));
     all
 }
 
 /// What is told of a branch.
 pub(super) fn of_branches() -> Vec<Measure<Branch>> {
-    fn whole(name: &'static str, meaning: &'static str, of: fn(&Branch) -> u32) -> Measure<Branch> {
+    fn whole(
+        name: &'static str,
+        meaning: &'static str,
+        of: fn(&Branch) -> Option<u32>,
+    ) -> Measure<Branch> {
         Measure::new(name, Kind::Whole, NOTHING, meaning, move |one| {
-            Cell::Whole(of(one).into())
+            Cell::or_empty(of(one), |number| Cell::Whole(number.into()))
         })
     }
-    fn number(
+    fn group(
         name: &'static str,
-        unit: &'static str,
         meaning: &'static str,
-        of: fn(&Branch) -> Option<f64>,
+        of: fn(&Branch) -> Option<usize>,
     ) -> Measure<Branch> {
-        Measure::new(name, Kind::Real, unit, meaning, move |one| real(of(one)))
+        Measure::new(name, Kind::Whole, NOTHING, meaning, move |one| {
+            Cell::or_empty(of(one), Cell::whole)
+        })
     }
     vec![
         Measure::new(
+            "definition",
+            Kind::Text,
+            NOTHING,
+            "what a branch is here: whole, from junction to junction or to the root or a tip; or as vmtk has it, outside bifurcations. Each model has rows of both, which are never to be mixed",
+            |one: &Branch| Cell::Text(one.definition.name()),
+        ),
+        group(
             "id",
-            Kind::Whole,
-            NOTHING,
-            "number within its model",
-            |one: &Branch| Cell::whole(one.id),
+            "number within its model and definition; VMTK's numbers count bifurcations, too",
+            |one| Some(one.id),
         ),
-        Measure::new(
+        group(
             "parent",
-            Kind::Whole,
-            NOTHING,
-            "number of the branch that it grows from",
-            |one: &Branch| Cell::or_empty(one.parent, Cell::whole),
+            "number of the branch that it grows from (whole)",
+            |one| one.parent,
         ),
-        whole("order", "generation, 0 at the root", |one| one.order),
-        whole("strahler", "Strahler's order", |one| one.strahler),
-        whole("horsfield", "Horsfield's order", |one| one.horsfield),
-        whole("tips", "tips at its end", |one| one.tips),
-        number("length", LENGTH, "along it", |one| one.length).compared(),
-        number("chord", LENGTH, "between its ends, straight", |one| {
-            one.chord
+        group(
+            "upstream",
+            "number of the bifurcation that it begins in (vmtk)",
+            |one| one.upstream,
+        ),
+        group(
+            "downstream",
+            "number of the bifurcation that it ends in (vmtk)",
+            |one| one.downstream,
+        ),
+        whole("order", "generation, 0 at the root (whole)", |one| {
+            one.order
         }),
-        number("tortuosity", NOTHING, "length over chord, less 1", |one| {
-            one.tortuosity
-        })
+        whole("strahler", "Strahler's order (whole)", |one| one.strahler),
+        whole("horsfield", "Horsfield's order (whole)", |one| {
+            one.horsfield
+        }),
+        whole(
+            "tips",
+            "tips at its end, to which as many centerlines run in it",
+            |one| Some(one.tips),
+        ),
+        number("length", LENGTH, "along it", |one: &Branch| one.length).compared(),
+        number(
+            "chord",
+            LENGTH,
+            "between its ends, straight; of VMTK's branches, between the means of its lines' ends",
+            |one: &Branch| one.chord,
+        ),
+        number(
+            "tortuosity",
+            NOTHING,
+            "length over chord, less 1",
+            |one: &Branch| one.tortuosity,
+        )
         .compared(),
-        number("curvature", PER_LENGTH, "mean curvature", |one| {
+        number("curvature", PER_LENGTH, "mean curvature", |one: &Branch| {
             one.curvature
         })
         .compared(),
@@ -443,44 +589,62 @@ pub(super) fn of_branches() -> Vec<Measure<Branch>> {
             "torsion",
             PER_LENGTH,
             "mean torsion; above zero as right-handed helices have it",
-            |one| one.torsion,
+            |one: &Branch| one.torsion,
         )
         .compared(),
-        number("radius_mean", LENGTH, "mean radius by length", |one| {
-            one.radius.mean
-        })
+        number(
+            "radius_mean",
+            LENGTH,
+            "mean radius by length",
+            |one: &Branch| one.radius.mean,
+        )
         .compared(),
-        number("radius_min", LENGTH, "smallest radius", |one| {
+        number("radius_min", LENGTH, "smallest radius", |one: &Branch| {
             one.radius.min
         }),
-        number("radius_max", LENGTH, "largest radius", |one| one.radius.max),
+        number("radius_max", LENGTH, "largest radius", |one: &Branch| {
+            one.radius.max
+        }),
         number(
             "radius_start",
             LENGTH,
             "radius at the end nearer to the root",
-            |one| one.radius.start,
+            |one: &Branch| one.radius.start,
         ),
-        number("radius_end", LENGTH, "radius at the other end", |one| {
-            one.radius.end
-        }),
+        number(
+            "radius_end",
+            LENGTH,
+            "radius at the other end",
+            |one: &Branch| one.radius.end,
+        ),
         number(
             "taper",
             NOTHING,
             "how much the radius shrinks per length",
-            |one| one.radius.taper,
+            |one: &Branch| one.radius.taper,
         ),
-        number("volume", VOLUME, "of the balls along it", |one| one.volume).compared(),
+        number(
+            "volume",
+            VOLUME,
+            "of the balls along it (whole)",
+            |one: &Branch| one.volume,
+        )
+        .compared(),
         number(
             "area",
             AREA,
-            "lateral surface of the balls along it",
-            |one| one.area,
+            "lateral surface of the balls along it (whole)",
+            |one: &Branch| one.area,
         ),
-        whole("first_node", "its first node in the analysis", |one| {
-            one.nodes[0]
-        }),
-        whole("last_node", "its last node in the analysis", |one| {
-            one.nodes[1]
-        }),
+        whole(
+            "first_node",
+            "its first node in the analysis (whole)",
+            |one| Some(one.nodes?[0]),
+        ),
+        whole(
+            "last_node",
+            "its last node in the analysis (whole)",
+            |one| Some(one.nodes?[1]),
+        ),
     ]
 }

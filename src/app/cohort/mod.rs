@@ -26,13 +26,13 @@ use rayon::prelude::*;
 use self::comparison::{Comparison, comparisons};
 use self::entries::Entry;
 use self::groups::{Groups, Named};
-use self::told::{Facts, Told};
+use self::told::{Definition, Facts, Told};
 use crate::app::sentence;
 use crate::app::table::{Column, Format, Table};
 use crate::tree::TreeError;
 use crate::tree::file::write_atomically;
 
-/// Branches of a cohort at most.
+/// Branches of a cohort at most, of both definitions together.
 const BRANCHES_MOST: usize = 10_000_000;
 /// Analyses that are read between two looks at the progress.
 const READ_TOGETHER: usize = 64;
@@ -75,13 +75,14 @@ pub struct Cohort {
 }
 
 /// Analyzes the models of a cohort, or reads what was told of them; a model that fails costs nobody the rest. `progress` gets how many are
-/// done of how many.
+/// done of how many. `cap`: lines go on to the middles of open ends, of surfaces that are analyzed now.
 ///
 /// # Errors
 /// What keeps all of them from being told: a model that is there twice, groups that do not fit, more branches than a table takes.
 pub fn cohort(
     entries: &[Entry],
     groups: Option<&Groups>,
+    cap: bool,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Cohort> {
     // What was analyzed already says of which file: names and groups are known before the long work.
@@ -110,7 +111,9 @@ pub fn cohort(
     let grouped = grouped.unwrap_or_default();
     let open = || (0..entries.len()).filter(|place| !entries[*place].is_analyzed());
     let left: Vec<&Entry> = open().map(|place| &entries[place]).collect();
-    let results = run::analyzed(&left, &mut |done, _| progress(ready + done, entries.len()));
+    let results = run::analyzed(&left, cap, &mut |done, _| {
+        progress(ready + done, entries.len())
+    });
     for (place, result) in open().zip(results) {
         let failed = |reason| Told::Failed(paths[place].display().to_string(), reason);
         told[place] = Some(result.unwrap_or_else(failed));
@@ -133,10 +136,11 @@ pub fn cohort(
         groups: groups.map_or_else(Vec::new, |groups| groups.names.clone()),
         unknown: grouped.unknown,
     };
+    let facts = cohort.models.iter().filter_map(Model::facts);
+    let branches: usize = facts.map(Facts::branches_of_all).sum();
     ensure!(
-        cohort.branches() <= BRANCHES_MOST,
-        "the models have {} branches, more than {BRANCHES_MOST}: split the cohort",
-        cohort.branches()
+        branches <= BRANCHES_MOST,
+        "the models have {branches} branches, of both definitions together, more than {BRANCHES_MOST}: split the cohort"
     );
     Ok(cohort)
 }
@@ -161,10 +165,10 @@ fn named_alike(told: Told, label: &str) -> Told {
 }
 
 impl Cohort {
-    /// How many branches all models have.
-    pub fn branches(&self) -> usize {
+    /// How many branches of a definition all models have.
+    pub fn branches(&self, definition: Definition) -> usize {
         let facts = self.models.iter().filter_map(Model::facts);
-        facts.map(|facts| facts.branches.len()).sum()
+        facts.map(|facts| facts.branches_of(definition).len()).sum()
     }
 
     /// Models that could not be analyzed, with the reason.

@@ -23,9 +23,10 @@ const BESIDES: u64 = 64 << 20;
 /// What is taken where the system does not tell how much memory there is.
 const ROOM_UNKNOWN: u64 = 2 << 30;
 
-/// Analyzes models, of which each that fails has its reason. `progress` gets how many are done of how many.
+/// Analyzes models, of which each that fails has its reason. `cap`: lines of surfaces go on to the middles of open ends. `progress` gets how many are done of how many.
 pub(super) fn analyzed(
     entries: &[&Entry],
+    cap: bool,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Vec<Result<Told, String>> {
     let threads = rayon::current_num_threads().min(entries.len());
@@ -47,7 +48,7 @@ pub(super) fn analyzed(
                     let bytes = entry.path.metadata().map_or(0, |known| known.len());
                     let needed = bytes.saturating_mul(PER_BYTE).saturating_add(BESIDES);
                     gate.enter(needed);
-                    let result = analyze(entry).map_err(|error| sentence(&error));
+                    let result = analyze(entry, cap).map_err(|error| sentence(&error));
                     gate.leave(needed);
                     if send.send((place, result)).is_err() {
                         return;
@@ -69,7 +70,7 @@ pub(super) fn analyzed(
 }
 
 /// As `ramus analyze` does.
-fn analyze(entry: &Entry) -> Result<Told> {
+fn analyze(entry: &Entry, cap: bool) -> Result<Told> {
     let never = AtomicBool::new(false);
     let given = entry.endpoints.as_deref().map(ends::read).transpose();
     let wanted = Wanted {
@@ -85,6 +86,8 @@ fn analyze(entry: &Entry) -> Result<Told> {
         let (analysis, _) = skeleton(&wanted, tree, model.mesh.origin, &name, scale)?;
         return Told::new(analysis);
     }
+    // A cohort may have skeletons as well, which have no open ends.
+    let wanted = Wanted { cap, ..wanted };
     let silent = &mut |_, _| {};
     let mut analysis = || {
         let report = checked(&model.mesh, silent)?;

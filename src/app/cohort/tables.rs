@@ -2,7 +2,7 @@
 
 use super::Cohort;
 use super::measures::{NOTHING, of_branches, of_models};
-use super::told::Told;
+use super::told::{Facts, Told};
 use crate::app::table::{Cell, Column, Kind, Table};
 
 fn text(name: &str, meaning: &str) -> Column {
@@ -11,6 +11,7 @@ fn text(name: &str, meaning: &str) -> Column {
         kind: Kind::Text,
         unit: NOTHING,
         meaning: meaning.to_owned(),
+        definition: NOTHING,
     }
 }
 
@@ -48,7 +49,7 @@ pub(super) fn models(cohort: &Cohort) -> Table<'_> {
     }
 }
 
-/// One row a branch.
+/// One row a branch: of each model the whole ones, then those of VMTK's definition.
 pub(super) fn branches(cohort: &Cohort) -> Table<'_> {
     let measures = of_branches();
     let mut columns = vec![
@@ -62,7 +63,7 @@ pub(super) fn branches(cohort: &Cohort) -> Table<'_> {
     // Where the branches of each model begin.
     let mut starts = vec![0_usize];
     for model in &cohort.models {
-        let rows = model.facts().map_or(0, |facts| facts.branches.len());
+        let rows = model.facts().map_or(0, Facts::branches_of_all);
         starts.push(starts[starts.len() - 1] + rows);
     }
     let rows = starts[starts.len() - 1];
@@ -72,7 +73,12 @@ pub(super) fn branches(cohort: &Cohort) -> Table<'_> {
             (0, _) => Cell::Text(&cohort.models[model].label),
             (1, _) => group_of(cohort, model),
             (column, Some(facts)) => {
-                (measures[column - 2].of)(&facts.branches[row - starts[model]])
+                let place = row - starts[model];
+                let branch = match place.checked_sub(facts.branches.len()) {
+                    None => &facts.branches[place],
+                    Some(place) => &facts.branches_vmtk[place],
+                };
+                (measures[column - 2].of)(branch)
             }
             (_, None) => Cell::Empty,
         }
@@ -94,6 +100,10 @@ pub(super) fn columns<'a>(tables: &[(&'a str, &'a [Column])]) -> Table<'a> {
             "unit",
             "what its numbers are counted in; `length` is the model's own unit",
         ),
+        (
+            "definition",
+            "the definition of a branch that it follows, whole or vmtk; empty where it follows none, or where rows tell",
+        ),
         ("meaning", "what it says"),
     ];
     let rows: Vec<(&str, &Column)> = tables
@@ -110,6 +120,7 @@ pub(super) fn columns<'a>(tables: &[(&'a str, &'a [Column])]) -> Table<'a> {
                 1 => &column.name,
                 2 => column.kind.name(),
                 3 => column.unit,
+                4 => column.definition,
                 _ => &column.meaning,
             };
             match words.is_empty() {

@@ -8,6 +8,7 @@
 
 use glam::Vec3;
 
+use super::told::Branch;
 use super::*;
 use crate::centerline::Centerline;
 use crate::centerline::analysis::{Analysis, ModelFacts};
@@ -123,7 +124,17 @@ fn an_analysis_is_taken_as_it_was_made() {
     );
     assert_eq!(
         (facts.branches[2].parent, facts.branches[2].nodes),
-        (Some(0), [1, 3])
+        (Some(0), Some([1, 3]))
+    );
+    let vmtk: Vec<&Branch> = facts.branches_vmtk.iter().collect();
+    assert!(
+        facts
+            .counts_vmtk
+            .is_some_and(|counts| counts.branches == vmtk.len())
+    );
+    assert!(
+        vmtk.iter()
+            .all(|one| one.definition == Definition::Vmtk && one.nodes.is_none())
     );
     assert_eq!(
         (facts.model.file.as_str(), facts.endpoints.unreached()),

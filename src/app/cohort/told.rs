@@ -3,13 +3,18 @@
 //! Both ways are one: an analysis that was just made is written and read as a file's is, so that tables do not depend on how the models came. Nodes
 //! are passed over, which are most of a file.
 
+mod branch;
+
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
 use anyhow::{Result, anyhow, bail, ensure};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
+pub use self::branch::{Branch, Definition};
+use self::branch::{Vmtk, Whole};
 use crate::centerline::analysis::{Analysis, FORMAT, Nodes};
 use crate::mesh::unit::Unit;
 
@@ -37,10 +42,14 @@ struct Form {
     failed: Option<String>,
     endpoints: Option<Endpoints>,
     counts: Option<Counts>,
+    counts_vmtk: Option<CountsVmtk>,
     table: Option<Measured>,
+    table_vmtk: Option<Measured>,
     orders: Option<Orders>,
-    branches: Option<Vec<Branch>>,
+    branches: Option<Vec<Whole>>,
+    branches_vmtk: Option<Vec<Vmtk>>,
     junctions: Option<Vec<Junction>>,
+    junctions_vmtk: Option<Vec<IgnoredAny>>,
 }
 
 /// What is taken of an analysis.
@@ -52,13 +61,19 @@ pub struct Facts {
     pub endpoints: Endpoints,
     /// How many there are of everything.
     pub counts: Counts,
-    /// Means and deviations.
+    /// How many there are by VMTK's definition; None where balls overlap too much for it.
+    pub counts_vmtk: Option<CountsVmtk>,
+    /// Means and deviations, of whole branches.
     pub table: Measured,
+    /// The same by VMTK's definition; None where balls overlap too much for it.
+    pub table_vmtk: Option<Measured>,
     /// By Strahler's orders.
     pub orders: Orders,
-    /// Each branch.
+    /// Each whole branch.
     pub branches: Vec<Branch>,
-    /// Each junction.
+    /// Each branch by VMTK's definition.
+    pub branches_vmtk: Vec<Branch>,
+    /// Each junction of whole branches.
     pub junctions: Vec<Junction>,
 }
 
@@ -86,7 +101,9 @@ pub struct Model {
 pub struct Endpoints {
     /// Whether they were found and not given.
     pub automatic: bool,
-    unreached: Vec<serde::de::IgnoredAny>,
+    /// At how many of them lines go on to the middle of the open end.
+    pub capped: usize,
+    unreached: Vec<IgnoredAny>,
 }
 
 impl Endpoints {
@@ -109,6 +126,17 @@ pub struct Counts {
     pub loops_left_out: usize,
 }
 
+/// As [`CountsVmtk`](crate::centerline::analysis::CountsVmtk).
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[expect(missing_docs, reason = "named as what is read")]
+pub struct CountsVmtk {
+    pub branches: usize,
+    pub bifurcations: usize,
+    pub multifurcations: usize,
+    pub tips: usize,
+    pub swallowed: usize,
+}
+
 /// As [`TableFacts`](crate::centerline::analysis::TableFacts).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[expect(missing_docs, reason = "named as what is read")]
@@ -120,6 +148,7 @@ pub struct Measured {
     pub stem_iterations: Option<f64>,
     pub iterations: MeanStd,
     pub bifurcation_angle_deg: Spread,
+    pub bifurcation_angle_in_plane_deg: Spread,
     pub upwards_angle_deg: MeanStd,
     pub curvature: Spread,
     pub torsion: Spread,
@@ -164,27 +193,6 @@ pub struct Orders {
     pub branching_ratio: Option<f64>,
     pub length_ratio: Option<f64>,
     pub radius_ratio: Option<f64>,
-}
-
-/// As [`BranchFacts`](crate::centerline::analysis::BranchFacts).
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[expect(missing_docs, reason = "named as what is read")]
-pub struct Branch {
-    pub id: usize,
-    pub parent: Option<usize>,
-    pub order: u32,
-    pub strahler: u32,
-    pub horsfield: u32,
-    pub tips: u32,
-    pub length: Option<f64>,
-    pub chord: Option<f64>,
-    pub tortuosity: Option<f64>,
-    pub curvature: Option<f64>,
-    pub torsion: Option<f64>,
-    pub radius: Radius,
-    pub volume: Option<f64>,
-    pub area: Option<f64>,
-    pub nodes: [u32; 2],
 }
 
 /// As [`RadiusFacts`](crate::centerline::analysis::RadiusFacts).
@@ -299,32 +307,72 @@ impl Form {
             return Ok(Told::Failed(self.model.file, reason));
         }
         let missing = |what| anyhow!("is no whole analysis: {what} are missing; write it anew");
+        let branches = self.branches.ok_or_else(|| missing("branches"))?;
+        let of_vmtk = "branches by VMTK's definition";
+        let branches_vmtk = self.branches_vmtk.ok_or_else(|| missing(of_vmtk))?;
+        let junctions_vmtk = self.junctions_vmtk.ok_or_else(|| missing(of_vmtk))?;
         let facts = Facts {
             model: self.model,
             endpoints: self.endpoints.ok_or_else(|| missing("endpoints"))?,
             counts: self.counts.ok_or_else(|| missing("counts"))?,
+            counts_vmtk: self.counts_vmtk,
             table: self.table.ok_or_else(|| missing("measures"))?,
+            table_vmtk: self.table_vmtk,
             orders: self.orders.ok_or_else(|| missing("orders"))?,
-            branches: self.branches.ok_or_else(|| missing("branches"))?,
+            branches: branches.into_iter().map(Branch::from).collect(),
+            branches_vmtk: branches_vmtk.into_iter().map(Branch::from).collect(),
             junctions: self.junctions.ok_or_else(|| missing("junctions"))?,
         };
-        facts.check()?;
+        facts.check(junctions_vmtk.len())?;
         Ok(Told::Found(Box::new(facts)))
     }
 }
 
 impl Facts {
+    /// The branches of a definition.
+    pub fn branches_of(&self, definition: Definition) -> &[Branch] {
+        match definition {
+            Definition::Whole => &self.branches,
+            Definition::Vmtk => &self.branches_vmtk,
+        }
+    }
+
+    /// How many branches it has by both definitions.
+    pub fn branches_of_all(&self) -> usize {
+        self.branches.len().saturating_add(self.branches_vmtk.len())
+    }
+
+    /// The table of a definition.
+    pub fn table_of(&self, definition: Definition) -> Option<&Measured> {
+        match definition {
+            Definition::Whole => Some(&self.table),
+            Definition::Vmtk => self.table_vmtk.as_ref(),
+        }
+    }
+
     /// Branches are numbered, each behind its parent, and there are as many as is said.
-    fn check(&self) -> Result<()> {
+    fn check(&self, junctions_vmtk: usize) -> Result<()> {
         let (counts, branches) = (self.counts, &self.branches);
+        let vmtk = self.counts_vmtk.map_or([0; 2], |vmtk| {
+            [
+                vmtk.branches,
+                vmtk.bifurcations.saturating_add(vmtk.multifurcations),
+            ]
+        });
         for (what, counted, there) in [
             ("branches", counts.branches, branches.len()),
             ("junctions", counts.junctions, self.junctions.len()),
+            ("branches of VMTK", vmtk[0], self.branches_vmtk.len()),
+            ("junctions of VMTK", vmtk[1], junctions_vmtk),
         ] {
             if counted != there {
                 bail!("says that there are {counted} {what}, and has {there}: write it anew");
             }
         }
+        ensure!(
+            self.counts_vmtk.is_some() == self.table_vmtk.is_some(),
+            "has one half of what VMTK's definition tells and not the other: write it anew"
+        );
         for (place, branch) in branches.iter().enumerate() {
             ensure!(
                 branch.id == place && branch.parent.is_none_or(|parent| parent < place),

@@ -12,7 +12,7 @@ use self::axis::Axis;
 use self::svg::{Anchor, Svg};
 use super::comparison::{Comparison, values};
 use super::measures::{LENGTH, Measure, of_branches, of_models};
-use super::told::Branch;
+use super::told::{Branch, Definition};
 use super::{Cohort, Model};
 use crate::app::table::Column;
 use crate::mesh::unit::Unit;
@@ -43,6 +43,8 @@ const POINTS_MOST: usize = 200;
 /// Heights at which the shape of a distribution is drawn, and bins that it is counted in.
 const SHAPE_STEPS: usize = 64;
 const SHAPE_BINS: usize = 256;
+/// What branches are on a page.
+const DEFINITIONS: &str = "Branches are whole, from junction to junction or to the root or a tip, where nothing else is written; VMTK's branches are outside bifurcations, which begin one sphere before a line leaves another's tube.";
 
 /// What a plot shows of a group.
 struct Group {
@@ -54,7 +56,7 @@ struct Group {
 /// A plot.
 struct Plot {
     title: String,
-    /// What tests say, in a few words.
+    /// Of which branches it is, and what tests say, in a few words.
     told: Option<String>,
     may_be_logarithmic: bool,
     groups: Vec<Group>,
@@ -77,7 +79,7 @@ pub(super) fn models(cohort: &Cohort, comparisons: &[Comparison]) -> String {
                 .collect();
             Plot {
                 title: title(cohort, &measure.column),
-                told: told(cohort, comparisons, &measure.column),
+                told: below_title(cohort, comparisons, &measure.column),
                 may_be_logarithmic: false,
                 counts: groups
                     .iter()
@@ -91,38 +93,49 @@ pub(super) fn models(cohort: &Cohort, comparisons: &[Comparison]) -> String {
     ];
     if let [a, b] = cohort.groups.as_slice() {
         foot.push(format!(
-            "δ: Cliff's delta, above zero where {a} is larger than {b}; p: Mann–Whitney test, corrected by Holm for all measures."
+            "δ: Cliff's delta, above zero where {a} is larger than {b}; p: Mann–Whitney test, corrected by Holm for all measures of both definitions."
         ));
     }
+    foot.push(DEFINITIONS.to_owned());
     page(cohort, plots.collect(), &foot)
 }
 
-/// The page of branches.
+/// The page of branches, of both definitions.
 pub(super) fn branches(cohort: &Cohort) -> String {
-    let measures = of_branches();
-    let plots = measures
-        .iter()
-        .filter(|measure| measure.compared)
-        .map(|measure| {
-            let groups: Vec<Group> = shown_groups(cohort)
-                .map(|group| branches_of(cohort, group, measure))
-                .collect();
-            let counts = groups
-                .iter()
-                .map(|group| format!("n = {} ({})", group.behind.len(), group.points.len()));
-            Plot {
-                title: title(cohort, &measure.column),
-                told: None,
-                may_be_logarithmic: true,
-                counts: counts.collect(),
-                groups,
+    let mut plots = Vec::new();
+    for definition in Definition::ALL {
+        for measure in of_branches().iter().filter(|measure| measure.compared) {
+            let plot = branches_plot(cohort, definition, measure);
+            // By VMTK's definition not all measures are told.
+            let is_told = plot.groups.iter().any(|group| !group.behind.is_empty());
+            if is_told || definition == Definition::Whole {
+                plots.push(plot);
             }
-        });
+        }
+    }
     let foot = [
         "Shapes: how branches are spread (n: branches, and of how many models); points: the mean of each model's branches; bars: quartiles and median of branches.".to_owned(),
         "Branches of one model are not independent of each other: groups are compared by models.".to_owned(),
+        DEFINITIONS.to_owned(),
     ];
-    page(cohort, plots.collect(), &foot)
+    page(cohort, plots, &foot)
+}
+
+/// How branches of a definition are spread.
+fn branches_plot(cohort: &Cohort, definition: Definition, measure: &Measure<Branch>) -> Plot {
+    let groups: Vec<Group> = shown_groups(cohort)
+        .map(|group| branches_of(cohort, group, definition, measure))
+        .collect();
+    let counts = groups
+        .iter()
+        .map(|group| format!("n = {} ({})", group.behind.len(), group.points.len()));
+    Plot {
+        title: title(cohort, &measure.column),
+        told: of_vmtk(definition.name()).map(str::to_owned),
+        may_be_logarithmic: true,
+        counts: counts.collect(),
+        groups,
+    }
 }
 
 /// The groups; all models where there are none.
@@ -132,7 +145,12 @@ fn shown_groups(cohort: &Cohort) -> impl Iterator<Item = Option<usize>> {
     (0..groups).map(Some).chain(all)
 }
 
-fn branches_of(cohort: &Cohort, group: Option<usize>, measure: &Measure<Branch>) -> Group {
+fn branches_of(
+    cohort: &Cohort,
+    group: Option<usize>,
+    definition: Definition,
+    measure: &Measure<Branch>,
+) -> Group {
     let models = cohort
         .models
         .iter()
@@ -143,10 +161,8 @@ fn branches_of(cohort: &Cohort, group: Option<usize>, measure: &Measure<Branch>)
     };
     for facts in models.filter_map(Model::facts) {
         let first = of_group.behind.len();
-        let values = facts
-            .branches
-            .iter()
-            .filter_map(|branch| measure.number(branch));
+        let branches = facts.branches_of(definition).iter();
+        let values = branches.filter_map(|branch| measure.number(branch));
         of_group.behind.extend(values);
         let mean = spread(of_group.behind[first..].iter().copied());
         of_group
@@ -159,10 +175,13 @@ fn branches_of(cohort: &Cohort, group: Option<usize>, measure: &Measure<Branch>)
 /// A column's name as words, with its unit.
 fn title(cohort: &Cohort, column: &Column) -> String {
     let name = column.name.replace("_deg", "");
+    let name = name
+        .strip_prefix(Definition::Vmtk.prefix())
+        .unwrap_or(&name);
     let (name, part) = match name.rsplit_once('_') {
         Some((first, part @ ("mean" | "max"))) => (first, format!(", {part}")),
         Some((first, "std")) => (first, ", standard deviation".to_owned()),
-        _ => (name.as_str(), String::new()),
+        _ => (name, String::new()),
     };
     let words = name.replace('_', " ");
     let mut letters = words.chars();
@@ -193,6 +212,21 @@ fn unit_of(cohort: &Cohort) -> &'static str {
         Some(unit) => Unit::symbol(unit),
         None => "model unit",
     }
+}
+
+/// What is told of a definition that is not that of whole branches.
+fn of_vmtk(definition: &str) -> Option<&'static str> {
+    (definition == Definition::Vmtk.name()).then_some("VMTK's branches")
+}
+
+/// Of which branches a measure is, and what the test of two groups says.
+fn below_title(cohort: &Cohort, comparisons: &[Comparison], column: &Column) -> Option<String> {
+    let parts = [
+        of_vmtk(column.definition).map(str::to_owned),
+        told(cohort, comparisons, column),
+    ];
+    let told: Vec<String> = parts.into_iter().flatten().collect();
+    (!told.is_empty()).then(|| told.join("; "))
 }
 
 /// What the test of two groups says of a measure.
