@@ -9,6 +9,7 @@ the most that the process had at once (resident set). What is short is run three
 """
 
 import json
+import math
 import os
 import resource
 import statistics
@@ -80,12 +81,14 @@ def vmtk_alone(model, seeds, out):
     seeds = json.load(open(seeds))
     started = time.process_time()
     lines = found(surface(model), seeds)
-    parts = branches(lines) if lines.GetNumberOfCells() else None
+    if lines.GetNumberOfCells():
+        branches(lines)
     seconds = time.process_time() - started
     written(lines, out)
-    del parts
-    # A target that VMTK does not reach has a line of a point or none.
-    reached = sum(lines.GetCell(cell).GetNumberOfPoints() > 1 for cell in range(lines.GetNumberOfCells()))
+    # A target that is not reached has a stub, or no line: what is reached lies half as far apart as the ends, at least.
+    apart = min(math.dist(seeds["source"], target) for target in seeds["targets"]) / 2
+    cells = [lines.GetCell(cell).GetPoints() for cell in range(lines.GetNumberOfCells())]
+    reached = sum(math.dist(points.GetPoint(0), points.GetPoint(points.GetNumberOfPoints() - 1)) > apart for points in cells)
     print("\n" + json.dumps({"reached": reached, "seconds": seconds}))
 
 

@@ -1,7 +1,6 @@
 """VMTK's centerlines, branches and angles of a model, as the tests of `ramus analyze` compare with.
 
-    python -m venv vmtk && vmtk/bin/pip install vmtk numpy      # Python 3.12 or later, 0.9 GB
-    vmtk/bin/python benches/peers/branches.py MODEL.ply TRUTH.seeds.json STEP OUT
+    target/peers/vmtk/bin/python benches/peers/branches.py MODEL.ply TRUTH.seeds.json STEP OUT
 
 writes OUT.vtp, the lines in steps of STEP (0: as they are), and OUT.json: what VMTK's filters make of these lines.
 """

@@ -1,9 +1,8 @@
 """VMTK's centerlines of a model with a known truth: how far they are off, in local radii, and what they take.
 
-    python -m venv vmtk && vmtk/bin/pip install vmtk numpy      # Python 3.12 or later, 0.9 GB
-    vmtk/bin/python benches/peers/centerlines.py MODEL.ply TRUTH.seeds.json TRUTH.skeleton.json
+    target/peers/vmtk/bin/python benches/peers/centerlines.py MODEL.ply TRUTH.seeds.json TRUTH.skeleton.json
 
-The same distances are taken of Ramus's lines by `cargo nextest run --lib lines_are_nearer --no-capture`.
+The environment is what `scripts/peers.sh centerlines` makes. The same distances are taken of Ramus's lines by `cargo nextest run --lib lines_are_nearer --no-capture`.
 """
 
 import json

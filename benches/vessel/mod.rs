@@ -18,7 +18,7 @@ const SLENDER: f64 = 8.0;
 /// How much thicker branches are one fork nearer to the source.
 const THICKER: f64 = 1.12;
 /// Triangles for a square of the lattice's edge, in all directions alike.
-const TRIANGLES: f64 = 3.25;
+const TRIANGLES: f64 = 2.78;
 
 /// Nodes with radii, each but the first with a parent before it.
 pub(crate) struct Vessel {
