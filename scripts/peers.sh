@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Times derivation beside other engines, and models read beside other libraries. npm's and PyPI's are fetched into the target
-# folder where node and Python are; what cannot be had is left out. `scripts/peers.sh [engines|models [FORMAT]]`
+# Times derivation beside other engines, models read beside other libraries, and centerlines beside VMTK's. npm's and PyPI's are fetched
+# into the target folder where node and Python are; what cannot be had is left out.
+# `scripts/peers.sh [engines|models [FORMAT]|centerlines [MODEL…]]`
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -19,11 +20,15 @@ engines() {
     RAYON_NUM_THREADS=1 run ramus-peers "$modules"
 }
 
-# The first Python that numpy has a wheel for.
-python() {
-    local name
-    for name in python3 python3.14 python3.13 python3.12 python3.11; do
-        if "$name" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+# The first Python from 3.MINOR on, up to 3.14: what is compared has wheels for these.
+python() { # MINOR
+    local name roots=()
+    if command -v pyenv >/dev/null; then
+        # pyenv's own names stand for one version only.
+        mapfile -t roots < <(printf '%s\n' "$(pyenv root)"/versions/3.*/bin/python3)
+    fi
+    for name in python3 python3.14 python3.13 python3.12 python3.11 "${roots[@]}"; do
+        if "$name" -c "import ensurepip, sys; sys.exit(not (3, $1) <= sys.version_info < (3, 15))" 2>/dev/null; then
             echo "$name"
             return
         fi
@@ -32,33 +37,69 @@ python() {
 }
 
 # Makes the environment anew when what it is to hold has changed.
-environment() { # FOLDER
-    local wanted=$repository/benches/peers/requirements.txt python
+environment() { # FOLDER REQUIREMENTS MINOR WHAT
+    local wanted=$repository/benches/peers/$2 python
     if cmp -s "$wanted" "$1/requirements.txt"; then
         return
     fi
-    if ! python=$(python); then
-        echo "models are not compared: there is no Python from 3.11 on"
+    if ! python=$(python "$3"); then
+        echo "$4 are not compared: there is no Python from 3.$3 on"
         return 1
     fi
     if ! { "$python" -m venv --clear "$1" && "$1/bin/python" -m pip install --quiet --disable-pip-version-check --retries 1 \
-        --only-binary :all: --requirement "$wanted"; } >"$target/peers/python.log" 2>&1; then
-        echo "models are not compared: trimesh, PyVista and meshio cannot be fetched, $target/peers/python.log says why"
+        --only-binary :all: --requirement "$wanted"; } >"$1.log" 2>&1; then
+        echo "$4 are not compared: what $2 lists cannot be fetched, $1.log says why"
         return 1
     fi
     cp "$wanted" "$1/requirements.txt"
 }
 
-models() {
+# A shell of its own, which takes away what it made as it ends.
+models() ( # [FORMAT]
     local folder
     mkdir -p "$target/peers"
-    environment "$target/peers/python" || return 0
+    environment "$target/peers/python" requirements.txt 11 models || return 0
     folder=$(mktemp -d "$target/peers/models.XXXXXX")
     # shellcheck disable=SC2064
     trap "rm -rf '$folder'" EXIT
     run models "$target/peers/python/bin/python" "$folder" "$@"
+)
+
+centerlines() ( # [MODEL…]
+    local folder models=() model
+    mkdir -p "$target/peers"
+    environment "$target/peers/vmtk" vmtk.txt 12 centerlines || return 0
+    folder=$(mktemp -d "$target/peers/centerlines.XXXXXX")
+    # shellcheck disable=SC2064
+    trap "rm -rf '$folder'" EXIT
+    CARGO_TARGET_DIR=$target cargo build --release --quiet --manifest-path "$repository/Cargo.toml" --bin ramus
+    run vessels "$folder"
+    for model in "${RAMUS_SHARED:-/nowhere}"/models/truth/*.ply "$folder"/*.ply; do
+        if [ -f "$model" ] && chosen "$(basename "$model" .ply)" "$@"; then models+=("$model"); fi
+    done
+    PYTHONDONTWRITEBYTECODE=1 "$target/peers/vmtk/bin/python" "$repository/benches/peers/beside_vmtk.py" "$target/release/ramus" "$folder" "${models[@]}"
+)
+
+# Whether a name has one of some parts in it; all names do where none is asked for.
+chosen() { # NAME [PART…]
+    local name=$1 part
+    if [ $# = 1 ]; then return; fi
+    for part in "${@:2}"; do
+        if [[ $name == *$part* ]]; then return; fi
+    done
+    return 1
 }
 
 what=${1:-all}
-if [ "$what" != models ]; then engines; fi
-if [ "$what" != engines ]; then models "${@:2}"; fi
+case $what in
+all)
+    engines
+    models ""
+    centerlines ""
+    ;;
+engines | models | centerlines) "$what" "${@:2}" ;;
+*)
+    echo "scripts/peers.sh knows engines, models and centerlines, not $what" >&2
+    exit 1
+    ;;
+esac

@@ -1,7 +1,6 @@
 """VMTK's centerlines, branches and angles of a model, as the tests of `ramus analyze` compare with.
 
-    python -m venv vmtk && vmtk/bin/pip install vmtk numpy      # Python 3.12 or later, 0.9 GB
-    vmtk/bin/python benches/peers/branches.py MODEL.ply TRUTH.seeds.json STEP OUT
+    target/peers/vmtk/bin/python benches/peers/branches.py MODEL.ply TRUTH.seeds.json STEP OUT
 
 writes OUT.vtp, the lines in steps of STEP (0: as they are), and OUT.json: what VMTK's filters make of these lines.
 """
@@ -14,6 +13,7 @@ from vmtk import vtkvmtk, vmtkscripts
 
 RADIUS = "MaximumInscribedSphereRadius"
 CELLS = {"Blanking": "Blanking", "GroupIds": "GroupIds", "TractIds": "TractIds", "CenterlineIds": "CenterlineIds"}
+MEASURES = ["Length", "Curvature", "Torsion", "Tortuosity"]
 
 
 def surface(path):
@@ -44,10 +44,10 @@ def rounded(what):
     return [rounded(value) for value in what] if isinstance(what, (list, tuple)) else what
 
 
-def main():
-    model, seeds, step, out = sys.argv[1], json.load(open(sys.argv[2])), float(sys.argv[3]), sys.argv[4]
+def found(model, seeds, step=0):
+    """VMTK's lines of a surface, with nothing but their radii."""
     find = vmtkscripts.vmtkCenterlines()
-    find.Surface, find.SeedSelectorName, find.AppendEndPoints = surface(model), "pointlist", 0
+    find.Surface, find.SeedSelectorName, find.AppendEndPoints = model, "pointlist", 0
     if step > 0:
         find.Resampling, find.ResamplingStepLength = 1, step
     find.SourcePoints = list(seeds["source"])
@@ -57,10 +57,18 @@ def main():
     lines.SetPoints(find.Centerlines.GetPoints())
     lines.SetLines(find.Centerlines.GetLines())
     lines.GetPointData().AddArray(find.Centerlines.GetPointData().GetArray(RADIUS))
+    return lines
+
+
+def written(lines, path):
     writer = vtk.vtkXMLPolyDataWriter()
-    writer.SetFileName(out + ".vtp")
+    writer.SetFileName(path)
     writer.SetInputData(lines)
     writer.Write()
+
+
+def branches(lines):
+    """Lines cut into branches, what is measured of them, and the bifurcations' reference systems and vectors."""
     split = vtkvmtk.vtkvmtkCenterlineBranchExtractor()
     split.SetInputData(lines)
     split.SetRadiusArrayName(RADIUS)
@@ -68,22 +76,14 @@ def main():
     split.SetGroupingModeToPointInTube()
     split.Update()
     parts = split.GetOutput()
-    told = {"tracts": rows(parts.GetCellData(), list(CELLS))}
-    for place, tract in enumerate(told["tracts"]):
-        cell = parts.GetCell(place)
-        points = [cell.GetPoints().GetPoint(at) for at in range(cell.GetNumberOfPoints())]
-        tract["first"], tract["last"] = points[0], points[-1]
-        tract["length"] = sum(vtk.vtkMath.Distance2BetweenPoints(a, b) ** 0.5 for a, b in zip(points, points[1:]))
     geometry = vtkvmtk.vtkvmtkCenterlineBranchGeometry()
     geometry.SetInputData(parts)
     geometry.SetRadiusArrayName(RADIUS)
     geometry.SetGroupIdsArrayName("GroupIds")
     geometry.SetBlankingArrayName("Blanking")
-    measures = ["Length", "Curvature", "Torsion", "Tortuosity"]
-    name(geometry, {measure: measure for measure in measures})
+    name(geometry, {measure: measure for measure in MEASURES})
     geometry.SetLineSmoothing(0)
     geometry.Update()
-    told["branches"] = rows(geometry.GetOutput().GetPointData(), ["GroupIds", *measures])
     frames = vtkvmtk.vtkvmtkCenterlineBifurcationReferenceSystems()
     frames.SetInputData(parts)
     frames.SetRadiusArrayName(RADIUS)
@@ -92,9 +92,6 @@ def main():
     frames.SetNormalArrayName("Normal")
     frames.SetUpNormalArrayName("UpNormal")
     frames.Update()
-    told["frames"] = rows(frames.GetOutput().GetPointData(), ["GroupIds", "Normal", "UpNormal"])
-    for place, frame in enumerate(told["frames"]):
-        frame["origin"] = frames.GetOutput().GetPoint(place)
     vectors = vtkvmtk.vtkvmtkCenterlineBifurcationVectors()
     vectors.SetInputData(parts)
     vectors.SetReferenceSystems(frames.GetOutput())
@@ -115,8 +112,26 @@ def main():
     }
     name(vectors, arrays)
     vectors.Update()
+    return parts, geometry.GetOutput(), frames.GetOutput(), vectors.GetOutput()
+
+
+def main():
+    model, seeds, step, out = sys.argv[1], json.load(open(sys.argv[2])), float(sys.argv[3]), sys.argv[4]
+    lines = found(surface(model), seeds, step)
+    written(lines, out + ".vtp")
+    parts, geometry, frames, vectors = branches(lines)
+    told = {"tracts": rows(parts.GetCellData(), list(CELLS))}
+    for place, tract in enumerate(told["tracts"]):
+        cell = parts.GetCell(place)
+        points = [cell.GetPoints().GetPoint(at) for at in range(cell.GetNumberOfPoints())]
+        tract["first"], tract["last"] = points[0], points[-1]
+        tract["length"] = sum(vtk.vtkMath.Distance2BetweenPoints(a, b) ** 0.5 for a, b in zip(points, points[1:]))
+    told["branches"] = rows(geometry.GetPointData(), ["GroupIds", *MEASURES])
+    told["frames"] = rows(frames.GetPointData(), ["GroupIds", "Normal", "UpNormal"])
+    for place, frame in enumerate(told["frames"]):
+        frame["origin"] = frames.GetPoint(place)
     told["vectors"] = rows(
-        vectors.GetOutput().GetPointData(),
+        vectors.GetPointData(),
         ["GroupIds", "BifurcationGroupIds", "Vector", "InPlaneAngle", "OutOfPlaneAngle", "Orientation"],
     )
     json.dump(rounded(told), open(out + ".json", "w"), separators=(",", ":"))
@@ -124,4 +139,5 @@ def main():
     print(f"{lines.GetNumberOfCells()} lines, {len(told['branches'])} branches, {len(blanked)} bifurcations")
 
 
-main()
+if __name__ == "__main__":
+    main()

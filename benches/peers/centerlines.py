@@ -1,9 +1,8 @@
 """VMTK's centerlines of a model with a known truth: how far they are off, in local radii, and what they take.
 
-    python -m venv vmtk && vmtk/bin/pip install vmtk numpy      # Python 3.12 or later, 0.9 GB
-    vmtk/bin/python benches/peers/centerlines.py MODEL.ply TRUTH.seeds.json TRUTH.skeleton.json
+    target/peers/vmtk/bin/python benches/peers/centerlines.py MODEL.ply TRUTH.seeds.json TRUTH.skeleton.json
 
-The same distances are taken of Ramus's lines by `cargo nextest run --lib lines_are_nearer --no-capture`.
+The environment is what `scripts/peers.sh centerlines` makes. The same distances are taken of Ramus's lines by `cargo nextest run --lib lines_are_nearer --no-capture`.
 """
 
 import json
@@ -11,18 +10,8 @@ import sys
 import time
 
 import numpy
-import vtk
-from vmtk import vmtkscripts
+from branches import RADIUS, found, surface
 from vtk.util.numpy_support import vtk_to_numpy
-
-RADIUS = "MaximumInscribedSphereRadius"
-
-
-def surface(path):
-    reader = vtk.vtkPLYReader()
-    reader.SetFileName(path)
-    reader.Update()
-    return reader.GetOutput()
 
 
 def lines(data):
@@ -57,23 +46,26 @@ def nearest(points, truth):
     return best, thick
 
 
-def main():
-    model, seeds, truth = sys.argv[1], json.load(open(sys.argv[2])), json.load(open(sys.argv[3]))
-    find = vmtkscripts.vmtkCenterlines()
-    find.Surface, find.SeedSelectorName, find.AppendEndPoints = surface(model), "pointlist", 0
-    find.SourcePoints = list(seeds["source"])
-    find.TargetPoints = [number for target in seeds["targets"] for number in target]
-    started = time.process_time()
-    find.Execute()
-    found = time.process_time() - started
+def off(data, truth):
+    """How far points of lines are from the true axis, in true radii, and how far their radii are off, as a part; at equal steps."""
     distances, errors = [], []
-    for points, radii in lines(find.Centerlines):
+    for points, radii in lines(data):
         points, radii = resampled(points, radii, 0.25 * min(truth["radius"]))
         distance, radius = nearest(points, truth)
         distances.append(distance / radius)
         errors.append(abs(radii / radius - 1))
-    distances, errors = numpy.concatenate(distances), numpy.concatenate(errors)
-    print(f"distance mean {distances.mean():.5f} median {numpy.median(distances):.5f}, radius {numpy.median(errors):.5f}; {found:.1f} CPU s for the lines")
+    return numpy.concatenate(distances), numpy.concatenate(errors)
 
 
-main()
+def main():
+    model, seeds, truth = sys.argv[1], json.load(open(sys.argv[2])), json.load(open(sys.argv[3]))
+    model = surface(model)
+    started = time.process_time()
+    data = found(model, seeds)
+    seconds = time.process_time() - started
+    distances, errors = off(data, truth)
+    print(f"distance mean {distances.mean():.5f} median {numpy.median(distances):.5f}, radius {numpy.median(errors):.5f}; {seconds:.1f} CPU s for the lines")
+
+
+if __name__ == "__main__":
+    main()

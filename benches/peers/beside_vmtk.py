@@ -1,0 +1,133 @@
+"""Centerlines by VMTK and by `ramus analyze`, in one run, on the same models between the same ends: one table.
+
+    beside_vmtk.py RAMUS FOLDER MODEL.ply...      # scripts/peers.sh centerlines
+
+MODEL.seeds.json has the ends; MODEL.skeleton.json, where it is there, the truth. FOLDER takes what is made. Every run is a process of its
+own, one at a time. Ramus's processor time is that of the whole program, which reads, checks, finds and measures; VMTK's is of reading,
+finding lines, cutting them into branches, and their measures, reference systems and vectors, without Python's start and imports. Memory is
+the most that the process had at once (resident set). What is short is run three times, and the median stands.
+"""
+
+import json
+import math
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+# Processor seconds that VMTK has for a model: its search may go round for ever.
+LIMIT = 300
+# What has taken less is done thrice.
+SHORT = 25
+
+
+def ends(model):
+    """The seeds of a model of several sizes are the same."""
+    stem = model.with_suffix("")
+    for name in (stem.name, stem.name.rsplit("_", 1)[0]):
+        seeds, truth = (stem.with_name(f"{name}.{what}.json") for what in ("seeds", "skeleton"))
+        if seeds.exists():
+            return json.loads(seeds.read_text()), json.loads(truth.read_text()) if truth.exists() else None
+    raise SystemExit(f"{model} has no ends: there is no {stem.name}.seeds.json beside it")
+
+
+def run(arguments, limit=None):
+    """What a process printed, its processor seconds, and the most memory it had in MB; nothing was printed where it did not end well."""
+    bound = lambda: limit and resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, preexec_fn=bound) as process:
+        printed = process.stdout.read()
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    return printed if process.returncode == 0 else None, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+
+
+def by_ramus(ramus, model, seeds, folder):
+    table = folder / "ends.csv"
+    places = [("source", seeds["source"])] + [("target", target) for target in seeds["targets"]]
+    rows = [f"end {number},{kind},{x!r},{y!r},{z!r}" for number, (kind, (x, y, z)) in enumerate(places)]
+    table.write_text("\n".join(["name,kind,x,y,z", *rows, ""]))
+    once = [ramus, "analyze", str(model), "--targets", str(table), "--json"]
+    runs = [run(once) for _ in range(3)]
+    if runs[0][0] is None:
+        raise SystemExit(f"ramus cannot analyze {model}")
+    told = json.loads(runs[0][0])
+    lines = folder / "ramus.vtp"
+    run([*once, "--export", str(lines)])
+    reached = len(seeds["targets"]) - len(told["endpoints"]["unreached"])
+    return told["model"]["triangles"], reached, *(statistics.median(one[place] for one in runs) for place in (1, 2)), lines
+
+
+def by_vmtk(model, seeds, folder):
+    (folder / "seeds.json").write_text(json.dumps(seeds))
+    lines = folder / "vmtk.vtp"
+    runs = []
+    while len(runs) < 3 and (not runs or runs[0][1] < SHORT):
+        printed, seconds, memory = run([sys.executable, __file__, "--vmtk", str(model), str(folder / "seeds.json"), str(lines)], LIMIT)
+        if printed is None:
+            return f"not in {LIMIT} s" if seconds > LIMIT - 5 else "failed", None, memory, None
+        # VMTK prints, too.
+        told = json.loads(printed.splitlines()[-1])
+        runs.append((told["reached"], told["seconds"], memory))
+    return runs[0][0], *(statistics.median(one[place] for one in runs) for place in (1, 2)), lines
+
+
+def vmtk_alone(model, seeds, out):
+    """A process of `by_vmtk`."""
+    from branches import branches, found, surface, written
+
+    seeds = json.load(open(seeds))
+    started = time.process_time()
+    lines = found(surface(model), seeds)
+    if lines.GetNumberOfCells():
+        branches(lines)
+    seconds = time.process_time() - started
+    written(lines, out)
+    # A target that is not reached has a stub, or no line: what is reached lies half as far apart as the ends, at least.
+    apart = min(math.dist(seeds["source"], target) for target in seeds["targets"]) / 2
+    cells = [lines.GetCell(cell).GetPoints() for cell in range(lines.GetNumberOfCells())]
+    reached = sum(math.dist(points.GetPoint(0), points.GetPoint(points.GetNumberOfPoints() - 1)) > apart for points in cells)
+    print("\n" + json.dumps({"reached": reached, "seconds": seconds}))
+
+
+def off(path, truth):
+    """Mean distance to the true axis in radii."""
+    from centerlines import off
+    from branches import surface
+
+    return off(surface(str(path)), truth)[0].mean()
+
+
+def row(ramus, model, folder):
+    seeds, truth = ends(model)
+    triangles, reached, seconds, memory, lines = by_ramus(ramus, model, seeds, folder)
+    theirs, their_seconds, their_memory, their_lines = by_vmtk(model, seeds, folder)
+    times = lambda ours, theirs: f"×{theirs / ours:.1f}" if theirs else f">×{LIMIT / ours:.0f}"
+    shown = [f"{model.stem}", f"{triangles}", f"{len(seeds['targets'])}", f"{reached}", f"{theirs}"]
+    shown += [f"{seconds:.2f}", f"{their_seconds:.1f}" if their_seconds else "–", times(seconds, their_seconds) if theirs != "failed" else "–"]
+    shown += [f"{memory:.0f}", f"{their_memory:.0f}", f"×{their_memory / memory:.1f}"]
+    return shown + [f"{off(lines, truth):.4f}" if truth and lines else "–" for lines in (lines, their_lines)]
+
+
+HEADS = ["model", "triangles", "ends", "reached", "VMTK", "CPU s", "VMTK", "ratio", "MB", "VMTK", "ratio", "off", "VMTK"]
+WIDTHS = [24, 10, 5, 8, 13, 7, 7, 7, 6, 6, 6, 7, 7]
+
+
+def main():
+    ramus, folder, models = sys.argv[1], Path(sys.argv[2]), [Path(model) for model in sys.argv[3:]]
+    _, _, bare = run([sys.executable, "-c", "import sys; sys.path.insert(0, sys.argv[1]); import branches", str(Path(__file__).parent)])
+    load = os.getloadavg()[0]
+    print(f"\ncenterlines by ramus and by VMTK; {os.cpu_count()} cores, load before the run {load:.1f}; of VMTK's memory {bare:.0f} MB are Python and libraries")
+    line = lambda cells: " ".join(f"{cell:<{width}}" if place == 0 else f"{cell:>{width}}" for place, (cell, width) in enumerate(zip(cells, WIDTHS)))
+    print(line(HEADS), flush=True)
+    for model in models:
+        print(line(row(ramus, model, folder)), flush=True)
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "--vmtk":
+        vmtk_alone(*sys.argv[2:])
+    else:
+        main()
