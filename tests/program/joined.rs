@@ -60,7 +60,7 @@ fn files_of_analyses_that_are_none_fail_alone() {
         (
             "part",
             "{\"format\":\"ramus-analysis/1\",\"model\":{\"file\":\"x\"}}".to_owned(),
-            "endpoints are missing",
+            "branches are missing",
         ),
         (
             "long",
@@ -135,7 +135,8 @@ fn where_vmtks_definition_tells_nothing_nothing_stands() {
         write(&models, name, &told.to_string());
     }
     let out = folder.path().join("out");
-    let said = succeed(&mut cohort(&models, &out));
+    let list = write(&models, "list.txt", "has.json\nnone.json\n");
+    let said = succeed(&mut cohort(&list, &out));
     assert!(
         said.contains("2 models, 6 branches, 3 by VMTK's definition"),
         "{said}"

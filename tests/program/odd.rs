@@ -405,9 +405,13 @@ fn nothing_is_capped_where_nothing_is_open() {
     for (ring, middle) in [(0, 0.0), (40 * 36, 40.0)] {
         let centre = closed.corners.len();
         closed.corners.push(DVec3::new(middle, 0.0, 0.0));
-        closed
-            .faces
-            .extend((0..36).map(|place| [centre, ring + place, ring + (place + 1) % 36]));
+        let cap = (0..36).map(|place| [centre, ring + place, ring + (place + 1) % 36]);
+        // Both show the same side to the outside as the wall.
+        let cap = Surface {
+            corners: Vec::new(),
+            faces: cap.collect(),
+        };
+        closed.faces.extend(cap.turned(|_| ring == 0).faces);
     }
     let model = closed.write(folder.path(), "closed.obj");
     let output = ramus()

@@ -141,3 +141,16 @@ fn an_analysis_is_taken_as_it_was_made() {
         ("y.swc", 0)
     );
 }
+
+/// A seed that is refused at its beginning teaches the fuzzer nothing of what comes behind.
+#[test]
+fn the_seed_of_the_fuzzer_is_a_whole_analysis() {
+    let seed = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/cohort/y.json");
+    let Told::Found(facts) = Told::read(&seed).unwrap() else {
+        panic!("it was found");
+    };
+    for definition in Definition::ALL {
+        assert_eq!(facts.branches_of(definition).len(), 3, "{definition:?}");
+        assert!(facts.table_of(definition).is_some(), "{definition:?}");
+    }
+}
