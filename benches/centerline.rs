@@ -31,12 +31,11 @@ mod vessel;
 
 use vessel::Vessel;
 
-/// Ends, triangles, and what the vessel is called. Coarser ones of 300 ends touch themselves in forks.
-const VESSELS: [(u32, u32, &str); 5] = [
+/// Ends, triangles, and what the vessel is called.
+const VESSELS: [(u32, u32, &str); 4] = [
     (40, 60_000, "40_ends_60k"),
     (40, 240_000, "40_ends_240k"),
     (40, 960_000, "40_ends_960k"),
-    (300, 480_000, "300_ends_480k"),
     (300, 1_000_000, "300_ends_1M"),
 ];
 

@@ -12,9 +12,11 @@ import json
 import math
 import os
 import resource
+import signal
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -35,13 +37,17 @@ def ends(model):
 
 
 def run(arguments, limit=None):
-    """What a process printed, its processor seconds, and the most memory it had in MB; nothing was printed where it did not end well."""
+    """What a process printed, its processor seconds, the most memory it had in MB, and why it did not end well, if so."""
     bound = lambda: limit and resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, preexec_fn=bound) as process:
-        printed = process.stdout.read()
-        _, status, used = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    return printed if process.returncode == 0 else None, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+    with tempfile.TemporaryFile() as complaints:
+        with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=complaints, preexec_fn=bound) as process:
+            printed = process.stdout.read()
+            _, status, used = os.wait4(process.pid, 0)
+            code = process.returncode = os.waitstatus_to_exitcode(status)
+        complaints.seek(0)
+        last = (complaints.read().decode(errors="replace").strip().splitlines() or [""])[-1]
+    why = f"ended by {signal.Signals(-code).name}" if code < 0 else f"ended with {code}: {last}"
+    return printed, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, why if code else None
 
 
 def by_ramus(ramus, model, seeds, folder):
@@ -51,8 +57,8 @@ def by_ramus(ramus, model, seeds, folder):
     table.write_text("\n".join(["name,kind,x,y,z", *rows, ""]))
     once = [ramus, "analyze", str(model), "--targets", str(table), "--json"]
     runs = [run(once) for _ in range(3)]
-    if runs[0][0] is None:
-        raise SystemExit(f"ramus cannot analyze {model}")
+    if runs[0][3]:
+        raise SystemExit(f"ramus cannot analyze {model}: it {runs[0][3]}")
     told = json.loads(runs[0][0])
     lines = folder / "ramus.vtp"
     run([*once, "--export", str(lines)])
@@ -65,9 +71,12 @@ def by_vmtk(model, seeds, folder):
     lines = folder / "vmtk.vtp"
     runs = []
     while len(runs) < 3 and (not runs or runs[0][1] < SHORT):
-        printed, seconds, memory = run([sys.executable, __file__, "--vmtk", str(model), str(folder / "seeds.json"), str(lines)], LIMIT)
-        if printed is None:
-            return f"not in {LIMIT} s" if seconds > LIMIT - 5 else "failed", None, memory, None
+        printed, seconds, memory, why = run([sys.executable, __file__, "--vmtk", str(model), str(folder / "seeds.json"), str(lines)], LIMIT)
+        if why and seconds > LIMIT - 5:
+            return f"not in {LIMIT} s", None, memory, None
+        if why:
+            print(f"VMTK fails on {model.stem}: after {seconds:.0f} s it {why}")
+            return "failed", None, memory, None
         # VMTK prints, too.
         told = json.loads(printed.splitlines()[-1])
         runs.append((told["reached"], told["seconds"], memory))
@@ -117,7 +126,7 @@ WIDTHS = [24, 10, 5, 8, 13, 7, 7, 7, 6, 6, 6, 7, 7]
 
 def main():
     ramus, folder, models = sys.argv[1], Path(sys.argv[2]), [Path(model) for model in sys.argv[3:]]
-    _, _, bare = run([sys.executable, "-c", "import sys; sys.path.insert(0, sys.argv[1]); import branches", str(Path(__file__).parent)])
+    _, _, bare, _ = run([sys.executable, "-c", "import sys; sys.path.insert(0, sys.argv[1]); import branches", str(Path(__file__).parent)])
     load = os.getloadavg()[0]
     print(f"\ncenterlines by ramus and by VMTK; {os.cpu_count()} cores, load before the run {load:.1f}; of VMTK's memory {bare:.0f} MB are Python and libraries")
     line = lambda cells: " ".join(f"{cell:<{width}}" if place == 0 else f"{cell:>{width}}" for place, (cell, width) in enumerate(zip(cells, WIDTHS)))
