@@ -16,6 +16,7 @@ use crate::centerline::analysis::{Analysis, ModelFacts};
 use crate::centerline::{Centerline, Params, centerline};
 use crate::mesh::Mesh;
 use crate::mesh::endpoints::{Endpoint, Kind, propose};
+use crate::mesh::mend::{Mend, mend_all};
 use crate::mesh::pick::Picker;
 use crate::mesh::report::{Report, ReportParams, report};
 use crate::mesh::surface::Surface;
@@ -57,17 +58,21 @@ pub fn checked(mesh: &Mesh, progress: &mut dyn FnMut(usize, usize)) -> Result<Re
     Ok(report(mesh, &ReportParams::default(), &never, progress)?)
 }
 
-/// Prepares a mesh with its report.
+/// Prepares a mesh with its report: triangles that face against the others are turned.
 ///
 /// # Errors
-/// None but that it was cancelled, which nobody can.
+/// It cannot be mended.
 pub fn prepared(
     mesh: &Mesh,
     report: Report,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Prepared> {
     let never = AtomicBool::new(false);
-    let picker = Picker::new(Arc::new(mesh.clone()), &never, progress);
+    let mut mesh = mesh.clone();
+    if !report.turned_triangles.is_empty() {
+        (mesh, _) = mend_all(mesh, &[Mend::Orient], &never, &mut |_, _, _| {})?;
+    }
+    let picker = Picker::new(Arc::new(mesh), &never, progress);
     let surface = picker.and_then(|picker| Surface::new(picker, &never));
     let surface = surface.ok_or_else(|| anyhow!("it was cancelled"))?;
     Ok(Prepared { report, surface })

@@ -267,10 +267,16 @@ fn prepared<'a>(
     if !surface.vertex_areas().iter().any(|area| *area > 0.0) {
         return Err(CenterlineError::NoSurface);
     }
+    // Neighbours that agree lead along their edge in opposite directions.
+    let has_neighbour = |half_edge: u32| {
+        let twin = surface.twin(half_edge);
+        let ends = |half_edge: u32| surface.ends(half_edge).map(|[from, _]| from);
+        twin.is_some_and(|twin| ends(twin) != ends(half_edge))
+    };
     let mut half_edges = surface
         .triangles()
         .flat_map(|(triangle, _)| 3 * triangle..3 * triangle + 3);
-    if half_edges.all(|half_edge| surface.twin(half_edge).is_some()) {
+    if half_edges.all(has_neighbour) {
         return Ok(Cow::Borrowed(surface));
     }
     let mends = [

@@ -18,7 +18,7 @@ const FINE: f32 = 0.6;
 const ROUNDS: usize = 8;
 /// Triangles at most: as many times as there were and so many more, but in all no more than this.
 const TIMES: usize = 12;
-const MORE: usize = 1 << 9;
+const MORE: usize = 1 << 6;
 const MOST: usize = 1 << 21;
 /// Where it is thinner than this part of the median, as towards a tip, triangles need not be shorter.
 const THIN: f32 = 0.5;

@@ -126,6 +126,22 @@ impl Surface {
         self
     }
 
+    /// With both ends of [`tube`] closed, flat.
+    fn capped(mut self) -> Self {
+        for (row, x) in [(0, 0.0), (40, 40.0)] {
+            let middle = self.corners.len();
+            self.corners.push(DVec3::new(x, 0.0, 0.0));
+            for column in 0..36 {
+                let [one, other] = [column, (column + 1) % 36].map(|column| 36 * row + column);
+                self.faces.push(match row {
+                    0 => [middle, other, one],
+                    _ => [middle, one, other],
+                });
+            }
+        }
+        self
+    }
+
     /// With each triangle's other side outwards, of those that are chosen.
     fn turned(mut self, which: impl Fn(usize) -> bool) -> Self {
         for (place, face) in self.faces.iter_mut().enumerate() {
@@ -336,6 +352,21 @@ fn how_a_surface_is_written_changes_no_measure() {
         for (found, expected) in measured(&found).into_iter().zip(expected) {
             let off = (found / scale / expected - 1.0).abs();
             assert!(off <= within, "{name}: {found}, {expected} of the first");
+        }
+    }
+}
+
+#[test]
+fn caps_that_are_turned_against_their_tube_change_no_measure() {
+    let folder = folder();
+    let closed = tube().capped();
+    let (caps, all) = (tube().faces.len(), closed.faces.len());
+    let expected = measured(&analysis(&closed.write(folder.path(), "closed.obj"), &[]));
+    for (name, turned) in [("both", caps..all), ("one", caps..caps + 36)] {
+        let surface = closed.clone().turned(|place| turned.contains(&place));
+        let found = analysis(&surface.write(folder.path(), &format!("{name}.obj")), &[]);
+        for (found, expected) in measured(&found).into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-9, "{name}: {found}, {expected}");
         }
     }
 }

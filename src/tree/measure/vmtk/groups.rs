@@ -315,6 +315,9 @@ fn steps(balls: &[Ball]) -> Vec<DVec3> {
     points
 }
 
+/// Points at which a line turns by less, in radians, are in a line: positions in single precision are off by as much.
+const STRAIGHT: f64 = 1e-5;
+
 /// Mean curvature and torsion of points as VMTK takes them: differences of neighbours, weighted by length.
 fn bends_of(points: &[DVec3]) -> [Option<f64>; 2] {
     let steps: Vec<[f64; 2]> = points
@@ -341,9 +344,11 @@ fn bends_of(points: &[DVec3]) -> [Option<f64>; 2] {
         add(0, across.length() / first(place).length().powi(3), weight);
         if place > 0 && place + 1 < steps.len() {
             let third = (second(place + 1) - second(place - 1)) / (2.0 * weight);
-            let torsion = match across.length_squared() {
-                0.0 => 0.0,
-                squared => across.dot(third) / squared,
+            // Where points are in a line, all but for rounding, nothing is twisted.
+            let torsion = if across.length() * weight < STRAIGHT {
+                0.0
+            } else {
+                across.dot(third) / across.length_squared()
             };
             add(1, torsion, weight);
         }
