@@ -315,7 +315,13 @@ fn straight_pieces_have_no_torsion_however_they_are_rounded() {
     let mut tree = Tree::default();
     let mut at = push(&mut tree, NO_PARENT, Vec3::ZERO, 1.0);
     for turn in [0.1_f32, 0.17, 0.05, 0.21, 0.13] {
-        at = line(&mut tree, at, 13.0 * Vec3::new(turn.sin(), turn.cos(), 2.0 * turn), 1.0, 12);
+        at = line(
+            &mut tree,
+            at,
+            13.0 * Vec3::new(turn.sin(), turn.cos(), 2.0 * turn),
+            1.0,
+            12,
+        );
     }
     let found = split(&tree);
     let torsion = found.branches[0].torsion.unwrap();
