@@ -101,12 +101,19 @@ def vmtk_alone(model, seeds, out):
     print("\n" + json.dumps({"reached": reached, "seconds": seconds}))
 
 
-def off(path, truth):
-    """Mean distance to the true axis in radii."""
-    from centerlines import off
+def off_alone(lines, truth):
+    """A process of `off`."""
     from branches import surface
+    from centerlines import off
 
-    return off(surface(str(path)), truth)[0].mean()
+    print(off(surface(lines), json.load(open(truth)))[0].mean())
+
+
+def off(lines, truth, folder):
+    """Mean distance to the true axis in radii. This process stays small: what it has counts as its children's until they begin."""
+    (folder / "truth.json").write_text(json.dumps(truth))
+    printed, _, _, why = run([sys.executable, __file__, "--off", str(lines), str(folder / "truth.json")])
+    return "–" if why else f"{float(printed):.4f}"
 
 
 def row(ramus, model, folder):
@@ -117,7 +124,7 @@ def row(ramus, model, folder):
     shown = [f"{model.stem}", f"{triangles}", f"{len(seeds['targets'])}", f"{reached}", f"{theirs}"]
     shown += [f"{seconds:.2f}", f"{their_seconds:.1f}" if their_seconds else "–", times(seconds, their_seconds) if theirs != "failed" else "–"]
     shown += [f"{memory:.0f}", f"{their_memory:.0f}", f"×{their_memory / memory:.1f}"]
-    return shown + [f"{off(lines, truth):.4f}" if truth and lines else "–" for lines in (lines, their_lines)]
+    return shown + [off(lines, truth, folder) if truth and lines else "–" for lines in (lines, their_lines)]
 
 
 HEADS = ["model", "triangles", "ends", "reached", "VMTK", "CPU s", "VMTK", "ratio", "MB", "VMTK", "ratio", "off", "VMTK"]
@@ -136,7 +143,8 @@ def main():
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "--vmtk":
-        vmtk_alone(*sys.argv[2:])
+    alone = {"--vmtk": vmtk_alone, "--off": off_alone}
+    if sys.argv[1] in alone:
+        alone[sys.argv[1]](*sys.argv[2:])
     else:
         main()

@@ -310,7 +310,7 @@ fn groups(inside: u8) -> Vec<u8> {
             // Each corner's neighbours along the three axes.
             let x = (group & 0x55) << 1 | (group & 0xaa) >> 1;
             let y = (group & 0x33) << 2 | (group & 0xcc) >> 2;
-            let z = group << 4 | group >> 4;
+            let z = u8::rotate_left(group, 4);
             let grown = group | (x | y | z) & inside;
             if grown == group {
                 break;

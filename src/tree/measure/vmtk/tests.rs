@@ -308,3 +308,23 @@ fn balls_that_all_overlap_are_given_up() {
     }
     assert_eq!(Split::new(&tree, &Children::new(&tree)), None);
 }
+
+#[test]
+fn straight_pieces_have_no_torsion_however_they_are_rounded() {
+    // Pieces in directions that single precision does not have exactly, with bends of some degrees between them.
+    let mut tree = Tree::default();
+    let mut at = push(&mut tree, NO_PARENT, Vec3::ZERO, 1.0);
+    for turn in [0.1_f32, 0.17, 0.05, 0.21, 0.13] {
+        at = line(
+            &mut tree,
+            at,
+            13.0 * Vec3::new(turn.sin(), turn.cos(), 2.0 * turn),
+            1.0,
+            12,
+        );
+    }
+    let found = split(&tree);
+    let torsion = found.branches[0].torsion.unwrap();
+    // A bend of five degrees within a radius that is followed by one out of its plane is the most there is here.
+    assert!(torsion.abs() < 10.0, "{torsion}");
+}
