@@ -12,8 +12,6 @@ use crate::mesh::Mesh;
 
 /// A triangle with an edge longer than so many radii is coarse.
 const COARSE: f32 = 2.0;
-/// Part of all triangles that must be coarse. Where it is less, tubes are round enough to be fitted to their own vertices, and that is faster.
-const SHARE: f64 = 0.5;
 /// Edges of coarse triangles are cut until they are not longer than this.
 const FINE: f32 = 0.6;
 /// Rounds at most: an edge is cut in so many powers of two.
@@ -25,8 +23,8 @@ const MOST: usize = 1 << 21;
 /// Where it is thinner than this part of the median, as towards a tip, triangles need not be shorter.
 const THIN: f32 = 0.5;
 
-/// The wall of a solid with its long triangles cut; `radii` are those of the balls at its vertices, zero where none is known. None where
-/// most triangles are short, or no radius is known.
+/// The wall of a solid with its long triangles cut; `radii` are those of the balls at its vertices, zero where none is known. None where all
+/// triangles are short, or no radius is known.
 pub(super) fn refined(skin: &Skin<'_>, mut radii: Vec<f32>) -> Option<Mesh> {
     let mut known: Vec<f32> = radii.iter().copied().filter(|one| *one > 0.0).collect();
     known.sort_by(f32::total_cmp);
@@ -39,7 +37,7 @@ pub(super) fn refined(skin: &Skin<'_>, mut radii: Vec<f32>) -> Option<Mesh> {
     let faces = skin.surface.triangles().map(|(_, face)| face);
     let (mut coarse, mut fine): (Vec<[u32; 3]>, Vec<[u32; 3]>) =
         faces.partition(|face| edges(*face).any(|edge| is_long(&positions, &radii, edge, COARSE)));
-    if (coarse.len() as f64) < SHARE * (coarse.len() + fine.len()) as f64 {
+    if coarse.is_empty() {
         return None;
     }
     let most = (TIMES * (coarse.len() + fine.len()) + MORE).min(MOST);

@@ -366,7 +366,10 @@ fn caps_that_are_turned_against_their_tube_change_no_measure() {
         let surface = closed.clone().turned(|place| turned.contains(&place));
         let found = analysis(&surface.write(folder.path(), &format!("{name}.obj")), &[]);
         for (found, expected) in measured(&found).into_iter().zip(expected) {
-            assert!((found / expected - 1.0).abs() < 1e-9, "{name}: {found}, {expected}");
+            assert!(
+                (found / expected - 1.0).abs() < 1e-9,
+                "{name}: {found}, {expected}"
+            );
         }
     }
 }

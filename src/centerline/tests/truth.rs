@@ -42,7 +42,6 @@ const BARS: &[Bar] = &[
     Bar {
         // Five go round them here: the wall itself is off by a hundredth of a radius and more.
         radius: 0.009,
-        angle: 1.6,
         ..bar(
             "e_artery40_10k",
             "e_artery40",
