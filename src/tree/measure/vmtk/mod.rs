@@ -16,7 +16,7 @@
 //! - A line that never leaves another's tube (a branch within a ball of its sibling) is no branch; how many there are is told. VMTK joins what
 //!   is left of it to another branch.
 //! - A branch shorter than a sphere has a vector: all of it, which is told. VMTK's is zero upstream, with angles that mean nothing.
-//! - The side of the normal is [chosen by thickness](super::frame), not by the order of lines.
+//! - The side of the normal is chosen by thickness (`frame`), not by the order of lines.
 
 mod groups;
 mod leave;
