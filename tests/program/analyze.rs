@@ -314,3 +314,76 @@ fn what_cannot_be_analyzed_is_said_in_one_sentence() {
         assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
     }
 }
+
+#[test]
+fn ends_that_are_sought_are_drawn_and_exported_and_gaps_are_bridged_on_request() {
+    let folder = folder();
+    let [model, glb, png] =
+        ["tube.obj", "line.glb", "seen.png"].map(|name| folder.path().join(name));
+    fs::write(&model, tube()).unwrap();
+    let mut command = ramus();
+    command
+        .arg("analyze")
+        .arg(&model)
+        .args(["--auto", "--size", "256"]);
+    succeed(command.arg("--export").arg(&glb).arg("--png").arg(&png));
+    assert!(fs::read(&glb).unwrap().starts_with(b"glTF"));
+    // The line from the source, in orange and red, to the target, in blue, in the middle of the picture.
+    let picture = image::open(&png).unwrap().to_rgb8();
+    assert_eq!(picture.dimensions(), (256, 256));
+    let columns = |is: &dyn Fn([i32; 3]) -> bool| -> Vec<u32> {
+        let pixels = picture.enumerate_pixels();
+        let is = |(column, _, pixel): (u32, u32, &image::Rgb<u8>)| {
+            is(pixel.0.map(i32::from)).then_some(column)
+        };
+        pixels.filter_map(is).collect()
+    };
+    let warm = columns(&|[r, g, b]| r > g + 40 && r > b + 40);
+    let blue = columns(&|[r, _, b]| b > r + 40);
+    // The line is as long as the tube but for a radius at each end; the target's ball is small, and behind the line's end.
+    let (first, last) = (warm.iter().min().unwrap(), warm.iter().max().unwrap());
+    assert!(warm.len() > 150 && last - first > 160, "{first} to {last}");
+    assert!((6..100).contains(&blue.len()), "{blue:?}");
+    assert!(blue.iter().all(|column| column > last), "{blue:?}, {last}");
+
+    // Another tube, 2 behind the end of the first.
+    let vertices = tube().lines().filter(|line| line.starts_with('v')).count();
+    let mut both = tube();
+    for line in tube().lines() {
+        let mut words = line.split(' ');
+        let kind = words.next().unwrap();
+        let numbers: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
+        match kind {
+            "v" => writeln!(
+                both,
+                "v {} {} {}",
+                numbers[0] + 42.0,
+                numbers[1],
+                numbers[2]
+            ),
+            _ => {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|corner| numbers[corner] + vertices as f64);
+                writeln!(both, "f {a} {b} {c} {d}")
+            }
+        }
+        .unwrap();
+    }
+    fs::write(&model, both).unwrap();
+    let targets = folder.path().join("ends.csv");
+    fs::write(&targets, "x,y,z\n82,0,0\n").unwrap();
+    let analyze = || {
+        let mut command = ramus();
+        command.arg("analyze").arg(&model);
+        command
+            .args(["--source", "0,0,0", "--json", "--targets"])
+            .arg(&targets);
+        command
+    };
+    refused(&analyze().output().unwrap(), &["gap of 1.99", "near (41.0"]);
+    let json = succeed(analyze().args(["--bridge", "2.5"]));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(
+        (number(&json, "/branches/0/length") - 78.0).abs() < 1.0,
+        "{json}"
+    );
+}

@@ -30,7 +30,7 @@ const BARS: &[Bar] = &[
     bar("d_duct13", "d_duct13", 0.0097, 0.0012, &[(2, 10), (3, 1)]),
     Bar {
         // Ten vertices go round its thinnest branches: VMTK's median is 0.0012 there.
-        median: 0.0021,
+        median: 0.0020,
         ..bar(
             "e_artery40_50k",
             "e_artery40",
@@ -41,7 +41,7 @@ const BARS: &[Bar] = &[
     },
     Bar {
         // Five go round them here: the wall itself is off by a hundredth of a radius and more.
-        radius: 0.009,
+        radius: 0.0075,
         ..bar(
             "e_artery40_10k",
             "e_artery40",
@@ -345,24 +345,25 @@ fn the_same_lines_come_of_proposed_ends_and_of_a_turned_and_scaled_model() {
     }
 }
 
+fn between_proposed_ends(mesh: Mesh) -> Centerline {
+    let never = AtomicBool::new(false);
+    let surface = surface(mesh);
+    let proposals = propose(&surface, &never).unwrap().into_iter();
+    let ends: Vec<Endpoint> = proposals.map(|one| one.endpoint).collect();
+    let params = Params {
+        proposed: true,
+        ..Params::default()
+    };
+    centerline(&surface, &ends, &params, &never, &mut |_, _| {}).unwrap()
+}
+
 #[test]
 fn ends_that_are_found_lead_to_every_tip_and_no_other() {
     for bar in BARS {
         let Some(mesh) = model(&format!("{}.ply", bar.mesh)) else {
             return;
         };
-        let never = AtomicBool::new(false);
-        let surface = surface(mesh);
-        let ends: Vec<Endpoint> = propose(&surface, &never)
-            .unwrap()
-            .into_iter()
-            .map(|one| one.endpoint)
-            .collect();
-        let params = Params {
-            proposed: true,
-            ..Params::default()
-        };
-        let found = centerline(&surface, &ends, &params, &never, &mut |_, _| {}).unwrap();
+        let found = between_proposed_ends(mesh);
         let measures = Measures::new(&found.tree);
         let branches: usize = bar.junctions.iter().map(|(_, count)| count).sum();
         assert_eq!(
@@ -380,7 +381,7 @@ fn ends_that_are_found_lead_to_every_tip_and_no_other() {
 fn tubes_of_a_games_tree_and_a_neuron_of_scraps_are_found_whole() {
     // Tubes, tips reached, and junctions: one where each tube but the first begins; where two begin in one place they are one.
     for (name, tips, junctions) in [
-        ("eztree_ash_small.ply", 44, 40..=43),
+        ("eztree_ash_small.ply", 44, 43..=43),
         ("eztree_oak_medium.ply", 138, 120..=139),
         ("skeletor_722817260.obj", 290, 240..=330),
         ("vmtk_aorta-surface-two-segments.vtp", 2, 1..=1),
@@ -388,18 +389,7 @@ fn tubes_of_a_games_tree_and_a_neuron_of_scraps_are_found_whole() {
         let Some(mesh) = model_of("real", name) else {
             return;
         };
-        let never = AtomicBool::new(false);
-        let surface = surface(mesh);
-        let ends: Vec<Endpoint> = propose(&surface, &never)
-            .unwrap()
-            .into_iter()
-            .map(|one| one.endpoint)
-            .collect();
-        let params = Params {
-            proposed: true,
-            ..Params::default()
-        };
-        let found = centerline(&surface, &ends, &params, &never, &mut |_, _| {}).unwrap();
+        let found = between_proposed_ends(mesh);
         let measures = Measures::new(&found.tree);
         assert!(found.unreached.is_empty(), "{name}: {:?}", found.unreached);
         assert!(measures.tips >= tips, "{name}: {}", measures.tips);
