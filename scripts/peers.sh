@@ -74,8 +74,8 @@ centerlines() ( # [MODEL…]
     trap "rm -rf '$folder'" EXIT
     CARGO_TARGET_DIR=$target cargo build --release --quiet --manifest-path "$repository/Cargo.toml" --bin ramus
     run vessels "$folder"
-    for model in "${RAMUS_SHARED:-/nowhere}"/models/truth/*.ply "$folder"/*.ply; do
-        if [ -f "$model" ] && chosen "$(basename "$model" .ply)" "$@"; then models+=("$model"); fi
+    for model in "${RAMUS_SHARED:-/nowhere}"/models/truth/*.ply "${RAMUS_SHARED:-/nowhere}"/models/real/*.* "$folder"/*.ply; do
+        if [ -f "$model" ] && chosen "$(basename "$model")" "$@"; then models+=("$model"); fi
     done
     PYTHONDONTWRITEBYTECODE=1 "$target/peers/vmtk/bin/python" "$repository/benches/peers/beside_vmtk.py" "$target/release/ramus" "$folder" "${models[@]}"
 )

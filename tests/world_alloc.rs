@@ -193,7 +193,11 @@ fn centerlines_and_a_branch_that_is_lit_allocate_nothing() {
     let mut model = Model::new("corner.ply".into(), Unit::Millimetres, false, 0);
     model.surface = Some(SurfaceLook::XRay);
     let by = Some(Quantity::RadiusHere);
-    model.lines = Some(LineLook { by, balls: true });
+    model.lines = Some(LineLook {
+        by,
+        balls: true,
+        ..LineLook::default()
+    });
     let edit = Edit::Arrange {
         models: vec![model.clone()],
         platform: person.world.document().platform,

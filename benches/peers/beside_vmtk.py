@@ -2,7 +2,8 @@
 
     beside_vmtk.py RAMUS FOLDER MODEL.ply...      # scripts/peers.sh centerlines
 
-MODEL.seeds.json has the ends; MODEL.skeleton.json, where it is there, the truth. FOLDER takes what is made. Every run is a process of its
+MODEL.seeds.json has the ends, else they are those that Ramus proposes; MODEL.skeleton.json, where it is there, the truth. FOLDER takes what is made.
+"Apart" is how far Ramus's lines are from VMTK's at most, in radii of the balls there, on the ways to targets that both reach. Every run is a process of its
 own, one at a time. Ramus's processor time is that of the whole program, which reads, checks, finds and measures; VMTK's is of reading,
 finding lines, cutting them into branches, and their measures, reference systems and vectors, without Python's start and imports. Memory is
 the most that the process had at once (resident set). What is short is run three times, and the median stands.
@@ -33,7 +34,15 @@ def ends(model):
         seeds, truth = (stem.with_name(f"{name}.{what}.json") for what in ("seeds", "skeleton"))
         if seeds.exists():
             return json.loads(seeds.read_text()), json.loads(truth.read_text()) if truth.exists() else None
-    raise SystemExit(f"{model} has no ends: there is no {stem.name}.seeds.json beside it")
+    return None, None
+
+
+def proposed(ramus, model):
+    printed, _, _, why = run([ramus, "analyze", str(model), "--auto", "--json"])
+    if why:
+        raise SystemExit(f"ramus cannot analyze {model}: it {why}")
+    told = json.loads(printed)["endpoints"]
+    return {"source": told["source"], "targets": told["targets"]}
 
 
 def run(arguments, limit=None):
@@ -116,19 +125,43 @@ def off(lines, truth, folder):
     return "–" if why else f"{float(printed):.4f}"
 
 
+def apart_alone(ours, theirs):
+    """A process of `apart`."""
+    import numpy
+    from branches import surface
+    from centerlines import lines, nearest
+
+    ours, theirs = (list(lines(surface(path))) for path in (ours, theirs))
+    most = 0
+    for points, radii in ours:
+        # The way to the same target; there is none where VMTK has but a stub.
+        same = [way for way, thick in theirs if len(way) > 1 and math.dist(way[-1], points[-1]) < 2 * (thick[-1] + radii[-1])]
+        for way in same[:1]:
+            chain = {"nodes": way, "parent": range(-1, len(way) - 1), "radius": numpy.ones(len(way))}
+            most = max(most, (nearest(points, chain)[0] / radii).max())
+    print(most)
+
+
+def apart(ours, theirs):
+    printed, _, _, why = run([sys.executable, __file__, "--apart", str(ours), str(theirs)])
+    return "–" if why else f"{float(printed):.2f}"
+
+
 def row(ramus, model, folder):
     seeds, truth = ends(model)
+    seeds = seeds or proposed(ramus, model)
     triangles, reached, seconds, memory, lines = by_ramus(ramus, model, seeds, folder)
     theirs, their_seconds, their_memory, their_lines = by_vmtk(model, seeds, folder)
     times = lambda ours, theirs: f"×{theirs / ours:.1f}" if theirs else f">×{LIMIT / ours:.0f}"
     shown = [f"{model.stem}", f"{triangles}", f"{len(seeds['targets'])}", f"{reached}", f"{theirs}"]
     shown += [f"{seconds:.2f}", f"{their_seconds:.1f}" if their_seconds else "–", times(seconds, their_seconds) if theirs != "failed" else "–"]
     shown += [f"{memory:.0f}", f"{their_memory:.0f}", f"×{their_memory / memory:.1f}"]
-    return shown + [off(lines, truth, folder) if truth and lines else "–" for lines in (lines, their_lines)]
+    shown += [off(lines, truth, folder) if truth and lines else "–" for lines in (lines, their_lines)]
+    return shown + [apart(lines, their_lines) if lines and their_lines else "–"]
 
 
-HEADS = ["model", "triangles", "ends", "reached", "VMTK", "CPU s", "VMTK", "ratio", "MB", "VMTK", "ratio", "off", "VMTK"]
-WIDTHS = [24, 10, 5, 8, 13, 7, 7, 7, 6, 6, 6, 7, 7]
+HEADS = ["model", "triangles", "ends", "reached", "VMTK", "CPU s", "VMTK", "ratio", "MB", "VMTK", "ratio", "off", "VMTK", "apart"]
+WIDTHS = [27, 10, 5, 8, 13, 7, 7, 7, 6, 6, 6, 7, 7, 6]
 
 
 def main():
@@ -143,7 +176,7 @@ def main():
 
 
 if __name__ == "__main__":
-    alone = {"--vmtk": vmtk_alone, "--off": off_alone}
+    alone = {"--vmtk": vmtk_alone, "--off": off_alone, "--apart": apart_alone}
     if sys.argv[1] in alone:
         alone[sys.argv[1]](*sys.argv[2:])
     else:

@@ -7,6 +7,7 @@ writes OUT.vtp, the lines in steps of STEP (0: as they are), and OUT.json: what 
 
 import json
 import sys
+from pathlib import Path
 
 import vtk
 from vmtk import vtkvmtk, vmtkscripts
@@ -17,7 +18,8 @@ MEASURES = ["Length", "Curvature", "Torsion", "Tortuosity"]
 
 
 def surface(path):
-    reader = vtk.vtkXMLPolyDataReader() if path.endswith(".vtp") else vtk.vtkPLYReader()
+    readers = {".vtp": vtk.vtkXMLPolyDataReader, ".stl": vtk.vtkSTLReader, ".obj": vtk.vtkOBJReader, ".ply": vtk.vtkPLYReader}
+    reader = readers[Path(path).suffix]()
     reader.SetFileName(path)
     reader.Update()
     return reader.GetOutput()

@@ -113,9 +113,10 @@ fn found(
             if proposed && endpoints.len() < 2 {
                 return Err(NO_ENDS.to_owned());
             }
+            let look = model.lines.unwrap_or_default();
             let params = Params {
                 proposed,
-                ..Params::default()
+                ..look.params(loaded.side())
             };
             let mut stage = progress.stage(finding);
             let told = &mut |done: usize, of: usize| stage(done, of.max(STAGES));

@@ -11,6 +11,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
+use hashbrown::HashMap;
 use rayon::prelude::*;
 
 use super::refine::refined;
@@ -52,12 +53,13 @@ impl Cover {
         cancel: &AtomicBool,
     ) -> Option<(Vec<Skin<'a>>, Self)> {
         let of_skin = |skin: Skin<'a>| {
-            let cover = Self::of_skin(&skin, unsure, cancel)?;
+            let mut known = HashMap::new();
+            let cover = Self::of_skin(&skin, &mut known, unsure, cancel)?;
             let Some(mesh) = refined(&skin, cover.radii()) else {
                 return Some((skin, cover));
             };
             let skin = Skin::new(Cow::Owned(surface_of(mesh, cancel)?), skin.part);
-            let cover = Self::of_skin(&skin, unsure, cancel)?;
+            let cover = Self::of_skin(&skin, &mut known, unsure, cancel)?;
             Some((skin, cover))
         };
         let parts: Option<Vec<(Skin<'a>, Self)>> = skins.into_par_iter().map(of_skin).collect();
@@ -103,7 +105,13 @@ impl Cover {
         (ball != NONE).then_some(ball)
     }
 
-    fn of_skin(skin: &Skin<'_>, unsure: bool, cancel: &AtomicBool) -> Option<Self> {
+    /// The balls of a solid. Those at vertices that are `known` are not looked for again, and those that are found go there.
+    fn of_skin(
+        skin: &Skin<'_>,
+        known: &mut HashMap<u32, Ball>,
+        unsure: bool,
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
         let winding = unsure.then(|| Winding::new(skin.surface.picker()));
         let is_inside = |ball: &Ball| {
             let winding = winding.as_ref();
@@ -121,9 +129,12 @@ impl Cover {
             }
             if cover.of_vertex[vertex as usize] == NONE
                 && !graph.neighbours(vertex).is_empty()
-                && let Some(ball) = skin.ball_at(vertex)
-                && is_inside(&ball)
+                && let Some(ball) = known
+                    .get(&vertex)
+                    .copied()
+                    .or_else(|| skin.ball_at(vertex).filter(is_inside))
             {
+                known.insert(vertex, ball);
                 cover.add(skin, vertex, ball, &mut seen);
             }
         }

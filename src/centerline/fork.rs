@@ -52,10 +52,14 @@ const ONE: f64 = 0.6;
 const FOLLOWED_MOST: usize = 40;
 /// A tube that is followed does not get so much wider or narrower.
 const WIDER: f64 = 0.05;
+/// An end's ball on the axis of the tube before it that is smaller than this part of the one on the line is aside.
+const ASIDE_END: f64 = 0.9;
 /// Distance between balls that are compared at an end, in radii.
-const END_STEP: f64 = 0.05;
+const END_STEP: f64 = 0.1;
+/// So far beyond the ball at the tip they are compared, in radii.
+const BEYOND: f64 = 0.1;
 /// Between two of them, it is looked at so many more where the last ball is.
-const CLOSER: u32 = 8;
+const CLOSER: u32 = 16;
 /// How near a tube must be to an end for its axis to lead there, in radii.
 const END_NEAR: f64 = 2.5;
 /// Places of a line that are looked at for its end at most.
@@ -64,6 +68,8 @@ const COURSE_MOST: usize = 4096;
 const SPACING: f64 = 0.25;
 /// How far off the first guess of a fork is, in radii.
 const PRIOR: f64 = 2.0;
+/// Samples of a line of which it is looked at how far triangles sag.
+const SAGS: usize = 32;
 /// Rounds in which forks and lines are fitted to each other.
 const ROUNDS: usize = 5;
 
@@ -520,7 +526,13 @@ fn follow(solids: &Solids<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &m
 /// where that is near and stays inside, else on the line.
 fn end(solids: &Solids<'_>, samples: &mut Vec<Sample>, tip: Ball) -> Option<Ball> {
     let on_axis = axis(samples, tip).and_then(|places| last_ball(solids, &places, tip.part));
-    let found = on_axis.or_else(|| last_ball(solids, &course(samples, tip)?, tip.part))?;
+    let on_line = course(samples, tip).and_then(|places| last_ball(solids, &places, tip.part));
+    // Where the tube bends once more before its end, its axis leads aside.
+    let is_aside = |axis: &Last| {
+        let radius = on_line.as_ref().map_or(0.0, |line| line.ball.radius);
+        axis.ball.radius < ASIDE_END * radius
+    };
+    let found = on_axis.filter(|axis| !is_aside(axis)).or(on_line)?;
     let Last {
         ball,
         onwards,
@@ -581,9 +593,14 @@ fn last_ball(solids: &Solids<'_>, places: &[(f64, DVec3)], part: u32) -> Option<
     });
     let closer = closer.map(|place| ball(&place));
     let (_, ball) = closer.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
+    // Over a radius: the last steps to a ball at a tip may lead to the side.
+    let (here, at) = places[place];
+    let before = places.iter().take(place);
+    let before = before.rev().find(|(s, _)| *s < here - ball.radius);
+    let (_, from) = before.unwrap_or(&places[0]);
     solids.is_in(part, ball.centre).then(|| Last {
         ball,
-        onwards: (places[place].1 - places[place.saturating_sub(1)].1).normalize_or_zero(),
+        onwards: (at - *from).normalize_or_zero(),
         thick,
     })
 }
@@ -601,7 +618,7 @@ fn axis(samples: &[Sample], tip: Ball) -> Option<Vec<(f64, DVec3)>> {
     let at = |s: f64| tube.point + s * tangent + s * s / 2.0 * tube.bend;
     // The ball at the tip touches the surface there: the line's last ball is not behind it.
     let step = END_STEP * tube.radius;
-    let far = (tip.centre - tube.point).dot(tangent) + 2.0 * step;
+    let far = (tip.centre - tube.point).dot(tangent) + BEYOND * tube.radius;
     if far > END_NEAR * tube.radius || at(far).distance(tip.centre) > tube.radius {
         return None;
     }
@@ -641,11 +658,12 @@ fn course(samples: &[Sample], tip: Ball) -> Option<Vec<(f64, DVec3)>> {
     (!places.is_empty()).then_some(places)
 }
 
-/// By how much the balls of fits are larger than those between triangles: the median.
+/// By how much the balls of fits are larger than those between triangles: the median of some along the line.
 fn sag(solids: &Solids<'_>, samples: &[Sample]) -> f64 {
     let mut sags: Vec<f64> = samples
         .iter()
         .filter(|sample| sample.tube.is_some())
+        .step_by(samples.len().div_ceil(SAGS).max(1))
         .map(|sample| sample.radius - solids.skin(sample.part).distance(sample.point))
         .collect();
     sags.sort_by(f64::total_cmp);

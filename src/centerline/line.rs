@@ -5,10 +5,10 @@
 
 use glam::DVec3;
 
-use super::ball::largest;
+use super::ball;
 use super::skin::{Ball, WallPoint};
 use super::solids::Solids;
-use super::tube::{Tube, fit};
+use super::tube::{Tube, fit, fit_again};
 
 /// A point of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,10 +62,10 @@ pub(super) fn centred(solids: &Solids<'_>, balls: &[Ball]) -> Vec<Sample> {
     let mut scratch = Vec::new();
     let mut line = Vec::new();
     let most = (PER_BALL * way.len()).clamp(FEW, MOST);
-    for spacing in SPACING {
+    for (spacing, again) in [(SPACING[0], false), (SPACING[1], true)] {
         line = spread(&way, spacing, most)
             .into_iter()
-            .map(|place| sample(solids, place, &mut scratch))
+            .map(|place| sample(solids, place, again, &mut scratch))
             .collect();
         without_returns(&mut line);
         way = line
@@ -171,6 +171,7 @@ impl<'a> Path<'a> {
 fn sample(
     solids: &Solids<'_>,
     (place, tangent): (Ball, DVec3),
+    again: bool,
     scratch: &mut Vec<WallPoint>,
 ) -> Sample {
     let Ball {
@@ -179,11 +180,13 @@ fn sample(
         part,
     } = place;
     let skin = solids.skin(part);
-    if let Some(tube) = fit(
-        skin,
-        &Tube::guess(point, tangent, DVec3::ZERO, radius),
-        scratch,
-    ) && is_tube(&tube)
+    let guess = Tube::guess(point, tangent, DVec3::ZERO, radius);
+    let (tube, look) = match again {
+        false => (fit(skin, &guess, scratch), ball::FIRST),
+        true => (fit_again(skin, &guess, scratch), ball::AGAIN),
+    };
+    if let Some(tube) = tube
+        && tube.is_whole()
     {
         return Sample {
             point: tube.point,
@@ -194,7 +197,7 @@ fn sample(
             part,
         };
     }
-    let ball = largest(skin, point, tangent, radius).unwrap_or(Ball {
+    let ball = ball::largest(skin, point, tangent, radius, &look).unwrap_or(Ball {
         radius: skin.distance(point),
         ..place
     });
@@ -205,11 +208,6 @@ fn sample(
         tube: None,
         part,
     }
-}
-
-/// Whether it is one well enough to stand in its middle.
-fn is_tube(tube: &Tube) -> bool {
-    tube.fits > 0.85 && tube.gap < 1.1 && tube.deviation < 0.05
 }
 
 /// Leaves out points from which the line turns back.

@@ -156,8 +156,8 @@ pub fn centerline(
     let surface = prepared(surface, cancel)?;
     stage()?;
     let origin = surface.mesh().origin;
-    // A closed surface has its balls inside; where it was mended they may have got out.
-    let unsure = matches!(surface, Cow::Owned(_));
+    // A closed surface has its balls inside; from what could not be closed they may have got out.
+    let unsure = !is_closed(&surface);
     let skins = solids::skins(surface, cancel).ok_or(CenterlineError::Cancelled)?;
     stage()?;
     let (skins, mut cover) = Cover::new(skins, unsure, cancel).ok_or(CenterlineError::Cancelled)?;
@@ -267,16 +267,7 @@ fn prepared<'a>(
     if !surface.vertex_areas().iter().any(|area| *area > 0.0) {
         return Err(CenterlineError::NoSurface);
     }
-    // Neighbours that agree lead along their edge in opposite directions.
-    let has_neighbour = |half_edge: u32| {
-        let twin = surface.twin(half_edge);
-        let ends = |half_edge: u32| surface.ends(half_edge).map(|[from, _]| from);
-        twin.is_some_and(|twin| ends(twin) != ends(half_edge))
-    };
-    let mut half_edges = surface
-        .triangles()
-        .flat_map(|(triangle, _)| 3 * triangle..3 * triangle + 3);
-    if half_edges.all(has_neighbour) {
+    if is_closed(surface) {
         return Ok(Cow::Borrowed(surface));
     }
     let mends = [
@@ -292,6 +283,20 @@ fn prepared<'a>(
         })?;
     let closed = solids::surface_of(mesh, cancel).ok_or(CenterlineError::Cancelled)?;
     Ok(Cow::Owned(closed))
+}
+
+/// Whether each triangle has a neighbour at each edge that shows the same side.
+fn is_closed(surface: &Surface) -> bool {
+    // Neighbours that agree lead along their edge in opposite directions.
+    let has_neighbour = |half_edge: u32| {
+        let twin = surface.twin(half_edge);
+        let ends = |half_edge: u32| surface.ends(half_edge).map(|[from, _]| from);
+        twin.is_some_and(|twin| ends(twin) != ends(half_edge))
+    };
+    let mut half_edges = surface
+        .triangles()
+        .flat_map(|(triangle, _)| 3 * triangle..3 * triangle + 3);
+    half_edges.all(has_neighbour)
 }
 
 /// Lines and forks, led to each other.

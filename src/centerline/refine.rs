@@ -3,17 +3,16 @@
 //! Nothing is moved: new corners lie on the edges' middles. An edge that is longer than so many radii of the largest ball at its ends is cut in
 //! two, again and again, in both of its triangles, so that the wall stays closed.
 
-use std::collections::HashMap;
-
 use glam::Vec3;
+use hashbrown::HashMap;
 
 use super::skin::Skin;
 use crate::mesh::Mesh;
 
 /// A triangle with an edge longer than so many radii is coarse.
-const COARSE: f32 = 2.0;
+const COARSE: f32 = 3.0;
 /// Edges of coarse triangles are cut until they are not longer than this.
-const FINE: f32 = 0.6;
+const FINE: f32 = 0.8;
 /// Rounds at most: an edge is cut in so many powers of two.
 const ROUNDS: usize = 8;
 /// Triangles at most: as many times as there were and so many more, but in all no more than this.

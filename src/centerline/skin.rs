@@ -41,13 +41,16 @@ pub(super) struct Skin<'a> {
     by_triangle: Vec<u32>,
 }
 
-/// A vertex of the wall.
+/// A vertex of the wall, or the middle of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WallPoint {
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
     pub(super) area: f64,
-    pub(super) vertex: u32,
+    /// Its place among vertices or triangles.
+    pub(super) number: u32,
+    /// Whether it is the middle of a triangle.
+    pub(super) is_middle: bool,
 }
 
 impl<'a> Skin<'a> {
@@ -161,12 +164,18 @@ impl<'a> Skin<'a> {
         near.map_or(0.0, |near| near.point.as_dvec3().distance(point))
     }
 
-    /// Vertices within a distance or a little more.
+    /// Vertices within a distance or a little more; with `middles` those of triangles, too, each for a part of its triangle's area.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "the mesh is in single precision"
     )]
-    pub(super) fn vertices_within(&self, point: DVec3, most: f64, into: &mut Vec<WallPoint>) {
+    pub(super) fn points_within(
+        &self,
+        point: DVec3,
+        most: f64,
+        middles: Option<f64>,
+        into: &mut Vec<WallPoint>,
+    ) {
         into.clear();
         let faces = self.surface.faces();
         self.surface
@@ -175,16 +184,31 @@ impl<'a> Skin<'a> {
                 let Some(face) = faces.get(triangle as usize) else {
                     return;
                 };
+                into.extend(middles.and_then(|part| self.middle(triangle, corners, part)));
                 for (vertex, corner) in face.iter().zip(corners) {
                     if *vertex != NONE && self.by_triangle[*vertex as usize] == triangle {
                         into.push(WallPoint {
                             position: corner.as_dvec3(),
                             normal: self.normals[*vertex as usize],
                             area: self.areas[*vertex as usize],
-                            vertex: *vertex,
+                            number: *vertex,
+                            is_middle: false,
                         });
                     }
                 }
             });
+    }
+
+    /// The middle of a triangle that has an area.
+    fn middle(&self, triangle: u32, corners: [Vec3; 3], part: f64) -> Option<WallPoint> {
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let across = self.outward * (b - a).cross(c - a);
+        Some(WallPoint {
+            position: (a + b + c) / 3.0,
+            normal: across.try_normalize()?,
+            area: part * across.length() / 2.0,
+            number: triangle,
+            is_middle: true,
+        })
     }
 }

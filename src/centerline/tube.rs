@@ -34,23 +34,39 @@ pub(super) struct Tube {
     pub(super) fits: f64,
     /// Widest angle without wall, radians.
     pub(super) gap: f64,
+    /// How far along the axis what fits is spread (standard deviation), in radii.
+    pub(super) along: f64,
 }
 
-/// Rounds of a fit, each with the deviation, in radii, beyond which a vertex does not count at most.
-const ROUNDS: [f64; 6] = [0.3, 0.15, 0.1, 0.08, 0.08, 0.08];
+/// Rounds of a fit, each with the deviation, in radii, beyond which a vertex does not count at most; those that are left where a guess is a fit already.
+const ROUNDS: [f64; 3] = [0.3, 0.12, 0.08];
+const AGAIN: [f64; 4] = [0.1, 0.08, 0.08, 0.08];
 /// The same of following.
 const FOLLOWED: [f64; 5] = [0.12, 0.08, 0.06, 0.06, 0.06];
 /// That deviation is so many medians of all that count, but not less than this.
-const MEDIANS: f64 = 4.8;
+const MEDIANS: f64 = 6.0;
 /// The radius is that of what deviates by fewer medians: fork walls that widen the tube a little move its axis hardly, but make it thicker.
-const MEDIANS_OF_RADIUS: f64 = 2.5;
-const ROUNDS_OF_RADIUS: usize = 5;
+const MEDIANS_OF_RADIUS: f64 = 2.0;
+const ROUNDS_OF_RADIUS: usize = 3;
+/// It is found when a round changes it by less than this part.
+const SETTLED: f64 = 1e-4;
 const TOLERANCE_LEAST: f64 = 0.012;
-/// Half the length of a fit's window, in radii; following looks ahead less far.
+/// Half the length of a fit's window, in radii; following looks ahead less far. What is around it by this is gathered, too: fits move.
 const WINDOW: f64 = 0.65;
 const AHEAD: f64 = 0.4;
+const AROUND: f64 = 0.25;
+/// The same of a shorter window, which is looked into as well: beside a fork it has less of the fork's wall. Its tube is the better one where it
+/// deviates by less than this part of the other's.
+const SHORT: f64 = 0.25;
+const BETTER: f64 = 0.8;
+/// And where its wall is spread by more than this part of its length: one ring of vertices does not say where the axis leads. Windows with less than
+/// that are made twice as long, and once more.
+const SPREAD: f64 = 0.4;
+const WINDOW_MOST: f64 = 2.0;
 /// How far off what is followed may be from what is expected, in radii: place, direction, bend, radius and taper.
 const EXPECTED: [f64; 8] = [0.03, 0.03, 0.1, 0.1, 0.2, 0.2, 0.004, 0.01];
+/// How much a tube resists bending where its wall does not say so, as a part of the wall's weight.
+const STRAIGHT: f64 = 1e-6;
 /// How far off walls are, in radii, to be weighed against what is expected.
 const NOISE: f64 = 0.01;
 /// Fewest sectors with wall, and least part of the wall, to follow.
@@ -58,10 +74,17 @@ const SECTORS_FEWEST: usize = 10;
 const FITS_LEAST: f64 = 0.45;
 /// Fewest vertices of a fit.
 const FEWEST: usize = 20;
-/// Vertices that are enough.
-const ENOUGH: usize = 400;
-/// Sectors in which wall is looked for.
+/// Fewer vertices to a radius of a window are few: there the middles of triangles count, too, for half as much as vertices. (Where a mesh was made coarse
+/// by quadric errors, as most are, its vertices are outside of what it stands for by half as much as its triangles' middles are inside.)
+const DENSE: f64 = 31.0;
+const MIDDLES: f64 = 0.5;
+/// Points that are enough.
+const ENOUGH: usize = 256;
+/// Classes in which deviations are counted for their median.
+const CLASSES: usize = 128;
+/// Sectors in which wall is looked for, of 15 degrees each; tangents of 15 and 30 degrees.
 const SECTORS: usize = 24;
+const TANGENTS: [f64; 2] = [0.267_949_192_431_122_7, 0.577_350_269_189_625_8];
 
 impl Tube {
     /// A guess of one.
@@ -75,17 +98,68 @@ impl Tube {
             deviation: 0.0,
             fits: 0.0,
             gap: 0.0,
+            along: 0.0,
         }
+    }
+
+    /// Whether it is one well enough to stand in its middle.
+    pub(super) fn is_whole(&self) -> bool {
+        self.fits > 0.85 && self.gap < 1.1 && self.deviation < 0.05
     }
 }
 
 /// Fits a tube about a guess. None where there is no such tube.
 pub(super) fn fit(skin: &Skin<'_>, guess: &Tube, scratch: &mut Vec<WallPoint>) -> Option<Tube> {
-    let round = Round::new(skin, guess, [WINDOW; 2], scratch);
+    fit_long(skin, guess, &ROUNDS, scratch)
+}
+
+/// The same about a guess that was such a fit, and in a shorter window, too.
+pub(super) fn fit_again(
+    skin: &Skin<'_>,
+    guess: &Tube,
+    scratch: &mut Vec<WallPoint>,
+) -> Option<Tube> {
+    let long = fit_long(skin, guess, &AGAIN, scratch)?;
+    if !long.is_whole() {
+        return Some(long);
+    }
+    let short = fit_in(skin, &long, SHORT, &AGAIN, scratch);
+    let is_better = |short: &Tube| {
+        short.is_whole()
+            && short.along > SPREAD * SHORT
+            && short.deviation < BETTER * long.deviation
+    };
+    Some(short.filter(is_better).unwrap_or(long))
+}
+
+/// A fit in a window that is long enough.
+fn fit_long(
+    skin: &Skin<'_>,
+    guess: &Tube,
+    rounds: &[f64],
+    scratch: &mut Vec<WallPoint>,
+) -> Option<Tube> {
+    let mut window = WINDOW;
+    let mut tube = fit_in(skin, guess, window, rounds, scratch)?;
+    while tube.along < SPREAD * window && window < WINDOW_MOST {
+        window *= 2.0;
+        tube = fit_in(skin, guess, window, rounds, scratch)?;
+    }
+    Some(tube)
+}
+
+fn fit_in(
+    skin: &Skin<'_>,
+    guess: &Tube,
+    window: f64,
+    rounds: &[f64],
+    scratch: &mut Vec<WallPoint>,
+) -> Option<Tube> {
+    let round = Round::new(skin, guess, [window; 2], scratch);
     let mut tube = *guess;
     let mut median = f64::INFINITY;
-    for most in ROUNDS {
-        let tolerance = (MEDIANS * median).clamp(TOLERANCE_LEAST, most);
+    for most in rounds {
+        let tolerance = (MEDIANS * median).clamp(TOLERANCE_LEAST, *most);
         median = round.improve(&mut tube, tolerance, scratch, None)?;
         let is_near = tube.point.distance(guess.point) < 1.2 * guess.radius;
         if !(is_near && tube.radius > 0.3 * guess.radius && tube.radius < 2.5 * guess.radius) {
@@ -95,7 +169,11 @@ pub(super) fn fit(skin: &Skin<'_>, guess: &Tube, scratch: &mut Vec<WallPoint>) -
     let mut narrow = tube;
     for _ in 0..ROUNDS_OF_RADIUS {
         let tolerance = (MEDIANS_OF_RADIUS * median).clamp(TOLERANCE_LEAST, 0.08);
+        let last = narrow.radius;
         median = round.improve(&mut narrow, tolerance, scratch, None)?;
+        if (narrow.radius - last).abs() < SETTLED * last {
+            break;
+        }
     }
     tube.radius = narrow.radius;
     Some(tube)
@@ -133,7 +211,25 @@ impl Round {
         scratch: &mut Vec<WallPoint>,
     ) -> Self {
         let unit = guess.radius;
-        skin.vertices_within(guess.point, 1.6_f64.hypot(behind) * unit, scratch);
+        let most = 1.6_f64.hypot(behind) * unit;
+        let is_in_window = |point: &WallPoint| {
+            let straight = (point.position - guess.point).dot(guess.tangent) / unit;
+            straight > -behind - AROUND && straight < ahead + AROUND
+        };
+        // Where vertices were few a step before, they are most likely here.
+        let few = scratch.iter().any(|point| point.is_middle);
+        for middles in [Some(MIDDLES).filter(|_| few), Some(MIDDLES)] {
+            skin.points_within(guess.point, most, middles, scratch);
+            scratch.retain(is_in_window);
+            let vertices = scratch.iter().filter(|point| !point.is_middle).count();
+            if vertices as f64 >= DENSE * (behind + ahead) {
+                scratch.retain(|point| !point.is_middle);
+                break;
+            }
+            if middles.is_some() {
+                break;
+            }
+        }
         thin(scratch);
         Self {
             window: [-behind * unit, ahead * unit],
@@ -157,7 +253,7 @@ impl Round {
         let mut right = [0.0; 8];
         let (mut area, mut fitting, mut squares, mut count) = (0.0, 0.0, 0.0, 0);
         let mut sectors = [0.0; SECTORS];
-        let mut offs = Vec::with_capacity(points.len());
+        let mut offs = Classes([0.0; CLASSES]);
         for point in points {
             let from = point.position - tube.point;
             let straight = from.dot(tangent);
@@ -179,7 +275,7 @@ impl Round {
             if weight <= 0.0 {
                 continue;
             }
-            offs.push((off.abs(), point.area));
+            offs.add(off.abs() / tolerance, point.area);
             fitting += point.area * weight.sqrt();
             let weight = point.area * weight * weight;
             let (x, y) = (radial.dot(across) / distance, radial.dot(other) / distance);
@@ -226,6 +322,11 @@ impl Round {
                 right[i] -= weight * changed[i];
             }
         }
+        // Two rings of vertices say nothing of a bend.
+        for (i, axis) in [(4, across), (5, other)] {
+            matrix[i][i] += STRAIGHT * total;
+            right[i] -= STRAIGHT * total * unit * tube.bend.dot(axis);
+        }
         let [x, y, dx, dy, bend_x, bend_y, radius, taper] = solve(matrix, right)?;
         tube.point += unit * (x * across + y * other);
         tube.tangent = (tangent + dx * across + dy * other).try_normalize()?;
@@ -235,8 +336,10 @@ impl Round {
         tube.taper += taper;
         tube.deviation = (squares / total).sqrt();
         tube.fits = fitting / area;
+        let [first, second] = [matrix[7][6], matrix[7][7]].map(|moment| moment / total);
+        tube.along = (second - first * first).max(0.0).sqrt();
         tube.gap = gap(&sectors, 0.1 * total);
-        Some(median(&mut offs))
+        Some(tolerance * offs.median())
     }
 }
 
@@ -244,30 +347,53 @@ impl Round {
 fn thin(points: &mut Vec<WallPoint>) {
     let keep = u32::try_from(points.len() / ENOUGH).unwrap_or(u32::MAX);
     if keep > 1 {
-        points.retain(|point| (point.vertex.wrapping_mul(0x9E37_79B9) >> 8).is_multiple_of(keep));
+        points.retain(|point| (point.number.wrapping_mul(0x9E37_79B9) >> 8).is_multiple_of(keep));
     }
 }
 
-/// The median of values by their weights.
-fn median(values: &mut [(f64, f64)]) -> f64 {
-    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let half = values.iter().map(|(_, weight)| weight).sum::<f64>() / 2.0;
-    let mut sum = 0.0;
-    let middle = values.iter().find(|(_, weight)| {
-        sum += weight;
-        sum >= half
-    });
-    middle.map_or(f64::INFINITY, |(value, _)| *value)
+/// Weights of values between 0 and 1, counted in classes.
+struct Classes([f64; CLASSES]);
+
+impl Classes {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of classes"
+    )]
+    fn add(&mut self, value: f64, weight: f64) {
+        self.0[((value * CLASSES as f64) as usize).min(CLASSES - 1)] += weight;
+    }
+
+    /// The median, as if values were spread evenly within their class.
+    fn median(&self) -> f64 {
+        let half = self.0.iter().sum::<f64>() / 2.0;
+        let mut sum = 0.0;
+        for (class, weight) in self.0.iter().enumerate() {
+            if *weight > 0.0 && sum + weight >= half {
+                return (class as f64 + (half - sum) / weight) / CLASSES as f64;
+            }
+            sum += weight;
+        }
+        f64::INFINITY
+    }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a number of sectors"
-)]
+/// The sector that a direction is in. (By its angle, the arcus tangent took a twelfth of all the time.)
 fn sector(x: f64, y: f64) -> usize {
-    let part = y.atan2(x) / std::f64::consts::TAU + 1.0;
-    (part * SECTORS as f64) as usize % SECTORS
+    let (long, short) = (x.abs().max(y.abs()), x.abs().min(y.abs()));
+    let from_axis = TANGENTS.iter().filter(|tangent| short > **tangent * long);
+    let from_axis = from_axis.count();
+    let from_x = if y.abs() > x.abs() {
+        5 - from_axis
+    } else {
+        from_axis
+    };
+    match (x < 0.0, y < 0.0) {
+        (false, false) => from_x,
+        (true, false) => 11 - from_x,
+        (true, true) => 12 + from_x,
+        (false, true) => 23 - from_x,
+    }
 }
 
 /// The widest run of sectors with little in them.

@@ -28,6 +28,7 @@ use glam::{DVec3, Vec3};
 
 pub use self::cache::Cache;
 use self::node::Node;
+pub use self::triangle::Facet;
 use self::triangle::Sheared;
 pub use self::winding::Winding;
 use super::Mesh;
@@ -169,6 +170,10 @@ impl Picker {
         let mut limit = f64::from(most) * f64::from(most);
         let exact = point.as_dvec3();
         self.around(point, limit, |number, corners| {
+            // From the middle of a tube all of its wall is about as near: its planes tell that sooner than its triangles do.
+            if triangle::is_beyond(corners, exact, limit) {
+                return limit;
+            }
             let (weights, squared) = triangle::nearest(corners, exact);
             let earlier = best.is_none_or(|(other, _)| number < other);
             if squared < limit || squared == limit && earlier {
@@ -191,14 +196,6 @@ impl Picker {
                 limit
             });
         }
-    }
-
-    /// The point of a triangle that is nearest to a point.
-    pub fn nearest_of(corners: [Vec3; 3], point: DVec3) -> DVec3 {
-        triangle::at(
-            corners.map(Vec3::as_dvec3),
-            triangle::nearest(corners, point).0,
-        )
     }
 
     /// Corners of a triangle, from the mesh's origin; None where it cannot be picked.

@@ -18,11 +18,13 @@ use crate::mesh::unit::{Rounded, Unit};
 use crate::tree::measure::Spread;
 use crate::world::DrawTool;
 use crate::world::lines::{Dimension, LineLook, Lines, Quantity, Shading};
-use crate::world::model::Model;
+use crate::world::model::{LoadedModel, Model};
 use crate::world::scene::SurfaceLook;
 
 /// Rows of the table that are seen at a time.
 const ROWS: u8 = 7;
+/// Gaps that are bridged, in thousandths of the model's longest side.
+const GAPS: [u16; 4] = [5, 10, 20, 50];
 /// How wide the first column is, in widths of the others.
 const FIRST: f32 = 0.75;
 /// Columns of the table beside the number of the branch and what it is coloured by.
@@ -92,6 +94,7 @@ impl Table {
             Some(Err(why)) => {
                 let why = view.settings.language.say(why);
                 ui.label(RichText::new(why).color(MESSAGE));
+                gaps(ui, view, words, model, &mut look);
                 if ui.button(words.again).clicked() {
                     wishes.push(Wish::Line(LineWish::Again(at)));
                 }
@@ -108,6 +111,12 @@ impl Table {
                 };
                 page.counts(ui);
                 self.unreached(ui, view, &page);
+                if lines.analysis.model.open_ends > 0 {
+                    ui.checkbox(&mut look.caps, words.caps);
+                }
+                if look.bridge.is_some() || !lines.centerline.unreached.is_empty() {
+                    gaps(ui, view, words, model, &mut look);
+                }
                 trigger(ui, view, words, page.wishes);
                 self.table(ui, &mut page, look.by);
                 page.path(ui);
@@ -414,6 +423,22 @@ fn coloured_by(ui: &mut Ui, words: &Words, look: &mut LineLook) {
         }
     });
     ui.checkbox(&mut look.balls, words.inscribed_balls);
+}
+
+/// Up to how wide gaps are bridged.
+fn gaps(ui: &mut Ui, view: &View<'_>, words: &Words, model: &Model, look: &mut LineLook) {
+    let Some(side) = view.world.loaded_model(model).map(LoadedModel::side) else {
+        return;
+    };
+    ui.horizontal_wrapped(|ui| {
+        ui.label(words.bridge_gaps);
+        ui.selectable_value(&mut look.bridge, None, words.nothing);
+        for gap in GAPS {
+            let wide = Rounded(f64::from(gap) / 1e3 * f64::from(side));
+            let wide = format!("{wide} {}", model.unit.symbol());
+            ui.selectable_value(&mut look.bridge, Some(gap), wide);
+        }
+    });
 }
 
 /// What the colours mean.

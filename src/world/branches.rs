@@ -32,11 +32,19 @@ const READABLE: f32 = 1.0;
 /// Colour of the largest balls within, linear.
 const BALLS: Color = [0.10, 0.45, 0.25, 1.0];
 
-/// What centerlines belong to: a file, its mends, and the endpoints.
+/// What centerlines belong to: a file, its mends, the endpoints, whether they go on to open ends, and what gaps they bridge.
 #[derive(Clone, Debug)]
 pub(super) struct LineKey {
     source: Source,
     endpoints: Arc<Vec<Endpoint>>,
+    reach: Reach,
+}
+
+type Reach = (bool, Option<u16>);
+
+fn reach(model: &Model) -> Reach {
+    let look = model.lines.unwrap_or_default();
+    (look.caps, look.bridge)
 }
 
 impl LineKey {
@@ -44,12 +52,14 @@ impl LineKey {
         Self {
             source: (model.file.clone(), model.mends.clone()),
             endpoints: Arc::clone(&model.endpoints),
+            reach: reach(model),
         }
     }
 
     fn is_of(&self, model: &Model) -> bool {
         let (one, other) = (&self.endpoints, &model.endpoints);
-        is_of(&self.source, model) && (Arc::ptr_eq(one, other) || one == other)
+        let is_between = Arc::ptr_eq(one, other) || one == other;
+        is_of(&self.source, model) && is_between && self.reach == reach(model)
     }
 }
 

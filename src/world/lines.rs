@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 pub use self::quantity::{Dimension, Quantity};
 use super::scene::new_revision;
 use crate::centerline::analysis::{Analysis, BranchFacts};
-use crate::centerline::{Centerline, Why};
+use crate::centerline::{Centerline, Params, Why};
 use crate::mesh::Mesh;
 use crate::mesh::colour::{Colour, Ramp};
 use crate::mesh::display::Display;
@@ -48,6 +48,26 @@ pub struct LineLook {
     /// Whether the largest balls within are shown, too.
     #[serde(default, skip_serializing_if = "is_not")]
     pub balls: bool,
+    /// Whether lines that begin or end at an open end go on to its middle.
+    #[serde(default, skip_serializing_if = "is_not")]
+    pub caps: bool,
+    /// Parts that are apart by no more than so many thousandths of the model's longest side are bridged; none where it does not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bridge: Option<u16>,
+}
+
+impl LineLook {
+    /// How lines are found that are to be seen like this in a model whose longest side is so long, in its unit.
+    #[must_use]
+    pub fn params(&self, longest: f32) -> Params {
+        Params {
+            cap: self.caps,
+            bridge: self
+                .bridge
+                .map(|gap| f64::from(gap) / 1e3 * f64::from(longest)),
+            ..Params::default()
+        }
+    }
 }
 
 #[expect(

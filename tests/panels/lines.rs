@@ -190,7 +190,13 @@ fn a_project_shows_its_centerlines_when_it_is_opened_again() {
     again.finish_models();
     let model = again.document().models[0].clone();
     let by = Some(Quantity::Volume);
-    assert_eq!(model.lines, Some(LineLook { by, balls: false }));
+    assert_eq!(
+        model.lines,
+        Some(LineLook {
+            by,
+            ..LineLook::default()
+        })
+    );
     let found = again.world().lines(&model).unwrap().unwrap();
     let same = found.analysis.table.branch_length == table.branch_length;
     assert!(same, "found anew, and the same");
@@ -446,4 +452,39 @@ fn the_guide_shows_centerlines_in_the_session() {
         &strip(&[coloured, chosen, table, plots]),
     );
     assert_eq!(gpu.messages().count(), 0, "validation is silent");
+}
+
+#[test]
+fn gaps_are_bridged_and_lines_go_on_to_open_ends_from_the_panel() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::new();
+    let from = |start: f32| move |t: f32| Vec3::Y * (start + 100.0 * t);
+    tube(&mut text, 1, from(0.0), |_| 10.0);
+    tube(&mut text, 1 + ROUND * (ALONG + 1), from(103.0), |_| 10.0);
+    std::fs::write(folder.path().join("broken.obj"), text).unwrap();
+    let mut visitor = visitor(folder.path());
+    for text in ["Models", "broken.obj", "Centerlines", "Find centerlines"] {
+        press(&mut visitor, text);
+    }
+    assert!(says(&visitor, "Not reached: 2"));
+    assert!(says(&visitor, "gap of 3."), "with its width");
+    let whole = |visitor: &Visitor| lines(visitor).centerline.tree.total_length();
+    let one = whole(&visitor);
+    press(&mut visitor, "4.06 mm");
+    let look = visitor.document().models[0].lines.unwrap();
+    assert_eq!(look.bridge, Some(20));
+    assert!(!says(&visitor, "Not reached"));
+    let both = whole(&visitor);
+    assert!(one < 100.0 && both > 180.0, "{one} {both}");
+    press(&mut visitor, "on to the middle of open ends");
+    let capped = whole(&visitor);
+    assert!(
+        capped > both + 10.0 && (capped - 203.0).abs() < 0.5,
+        "{both} {capped}"
+    );
+    // It is an edit like any other.
+    visitor.workshop.undo();
+    assert!((whole(&visitor) - both).abs() < 1e-6);
+    press(&mut visitor, "nothing");
+    assert!(says(&visitor, "Not reached: 2"));
 }

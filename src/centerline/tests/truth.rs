@@ -28,19 +28,15 @@ const BARS: &[Bar] = &[
     bar("b_helix", "b_helix", 0.0015, 0.0012, &[]),
     bar("c_y60", "c_y60", 0.0019, 0.0012, &[(2, 1)]),
     bar("d_duct13", "d_duct13", 0.0097, 0.0012, &[(2, 10), (3, 1)]),
+    bar(
+        "e_artery40_50k",
+        "e_artery40",
+        0.0131,
+        0.0012,
+        &[(2, 25), (3, 7)],
+    ),
     Bar {
-        // Ten vertices go round its thinnest branches: VMTK's median is 0.0012 there.
-        median: 0.0020,
-        ..bar(
-            "e_artery40_50k",
-            "e_artery40",
-            0.0131,
-            0.0,
-            &[(2, 25), (3, 7)],
-        )
-    },
-    Bar {
-        // Five go round them here: the wall itself is off by a hundredth of a radius and more.
+        // Its vertices are outside of what it stands for by 0.009 radii, its triangles' middles inside by 0.015: `coarse_walls_are_off` measures that.
         radius: 0.0075,
         ..bar(
             "e_artery40_10k",
@@ -263,6 +259,43 @@ fn lines_are_nearer_to_the_axis_than_vmtks_and_junctions_are_exact() {
             mean(&angles),
         );
     }
+}
+
+/// Why radii on the coarse artery are not within 0.003: its own mesh is not, away from forks and ends, and on both sides.
+#[test]
+fn coarse_walls_are_off() {
+    let Some(mesh) = model("e_artery40_10k.ply") else {
+        return;
+    };
+    let truth = skeleton("e_artery40");
+    let tree = truth.tree();
+    let mut children = vec![0; tree.len()];
+    for parent in tree.parent.iter().filter(|parent| **parent != NO_PARENT) {
+        children[*parent as usize] += 1;
+    }
+    let is_of_tube = |point: &DVec3| {
+        (0_u32..).zip(&children).all(|(node, children)| {
+            let near = 3.5 * f64::from(tree.radius[node as usize]);
+            *children == 1 || place(&tree, node).distance(*point) > near
+        })
+    };
+    let off = |points: Vec<DVec3>| {
+        let tube = points
+            .into_iter()
+            .filter(is_of_tube)
+            .map(|point| truth.nearest(point));
+        let mut offs: Vec<f64> = tube
+            .map(|(distance, radius)| distance / radius - 1.0)
+            .collect();
+        median(&mut offs)
+    };
+    let corner = |vertex: u32| mesh.positions[vertex as usize].as_dvec3() + mesh.origin;
+    let vertices = (0_u32..).take(mesh.positions.len());
+    let vertices = off(vertices.map(corner).collect());
+    let middle = |face: &[u32; 3]| face.map(corner).iter().sum::<DVec3>() / 3.0;
+    let middles = off(mesh.triangles.iter().map(middle).collect());
+    eprintln!("e_artery40_10k: vertices {vertices:.4}, middles of triangles {middles:.4}");
+    assert!(vertices > 0.006 && middles < -0.006, "{vertices} {middles}");
 }
 
 #[test]

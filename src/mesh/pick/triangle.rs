@@ -75,56 +75,115 @@ impl Sheared {
 
 /// Parts of the longest possible area below which a triangle is taken for lines: what rounding leaves of its inside says nothing.
 const SLIVER: f64 = 1e-10;
+/// What rounding may add to a height's square, as a part of it.
+const ROUNDING: f64 = 1e-6;
 
-/// The point of a triangle nearest to a point, by the weights of the corners, and the square of its distance. Triangles without area are
-/// the lines or points that they are.
-///
-/// By the region of a corner, an edge or the inside that the point is above (Ericson 2005, "Real-Time Collision Detection", 5.1.5).
+/// A triangle with what does not change from point to point.
+#[derive(Clone, Copy, Debug)]
+pub struct Facet {
+    a: DVec3,
+    /// Its edges from there, and their products.
+    ab: DVec3,
+    ac: DVec3,
+    ab_ab: f64,
+    ac_ac: f64,
+    ab_ac: f64,
+}
+
+impl Facet {
+    /// Of three corners.
+    #[inline]
+    pub fn new(corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let (ab, ac) = (b - a, c - a);
+        Self {
+            a,
+            ab,
+            ac,
+            ab_ab: ab.dot(ab),
+            ac_ac: ac.dot(ac),
+            ab_ac: ab.dot(ac),
+        }
+    }
+
+    /// The way to a point from the point of the triangle that is nearest to it.
+    #[inline]
+    pub fn way_to(&self, point: DVec3) -> DVec3 {
+        let (weights, _) = self.nearest(point);
+        point - self.a - weights.y * self.ab - weights.z * self.ac
+    }
+
+    /// The point of the triangle nearest to a point, by the weights of the corners, and the square of its distance. Triangles without area are
+    /// the lines or points that they are.
+    ///
+    /// By the region of a corner, an edge or the inside that the point is above (Ericson 2005, "Real-Time Collision Detection", 5.1.5).
+    #[inline]
+    pub(super) fn nearest(&self, point: DVec3) -> (DVec3, f64) {
+        let &Self {
+            a,
+            ab,
+            ac,
+            ab_ab,
+            ac_ac,
+            ab_ac,
+        } = self;
+        let ap = point - a;
+        let (ab_ap, ac_ap) = (ab.dot(ap), ac.dot(ap));
+        let squared_area = ab_ab * ac_ac - ab_ac * ab_ac;
+        if squared_area <= SLIVER * ab_ab * ac_ac {
+            return of_edges([a, a + ab, a + ac], point);
+        }
+        let weights = 'region: {
+            if ab_ap <= 0.0 && ac_ap <= 0.0 {
+                break 'region DVec3::X;
+            }
+            let (ab_bp, ac_bp) = (ab_ap - ab_ab, ac_ap - ab_ac);
+            if ab_bp >= 0.0 && ac_bp <= ab_bp {
+                break 'region DVec3::Y;
+            }
+            let w = ab_ap * ac_bp - ab_bp * ac_ap;
+            if w <= 0.0 && ab_ap >= 0.0 && ab_bp <= 0.0 {
+                let part = ab_ap / ab_ab;
+                break 'region DVec3::new(1.0 - part, part, 0.0);
+            }
+            let (ab_cp, ac_cp) = (ab_ap - ab_ac, ac_ap - ac_ac);
+            if ac_cp >= 0.0 && ab_cp <= ac_cp {
+                break 'region DVec3::Z;
+            }
+            let v = ab_cp * ac_ap - ab_ap * ac_cp;
+            if v <= 0.0 && ac_ap >= 0.0 && ac_cp <= 0.0 {
+                let part = ac_ap / ac_ac;
+                break 'region DVec3::new(1.0 - part, 0.0, part);
+            }
+            let u = ab_bp * ac_cp - ab_cp * ac_bp;
+            let (from_b, from_c) = (ac_bp - ab_bp, ab_cp - ac_cp);
+            if u <= 0.0 && from_b >= 0.0 && from_c >= 0.0 {
+                let part = from_b / (from_b + from_c);
+                break 'region DVec3::new(0.0, 1.0 - part, part);
+            }
+            let sum = u + v + w;
+            DVec3::new(1.0 - v / sum - w / sum, v / sum, w / sum)
+        };
+        (
+            weights,
+            (weights.y * ab + weights.z * ac - ap).length_squared(),
+        )
+    }
+}
+
+/// The same of a triangle that is asked once.
 #[inline]
 pub(super) fn nearest(corners: [Vec3; 3], point: DVec3) -> (DVec3, f64) {
+    Facet::new(corners).nearest(point)
+}
+
+/// Whether all of a triangle is farther from a point than a distance, by its square, as its plane is. Not where rounding might say so.
+#[inline]
+pub(super) fn is_beyond(corners: [Vec3; 3], point: DVec3, squared: f64) -> bool {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
-    let (ab, ac, ap) = (b - a, c - a, point - a);
-    let (ab_ab, ac_ac, ab_ac) = (ab.dot(ab), ac.dot(ac), ab.dot(ac));
-    let (ab_ap, ac_ap) = (ab.dot(ap), ac.dot(ap));
-    let squared_area = ab_ab * ac_ac - ab_ac * ab_ac;
-    if squared_area <= SLIVER * ab_ab * ac_ac {
-        return of_edges([a, b, c], point);
-    }
-    let weights = 'region: {
-        if ab_ap <= 0.0 && ac_ap <= 0.0 {
-            break 'region DVec3::X;
-        }
-        let (ab_bp, ac_bp) = (ab_ap - ab_ab, ac_ap - ab_ac);
-        if ab_bp >= 0.0 && ac_bp <= ab_bp {
-            break 'region DVec3::Y;
-        }
-        let w = ab_ap * ac_bp - ab_bp * ac_ap;
-        if w <= 0.0 && ab_ap >= 0.0 && ab_bp <= 0.0 {
-            let part = ab_ap / ab_ab;
-            break 'region DVec3::new(1.0 - part, part, 0.0);
-        }
-        let (ab_cp, ac_cp) = (ab_ap - ab_ac, ac_ap - ac_ac);
-        if ac_cp >= 0.0 && ab_cp <= ac_cp {
-            break 'region DVec3::Z;
-        }
-        let v = ab_cp * ac_ap - ab_ap * ac_cp;
-        if v <= 0.0 && ac_ap >= 0.0 && ac_cp <= 0.0 {
-            let part = ac_ap / ac_ac;
-            break 'region DVec3::new(1.0 - part, 0.0, part);
-        }
-        let u = ab_bp * ac_cp - ab_cp * ac_bp;
-        let (from_b, from_c) = (ac_bp - ab_bp, ab_cp - ac_cp);
-        if u <= 0.0 && from_b >= 0.0 && from_c >= 0.0 {
-            let part = from_b / (from_b + from_c);
-            break 'region DVec3::new(0.0, 1.0 - part, part);
-        }
-        let sum = u + v + w;
-        DVec3::new(1.0 - v / sum - w / sum, v / sum, w / sum)
-    };
-    (
-        weights,
-        (weights.y * ab + weights.z * ac - ap).length_squared(),
-    )
+    let across = (b - a).cross(c - a);
+    let height = across.dot(point - a);
+    height * height > squared * across.length_squared() * (1.0 + ROUNDING)
 }
 
 /// The nearest point of three edges.

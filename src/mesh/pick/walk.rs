@@ -28,7 +28,14 @@ impl Stack {
     /// Children of a node with how far they are, the farthest first.
     #[inline]
     fn push(&mut self, children: &mut [(u32, f32)]) {
-        children.sort_unstable_by(|a, b| b.1.total_cmp(&a.1));
+        // There are four at most: inserted one after the other.
+        for last in 1..children.len() {
+            let mut place = last;
+            while place > 0 && children[place - 1].1 < children[place].1 {
+                children.swap(place - 1, place);
+                place -= 1;
+            }
+        }
         for child in children {
             // There is room, since hierarchies are not deeper than the limit.
             if let Some(entry) = self.entries.get_mut(self.len) {

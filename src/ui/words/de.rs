@@ -158,6 +158,8 @@ pub(super) const WORDS: Words = Words {
     summary: "Alle zusammen",
     how_many: "Anzahl",
     not_reached: "Nicht erreicht",
+    caps: "weiter bis zur Mitte offener Enden",
+    bridge_gaps: "Lücken überbrücken bis",
     write_lines: "schreiben als ",
     again: "Noch einmal",
     reading: "liest",

@@ -158,6 +158,8 @@ pub(super) const WORDS: Words = Words {
     summary: "All together",
     how_many: "number",
     not_reached: "Not reached",
+    caps: "on to the middle of open ends",
+    bridge_gaps: "bridge gaps up to",
     write_lines: "write as",
     again: "Try again",
     reading: "reading",
