@@ -5,6 +5,8 @@
 //! interprets it; a scanned [`mesh`] becomes a [`centerline`]; and the resulting tree is shown by [`render`] and measured and exported by
 //! [`tree`]. Rooms import only rooms below them; `tests/layering.rs` holds that.
 
+#[forbid(unsafe_code)]
+pub mod abstraction;
 pub mod app;
 #[forbid(unsafe_code)]
 pub mod centerline;

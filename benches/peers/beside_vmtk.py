@@ -152,12 +152,14 @@ def row(ramus, model, folder):
     seeds = seeds or proposed(ramus, model)
     triangles, reached, seconds, memory, lines = by_ramus(ramus, model, seeds, folder)
     theirs, their_seconds, their_memory, their_lines = by_vmtk(model, seeds, folder)
-    times = lambda ours, theirs: f"×{theirs / ours:.1f}" if theirs else f">×{LIMIT / ours:.0f}"
+    # What reaches nothing is soon done.
+    nothing = theirs in (0, "failed")
+    times = lambda ours, theirs: "–" if nothing else f"×{theirs / ours:.1f}" if theirs else f">×{LIMIT / ours:.0f}"
     shown = [f"{model.stem}", f"{triangles}", f"{len(seeds['targets'])}", f"{reached}", f"{theirs}"]
-    shown += [f"{seconds:.2f}", f"{their_seconds:.1f}" if their_seconds else "–", times(seconds, their_seconds) if theirs != "failed" else "–"]
+    shown += [f"{seconds:.2f}", f"{their_seconds:.1f}" if their_seconds else "–", times(seconds, their_seconds)]
     shown += [f"{memory:.0f}", f"{their_memory:.0f}", f"×{their_memory / memory:.1f}"]
     shown += [off(lines, truth, folder) if truth and lines else "–" for lines in (lines, their_lines)]
-    return shown + [apart(lines, their_lines) if lines and their_lines else "–"]
+    return shown + [apart(lines, their_lines) if lines and their_lines and not nothing else "–"]
 
 
 HEADS = ["model", "triangles", "ends", "reached", "VMTK", "CPU s", "VMTK", "ratio", "MB", "VMTK", "ratio", "off", "VMTK", "apart"]

@@ -1,0 +1,163 @@
+//! Algorithm 1 as a grammar in Ramus's own language, which a person can open and edit.
+//!
+//! A tip `B(time, order, iteration, centerline, longest, other)` grows a segment as long as its time is below its order's lifetime, then forks
+//! or goes on. It dies once its iteration is beyond the longest that its centerline may be. A tip whose fork already holds a dead branch does not
+//! fork: `other` is the longest that the other branch's centerline may be, so that it is known when that died. Two productions cannot tell
+//! each other what they drew, so a fork is first a module `J` that holds what was drawn, and decomposes into its branches in the same step.
+//!
+//! Numbers of centerlines: the first branch keeps its parent's, each further one gets a new one: a digit more in base three, at the place of the order.
+
+use std::fmt::Write as _;
+
+use super::error::AbstractionError;
+use super::params::Params;
+use crate::lsystem::Grammar;
+
+/// How many standard deviations beyond its mean a drawn number of iterations is taken to be at most.
+const DEVIATIONS: f64 = 4.0;
+
+/// The steps after which no tip lives, as good as surely.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "some hundred at most"
+)]
+pub fn steps(params: &Params) -> u32 {
+    (params.iterations + DEVIATIONS * params.iterations_std)
+        .ceil()
+        .clamp(0.0, 1000.0) as u32
+        + 2
+}
+
+/// The grammar's text.
+pub fn text(params: &Params) -> String {
+    let mut text = String::new();
+    // Writing into a string does not fail.
+    let _ = write_text(&mut text, params);
+    text
+}
+
+/// The grammar.
+///
+/// # Errors
+/// A parameter beyond its limits.
+pub fn grammar(params: &Params) -> Result<Grammar, AbstractionError> {
+    params.check()?;
+    Ok(Grammar::parse(&text(params), "abstraction.lsys")?)
+}
+
+fn write_text(text: &mut String, params: &Params) -> std::fmt::Result {
+    text.push_str(
+        "# A branching structure by its statistics: Algorithm 1 of van Nielen, Verbeek and Cao.\n\
+         # I(length, radius, iteration, centerline) is a segment, B(time, order, iteration, centerline, longest, other) a live tip, D a dead one,\n\
+         # J a fork as it comes into being.\n",
+    );
+    writeln!(text, "seed {}\nsteps {}", params.seed, steps(params))?;
+    let stem = params.stem_length;
+    let constants: [(&str, f64); 14] = [
+        ("segment_radius", params.segment_radius),
+        ("radial_increment", params.radial_increment),
+        ("iterations", params.iterations),
+        ("iterations_std", params.iterations_std),
+        ("side_life", params.side_life),
+        ("max_order", f64::from(params.max_order)),
+        ("segment_length", params.segment_length),
+        ("segment_length_std", params.segment_length_std),
+        ("length_ratio", params.length_ratio),
+        ("radius_ratio", params.radius_ratio),
+        ("upwards_angle", params.upwards_angle),
+        ("upwards_angle_std", params.upwards_angle_std),
+        ("bifurcation_angle", params.bifurcation_angle),
+        ("bifurcation_angle_std", params.bifurcation_angle_std),
+    ];
+    for (name, value) in constants {
+        writeln!(text, "const {name} = {value}")?;
+    }
+    writeln!(text, "const roll_range = {}", params.roll_range)?;
+    writeln!(
+        text,
+        "const bifurcation_probability = {}",
+        params.bifurcation_probability
+    )?;
+    writeln!(
+        text,
+        "const trifurcation_probability = {}",
+        params.trifurcation_probability
+    )?;
+    text.push_str("const never = 1e9\n\naxiom ");
+    for _ in 0..stem {
+        text.push_str("I(segment_length, segment_radius, 0, 0) ");
+    }
+    text.push_str("S\n");
+    if params.radial_increment != 0.0 {
+        text.push_str("I(l, r, i, c) -> I(l, r + radial_increment, i, c)\n");
+    }
+    text.push_str(
+        "B(t, o, i, c, m, n) : i > m -> D(c)\n\
+         B(t, o, i, c, m, n) : t < floor(max_order / (o + 1)) + 1 -> ^(normal(upwards_angle, upwards_angle_std)) I(lognormal(segment_length * length_ratio^o, segment_length_std * length_ratio^o), segment_radius * radius_ratio^o, i + 1, c) B(t + 1, o, i + 1, c, m, n)\n\
+         B(t, o, i, c, m, n) : i - 1 > n -> [ /(integer(-roll_range, roll_range)) B(0, o + 1, i + 1, c, m, never) ]\n",
+    );
+    let [two, three] = forks(params);
+    if params.bifurcation_probability < 1.0 {
+        text.push_str("B(t, o, i, c, m, n) : weight 1 - bifurcation_probability -> [ /(integer(-roll_range, roll_range)) B(0, o + 1, i + 1, c, m, never) ]\n");
+    }
+    let draw = "lognormal(iterations, iterations_std)";
+    let side = |i: &str| match params.side_life {
+        1.0 => draw.to_owned(),
+        _ => format!("mix({i}, {draw}, side_life)"),
+    };
+    let (first, later) = (side("0"), side("i + 1"));
+    if two > 0.0 {
+        writeln!(
+            text,
+            "B(t, o, i, c, m, n) : weight bifurcation_probability * (1 - trifurcation_probability) -> J(o + 1, i + 1, c, {draw}, {later})"
+        )?;
+    }
+    if three > 0.0 {
+        writeln!(
+            text,
+            "B(t, o, i, c, m, n) : weight bifurcation_probability * trifurcation_probability -> J(o + 1, i + 1, c, {draw}, {later}, {later})"
+        )?;
+    }
+    writeln!(text, "decompose {{\n  S -> J(0, 0, 0, {draw}, {first})")?;
+    text.push_str("  J(o, i, c, m, n) ->");
+    branch(text, params, 0, 2, "c", ["m", "n"])?;
+    branch(text, params, 1, 2, "c + 3^-(o + 1)", ["n", "m"])?;
+    if three > 0.0 {
+        text.push_str("\n  J(o, i, c, l, m, n) ->");
+        branch(text, params, 0, 3, "c", ["l", "min(m, n)"])?;
+        branch(text, params, 1, 3, "c + 3^-(o + 1)", ["m", "min(l, n)"])?;
+        branch(text, params, 2, 3, "c + 2 * 3^-(o + 1)", ["n", "min(l, m)"])?;
+    }
+    text.push_str("\n}\ninterpret {\n  I(l, r, i, c) -> !(2 * r) F(l)\n}\n");
+    Ok(())
+}
+
+/// How likely a fork has two and three branches.
+fn forks(params: &Params) -> [f64; 2] {
+    let three = params.bifurcation_probability * params.trifurcation_probability;
+    [params.bifurcation_probability - three, three]
+}
+
+/// A branch of a fork.
+fn branch(
+    text: &mut String,
+    params: &Params,
+    place: u32,
+    of: u32,
+    centerline: &str,
+    [longest, other]: [&str; 2],
+) -> std::fmt::Result {
+    let turned = match params.around {
+        true => f64::from(place) * 360.0 / f64::from(of),
+        false => 0.0,
+    };
+    let roll = match turned {
+        0.0 => "integer(-roll_range, roll_range)".to_owned(),
+        turned => format!("{turned} + integer(-roll_range, roll_range)"),
+    };
+    write!(
+        text,
+        " [ /({roll}) &(normal(bifurcation_angle, bifurcation_angle_std)) B(0, o, i, {centerline}, {longest}, {other}) ]"
+    )
+}

@@ -1,0 +1,87 @@
+//! From parameters to a tree: the grammar derived, drawn, and pruned where it is asked for.
+
+use std::sync::atomic::AtomicBool;
+
+use super::error::AbstractionError;
+use super::grammar::{grammar, steps};
+use super::params::Params;
+use super::prune::pruned;
+use crate::lsystem::{Grammar, Limits, ModuleString, TurtleParams, interpret};
+use crate::tree::Tree;
+
+/// The tree of some parameters after all of its iterations.
+///
+/// # Errors
+/// A parameter beyond its limits, a tree beyond `limits`, or `cancel` being set.
+pub fn grow(
+    params: &Params,
+    limits: &Limits,
+    cancel: &AtomicBool,
+) -> Result<Tree, AbstractionError> {
+    let tree = grow_up(params, usize::MAX, limits, cancel)?;
+    Ok(tree.unwrap_or_default())
+}
+
+/// The same, and none as soon as there are more tips than so many.
+pub(super) fn grow_up(
+    params: &Params,
+    tips: usize,
+    limits: &Limits,
+    cancel: &AtomicBool,
+) -> Result<Option<Tree>, AbstractionError> {
+    let grammar = grammar(params)?;
+    let mut string = grammar.derive(0, limits, cancel)?;
+    for step in 1..=steps(params) {
+        let (mut live, mut dead) = (0, 0);
+        for symbol in string.symbols() {
+            match grammar.name(symbol) {
+                "B" => live += 1,
+                "D" => dead += 1,
+                _ => {}
+            }
+        }
+        if live + dead > tips {
+            return Ok(None);
+        }
+        // What else there is thickens in every iteration.
+        if live == 0 && params.radial_increment == 0.0 {
+            break;
+        }
+        string = grammar.derive_next(&string, step, limits, cancel)?;
+    }
+    drawn(&grammar, &string, params, limits, cancel).map(Some)
+}
+
+/// The tree of a grammar of these parameters after some iterations; that of iteration k of a longer run is that of a run of k.
+///
+/// # Errors
+/// A tree beyond `limits`, or `cancel` being set.
+pub fn grown(
+    grammar: &Grammar,
+    params: &Params,
+    iteration: u32,
+    limits: &Limits,
+    cancel: &AtomicBool,
+) -> Result<Tree, AbstractionError> {
+    let string = grammar.derive(iteration, limits, cancel)?;
+    drawn(grammar, &string, params, limits, cancel)
+}
+
+fn drawn(
+    grammar: &Grammar,
+    string: &ModuleString,
+    params: &Params,
+    limits: &Limits,
+    cancel: &AtomicBool,
+) -> Result<Tree, AbstractionError> {
+    let turtle = TurtleParams {
+        limits: *limits,
+        ..TurtleParams::default()
+    };
+    let tree = interpret(grammar, string, &turtle, cancel)?;
+    let (intersections, ellipsoid) = (params.prune_intersections, params.bounding_ellipsoid);
+    if intersections || ellipsoid.is_some() {
+        return Ok(pruned(&tree, intersections, ellipsoid));
+    }
+    Ok(tree)
+}

@@ -1,0 +1,33 @@
+//! From the statistics of a measured model to a stochastic L-system whose trees have them.
+//!
+//! ```text
+//! table ─▶ parameters by the source's rules (rules) ─┐
+//!      └─▶ parameters that fit (fit) ────────────────┴─▶ grammar ─▶ lsystem ─▶ Tree ─▶ pruned ─▶ measured, compared (difference)
+//! ```
+//!
+//! Source: van Nielen, Verbeek and Cao, "Visualizing, Analyzing and Constructing L-system from Arborized 3D Model Using a Web
+//! Application": Algorithm 1 is [`grammar`], Algorithm 2 [`pruned`]. `docs/src/abstraction.md` is the user's page.
+
+mod difference;
+mod error;
+mod fit;
+mod grammar;
+mod grow;
+mod params;
+mod prune;
+pub mod rules;
+mod table;
+mod told;
+
+pub use difference::{Difference, OF_DEVIATIONS, OF_MEANS, differences, distance};
+pub use error::AbstractionError;
+pub use fit::{Candidate, Fit, FitParams, fit};
+pub use grammar::{grammar, steps, text};
+pub use grow::{grow, grown};
+pub use params::{ITERATIONS_MOST, Params, STEM_MOST};
+pub use prune::pruned;
+pub use table::{Counts, FORMAT, MeanStd, Quantities, Table};
+pub use told::Told;
+
+#[cfg(test)]
+mod tests;

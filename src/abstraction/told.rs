@@ -1,0 +1,86 @@
+//! A fit as `ramus-abstraction/1`.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::difference::Difference;
+use super::fit::{Candidate, Fit};
+use super::params::Params;
+use super::table::{Counts, Quantities, Table};
+
+/// All that is told of a fit.
+#[derive(Debug, Serialize)]
+pub struct Told<'a> {
+    format: &'static str,
+    target: &'a Table,
+    source_rules: Rules<'a>,
+    best: Option<Best<'a>>,
+    ranked: Vec<Ranked>,
+    candidates: usize,
+    seconds: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Rules<'a> {
+    parameters: &'a Params,
+    typical: &'a Table,
+    segments: usize,
+    distance: f64,
+    differences: BTreeMap<&'static str, &'a Difference>,
+}
+
+#[derive(Debug, Serialize)]
+struct Best<'a> {
+    seed: u64,
+    parameters: &'a Params,
+    counts: Counts,
+    segments: usize,
+    table: Quantities,
+    distance: f64,
+    differences: BTreeMap<&'static str, &'a Difference>,
+}
+
+#[derive(Debug, Serialize)]
+struct Ranked {
+    seed: u64,
+    distance: f64,
+    counts: Counts,
+}
+
+impl<'a> Told<'a> {
+    /// What is told of a fit of a table that took so many seconds.
+    pub fn new(target: &'a Table, fit: &'a Fit, seconds: f64) -> Self {
+        let by_name =
+            |one: &'a Candidate| one.differences.iter().map(|one| (one.name, one)).collect();
+        let best = |one: &'a Candidate| Best {
+            seed: one.params.seed,
+            parameters: &one.params,
+            counts: one.table.counts,
+            segments: one.segments,
+            table: one.table.table,
+            distance: one.distance,
+            differences: by_name(one),
+        };
+        let ranked = |one: &Candidate| Ranked {
+            seed: one.params.seed,
+            distance: one.distance,
+            counts: one.table.counts,
+        };
+        Self {
+            format: "ramus-abstraction/1",
+            target,
+            source_rules: Rules {
+                parameters: &fit.by_rules.params,
+                typical: &fit.by_rules.table,
+                segments: fit.by_rules.segments,
+                distance: fit.by_rules.distance,
+                differences: by_name(&fit.by_rules),
+            },
+            best: fit.ranked.first().map(best),
+            ranked: fit.ranked.iter().map(ranked).collect(),
+            candidates: fit.candidates,
+            seconds,
+        }
+    }
+}
