@@ -36,8 +36,9 @@ impl Difference {
     }
 }
 
-/// Within what part means and counts match, and standard deviations.
+/// Within what part of the model's means and counts match.
 pub const OF_MEANS: f64 = 0.05;
+/// Within what part standard deviations do.
 pub const OF_DEVIATIONS: f64 = 0.10;
 /// A standard deviation counts as no smaller than this part of the mean: that of next to nothing need not be met to the hundredth.
 const DEVIATION_LEAST: f64 = 0.05;

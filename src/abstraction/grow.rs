@@ -7,7 +7,7 @@ use super::grammar::{grammar, steps};
 use super::params::Params;
 use super::prune::pruned;
 use crate::lsystem::{Grammar, Limits, ModuleString, TurtleParams, interpret};
-use crate::tree::Tree;
+use crate::tree::{NO_PARENT, Node, Tree};
 
 /// The tree of some parameters after all of its iterations.
 ///
@@ -84,4 +84,38 @@ fn drawn(
         return Ok(pruned(&tree, intersections, ellipsoid));
     }
     Ok(tree)
+}
+
+/// The same tree to look at: tips are drawn pointed, as twigs are, so each gets a node a radius before it, and is as thick as it is up to there.
+pub fn blunt(tree: &Tree) -> Tree {
+    let mut blunt = Tree {
+        letters: tree.letters.clone(),
+        ..Tree::with_capacity(tree.len())
+    };
+    let mut is_tip = vec![false; tree.len()];
+    for tip in tree.tips() {
+        is_tip[tip as usize] = true;
+    }
+    let mut places = Vec::with_capacity(tree.len());
+    for (at, is_tip) in is_tip.into_iter().enumerate() {
+        let mut node = Node {
+            parent: tree.parent[at],
+            position: tree.position[at],
+            radius: tree.radius[at],
+            letter: tree.letter[at],
+            order: tree.order[at],
+            birth: tree.birth[at],
+        };
+        if node.parent != NO_PARENT {
+            let from = tree.position[node.parent as usize];
+            node.parent = places[node.parent as usize];
+            let length = from.distance(node.position);
+            if is_tip && length > node.radius {
+                let position = node.position.lerp(from, node.radius / length);
+                node.parent = blunt.push(Node { position, ..node });
+            }
+        }
+        places.push(blunt.push(node));
+    }
+    blunt
 }

@@ -17,12 +17,8 @@ use crate::tree::measure::Measures;
 use crate::tree::{NO_PARENT, Node, Tree};
 
 /// The tables that the source publishes.
-pub(super) const DUCT: &str = r#"{"format": "ramus-table/1", "counts": {"centerlines": 13, "junctions": 11, "branches": 24},
-    "table": {"branch_length": {"mean": 63.96, "std": 39.20}, "point_radius": {"mean": 14.46, "std": 4.13},
-    "centerline_length": {"mean": 582.56, "std": 123.60}, "stem_iterations": 4.32, "iterations": {"mean": 4.79, "std": 1.93}, "bifurcation_angle_deg": {"mean": 62.81, "std": 19.45}}}"#;
-pub(super) const ARTERY: &str = r#"{"format": "ramus-table/1", "counts": {"centerlines": 40, "junctions": 32, "branches": 72},
-    "table": {"branch_length": {"mean": 17.25, "std": 12.70}, "point_radius": {"mean": 6.39, "std": 4.48},
-    "centerline_length": {"mean": 150.04, "std": 20.86}, "stem_iterations": 2, "iterations": {"mean": 6.82, "std": 1.20}, "bifurcation_angle_deg": {"mean": 44.40, "std": 37.68}}}"#;
+const DUCT: &str = include_str!("../../tests/data/tables/duct.json");
+const ARTERY: &str = include_str!("../../tests/data/tables/artery.json");
 
 fn never() -> AtomicBool {
     AtomicBool::new(false)

@@ -15,12 +15,13 @@ use super::inspect::Loaded;
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::Progress;
-use crate::abstraction::{Candidate, Fit, FitParams, Table, Told, fit, grow, text as grammar_text};
+use crate::abstraction::{
+    Candidate, Fit, FitParams, Table, Told, blunt, fit, grow, text as grammar_text,
+};
 use crate::app::analysis::{Wanted, checked, endpoints, found, prepared};
 use crate::app::{export, portrait};
 use crate::lsystem::Limits;
 use crate::mesh::unit::Rounded;
-use crate::render::Backdrop;
 use crate::tree::file::write_atomically;
 use crate::tree::measure::Measures;
 use crate::tree::{Drawing, Organs};
@@ -96,15 +97,19 @@ pub(super) fn run(
     }
     if args.export.is_some() || args.png.is_some() {
         let tree = grow(&best.params, &Limits::default(), &never)?;
+        // A skeleton is measured, and is as it grew.
+        let shown = blunt(&tree);
         if let Some(path) = &args.export {
-            export::drawing(&tree, &Organs::default(), path)?;
+            let is_skeleton = export::Format::of(path)? == export::Format::Swc;
+            let tree = if is_skeleton { &tree } else { &shown };
+            export::drawing(tree, &Organs::default(), path)?;
         }
         if let Some(path) = &args.png {
             let drawing = Drawing {
-                tree,
+                tree: shown,
                 organs: Organs::default(),
             };
-            let draw = || portrait::of_drawing(drawing, args.size, false, Backdrop::Stage);
+            let draw = || portrait::of_drawing(drawing, args.size, false, portrait::PAPER);
             let picture = Progress::during("drawing", draw)
                 .with_context(|| format!("cannot draw the abstraction of {name}"))?;
             export::png(&picture, path)?;

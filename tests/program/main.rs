@@ -14,6 +14,7 @@ use ramus::app::store::{Store, read_project};
 use ramus_xr::{Frame, Pose, session};
 use tempfile::TempDir;
 
+mod abstracted;
 mod analyze;
 mod cohort;
 mod disk;

@@ -1,0 +1,141 @@
+//! `ramus abstract`: a table or a model as an L-system whose trees have the same statistics.
+
+use serde_json::Value;
+
+use super::cohort::{tree, write};
+use super::*;
+
+const DUCT: &str = "tests/data/tables/duct.json";
+
+fn abstracted(model: &Path, candidates: &str) -> Command {
+    let mut command = ramus();
+    command.arg("abstract").arg(model);
+    command.args(["--candidates", candidates, "--seed", "4"]);
+    command
+}
+
+fn output(command: &mut Command) -> (bool, String, String) {
+    let done = command.output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (done.status.success(), text(done.stdout), text(done.stderr))
+}
+
+#[test]
+fn a_table_becomes_a_grammar_a_tree_and_a_report_that_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let [grammar, swc, glb] =
+        ["best.lsys", "best.swc", "best.glb"].map(|name| folder.path().join(name));
+    let mut command = abstracted(Path::new(DUCT), "1500");
+    command
+        .arg("--json")
+        .arg("--grammar")
+        .arg(&grammar)
+        .arg("--export")
+        .arg(&swc);
+    let (good, printed, said) = output(&mut command);
+    assert!(good, "{said}");
+    let told: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(told["format"], "ramus-abstraction/1");
+    assert_eq!(told["target"]["table"]["branch_length"]["mean"], 63.96);
+    let best = &told["best"];
+    assert_eq!(best["counts"]["centerlines"], 13);
+    assert_eq!(told["candidates"], 1500);
+    assert_eq!(told["ranked"][0]["seed"], best["seed"]);
+    assert_eq!(told["source_rules"]["parameters"]["iterations"], 10.0);
+    let off = &best["differences"]["point_radius.mean"];
+    assert!(off["relative"].as_f64().unwrap().abs() < 0.05, "{off}");
+
+    // The exported tree, measured, has the table that was told; so has the tree of the grammar.
+    let measured = |path: &Path| -> Value {
+        let (good, printed, said) = output(ramus().arg("analyze").arg(path).arg("--json"));
+        assert!(good, "{said}");
+        serde_json::from_str(&printed).unwrap()
+    };
+    let grown = folder.path().join("grown.swc");
+    let mut derive = ramus();
+    derive
+        .arg("derive")
+        .arg(&grammar)
+        .arg("--export")
+        .arg(&grown)
+        .args(["--widths", "metres"]);
+    let (good, _, said) = output(&mut derive);
+    assert!(good, "{said}");
+    for path in [&swc, &grown] {
+        let table = measured(path);
+        assert_eq!(table["counts"]["tips"], 13);
+        for name in [
+            "branch_length",
+            "centerline_length",
+            "bifurcation_angle_deg",
+            "point_radius",
+        ] {
+            for of in ["mean", "std"] {
+                let [told, found] = [&best["table"], &table["table"]]
+                    .map(|table| table[name][of].as_f64().unwrap());
+                assert!(
+                    (told / found - 1.0).abs() < 1e-3,
+                    "{}: {name} {of}: {told} {found}",
+                    path.display()
+                );
+            }
+        }
+    }
+    // What was measured is a table, too.
+    let table = folder.path().join("measured.json");
+    let (_, printed, _) = output(ramus().arg("analyze").arg(&swc).arg("--json"));
+    fs::write(&table, printed).unwrap();
+    let (good, printed, said) = output(abstracted(&table, "500").arg("--export").arg(&glb));
+    assert!(good && glb.exists(), "{said}");
+    assert!(
+        printed.contains("centerlines") && printed.contains("by rules"),
+        "{printed}"
+    );
+}
+
+#[test]
+fn the_same_seed_tells_the_same() {
+    let once = || {
+        let (_, printed, _) = output(abstracted(Path::new(DUCT), "500").arg("--json"));
+        let mut told: Value = serde_json::from_str(&printed).unwrap();
+        told["seconds"] = Value::Null;
+        told
+    };
+    assert_eq!(once(), once());
+}
+
+#[test]
+fn a_skeleton_is_abstracted_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(folder.path(), "young.swc", &tree(1.0, 20.0));
+    let (good, printed, said) = output(&mut abstracted(&path, "500"));
+    assert!(good, "{said}");
+    assert!(
+        printed.starts_with(&format!("{}: 500 trees drawn", path.display())),
+        "{printed}"
+    );
+}
+
+#[test]
+fn what_cannot_be_abstracted_is_said_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str, text: &str| write(folder.path(), name, text);
+    let line = "1 3 0 0 0 1 -1\n2 3 0 9 0 1 1\n";
+    let few = r#"{"format": "ramus-table/1", "counts": {"centerlines": 3}, "table": {}}"#;
+    for (path, part) in [
+        (folder.path().join("missing.json"), "cannot read"),
+        (folder.path().join("missing.ply"), "cannot be read"),
+        (at("empty.json", ""), "it is no table"),
+        (at("few.json", few), "how long branches are"),
+        (at("line.swc", line), "there are no forks"),
+        (at("notes.txt", "a tree"), "notes.txt"),
+    ] {
+        let (good, printed, said) = output(&mut abstracted(&path, "50"));
+        assert!(!good && printed.is_empty(), "{}", path.display());
+        assert!(said.starts_with("ramus: ") && said.contains(part), "{said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "{said}");
+    }
+    // A name that is refused is refused before any work.
+    let (good, _, said) = output(abstracted(Path::new(DUCT), "50").args(["--grammar", "best.txt"]));
+    assert!(!good && said.contains(".lsys"), "{said}");
+}
