@@ -58,10 +58,10 @@ pub fn pruned(tree: &Tree, intersections: bool, ellipsoid: Option<[f64; 3]>) -> 
     let mut places = vec![NO_PARENT; tree.len()];
     let mut built = Built::default();
     let place = |node: u32| tree.position[node as usize].as_dvec3();
-    let root = if tree.len() > 0 {
-        place(0)
-    } else {
+    let root = if tree.is_empty() {
         DVec3::ZERO
+    } else {
+        place(0)
     };
     let leaves = |point: DVec3| {
         ellipsoid.is_some_and(|radii| ((point - root) / DVec3::from(radii)).length_squared() > 1.0)
@@ -150,7 +150,7 @@ fn distance_squared([from, to]: [DVec3; 2], [other_from, other_to]: [DVec3; 2]) 
     let mut s = part_of(both * there - here * other_length, square);
     let mut t = (both * s + there) / other_length;
     // Where the nearest of the other's line is beyond its end, the nearest of this one is that end's.
-    if !(t >= 0.0) {
+    if t.is_nan() || t < 0.0 {
         t = 0.0;
         s = part_of(-here, length);
     } else if t > 1.0 {
