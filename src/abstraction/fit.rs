@@ -65,8 +65,10 @@ pub struct Candidate {
 pub struct Fit {
     /// The best, the nearest first.
     pub ranked: Vec<Candidate>,
-    /// What the source's own rules make of the table.
-    pub by_rules: Candidate,
+    /// Parameters by the source's own rules.
+    pub rules: Params,
+    /// What they make of the table: the middle one of some trees. None where all of them grow beyond bounds.
+    pub by_rules: Option<Candidate>,
     /// How many trees were drawn.
     pub candidates: usize,
     /// Whether it was stopped before all were.
@@ -87,6 +89,8 @@ const DAMPING: [f64; 3] = [0.01, 0.3, 10.0];
 /// What a number is changed by to see what follows, and by how much one step may change it.
 const NUDGE: f64 = 0.02;
 const STRIDE: f64 = 0.5;
+/// Centerlines of a model at most.
+const TIPS_MOST: usize = 10_000;
 /// How many more modules than branches a string may have.
 const MODULES: u64 = 100;
 
@@ -151,7 +155,7 @@ pub fn fit(
     progress: &mut dyn FnMut(usize, usize, Option<&Candidate>),
 ) -> Result<Fit, AbstractionError> {
     let search = Search::new(target, params)?;
-    let by_rules = search.by_rules(cancel)?;
+    let by_rules = search.by_rules(cancel);
     let mut ranked: Vec<Candidate> = Vec::new();
     let mut elite: Vec<Form> = Vec::new();
     let mut done = 0;
@@ -200,6 +204,7 @@ pub fn fit(
     }
     Ok(Fit {
         ranked,
+        rules: search.rules,
         by_rules,
         candidates: done,
         stopped: done < params.candidates,
@@ -245,11 +250,18 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(target: &'a Table, params: &FitParams) -> Result<Self, AbstractionError> {
         let tips = target.counts.centerlines.unwrap_or(0);
+        if tips > TIPS_MOST {
+            return Err(AbstractionError::Table(format!(
+                "it has {tips} centerlines: an L-system is made of {TIPS_MOST} at most"
+            )));
+        }
         if tips < 2 {
             return Err(AbstractionError::Table(format!(
                 "it has {tips} centerlines: there are no forks to make an L-system of, which takes 2 centerlines or more"
             )));
         }
+        let rules = rules::params(target, params.seed);
+        rules.check()?;
         // Each fork of two makes one tip more, each of three two.
         let three = target.counts.junctions.map_or(0.0, |junctions| {
             let more = (tips - 1).saturating_sub(junctions);
@@ -258,7 +270,7 @@ impl<'a> Search<'a> {
         let modules = MODULES * tips as u64 + 10 * u64::from(super::params::STEM_MOST);
         Ok(Self {
             target,
-            rules: rules::params(target, params.seed),
+            rules,
             tips,
             three: three.min(1.0),
             seed: params.seed,
@@ -270,7 +282,7 @@ impl<'a> Search<'a> {
     }
 
     /// The middle one of trees by the source's rules.
-    fn by_rules(&self, cancel: &AtomicBool) -> Result<Candidate, AbstractionError> {
+    fn by_rules(&self, cancel: &AtomicBool) -> Option<Candidate> {
         let mut all: Vec<Candidate> = (0..RULED)
             .into_par_iter()
             .filter_map(|number| {
@@ -283,17 +295,11 @@ impl<'a> Search<'a> {
             })
             .collect();
         all.sort_by(|a, b| {
-            a.distance
-                .total_cmp(&b.distance)
-                .then(a.params.seed.cmp(&b.params.seed))
+            let by_seed = a.params.seed.cmp(&b.params.seed);
+            a.distance.total_cmp(&b.distance).then(by_seed)
         });
         let middle = all.len() / 2;
-        if all.is_empty() {
-            // What keeps one of them from growing keeps all.
-            grow(&self.rules, &self.limits, cancel)?;
-            return Err(AbstractionError::Cancelled);
-        }
-        Ok(all.swap_remove(middle))
+        (!all.is_empty()).then(|| all.swap_remove(middle))
     }
 
     fn candidate(&self, params: Params, tree: &Tree) -> Candidate {

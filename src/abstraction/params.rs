@@ -93,6 +93,8 @@ impl Default for Params {
 pub const ITERATIONS_MOST: f64 = 50.0;
 /// Most segments of a stem.
 pub const STEM_MOST: u32 = 1000;
+/// Least of what is a length in the model's unit.
+const LENGTH_LEAST: f64 = 1e-9;
 /// Most of what is a length, and of what is one over another.
 const LENGTH_MOST: f64 = 1e9;
 const RATIO_MOST: f64 = 10.0;
@@ -103,7 +105,7 @@ impl Params {
     /// # Errors
     /// [`AbstractionError::Parameter`], which names the first that is not, and its limits.
     pub fn check(&self) -> Result<(), AbstractionError> {
-        let tiny = f64::MIN_POSITIVE;
+        let tiny = LENGTH_LEAST;
         let numbers: [(&'static str, f64, [f64; 2]); 18] = [
             ("segment_radius", self.segment_radius, [tiny, LENGTH_MOST]),
             (

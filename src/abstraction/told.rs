@@ -24,9 +24,9 @@ pub struct Told<'a> {
 #[derive(Debug, Serialize)]
 struct Rules<'a> {
     parameters: &'a Params,
-    typical: &'a Table,
-    segments: usize,
-    distance: f64,
+    typical: Option<&'a Table>,
+    segments: Option<usize>,
+    distance: Option<f64>,
     differences: BTreeMap<&'static str, &'a Difference>,
 }
 
@@ -51,8 +51,10 @@ struct Ranked {
 impl<'a> Told<'a> {
     /// What is told of a fit of a table that took so many seconds.
     pub fn new(target: &'a Table, fit: &'a Fit, seconds: f64) -> Self {
-        let by_name =
-            |one: &'a Candidate| one.differences.iter().map(|one| (one.name, one)).collect();
+        let by_name = |one: &'a Candidate| -> BTreeMap<_, _> {
+            let all = one.differences.iter();
+            all.map(|one| (one.name, one)).collect()
+        };
         let best = |one: &'a Candidate| Best {
             seed: one.params.seed,
             parameters: &one.params,
@@ -67,15 +69,16 @@ impl<'a> Told<'a> {
             distance: one.distance,
             counts: one.table.counts,
         };
+        let ruled = fit.by_rules.as_ref();
         Self {
             format: "ramus-abstraction/1",
             target,
             source_rules: Rules {
-                parameters: &fit.by_rules.params,
-                typical: &fit.by_rules.table,
-                segments: fit.by_rules.segments,
-                distance: fit.by_rules.distance,
-                differences: by_name(&fit.by_rules),
+                parameters: &fit.rules,
+                typical: ruled.map(|one| &one.table),
+                segments: ruled.map(|one| one.segments),
+                distance: ruled.map(|one| one.distance),
+                differences: ruled.map(by_name).unwrap_or_default(),
             },
             best: fit.ranked.first().map(best),
             ranked: fit.ranked.iter().map(ranked).collect(),

@@ -59,9 +59,11 @@ const END_STEP: f64 = 0.1;
 /// So far beyond the ball at the tip they are compared, in radii.
 const BEYOND: f64 = 0.1;
 /// Between two of them, it is looked at so many more where the last ball is.
-const CLOSER: u32 = 16;
-/// How near a tube must be to an end for its axis to lead there, in radii.
+const CLOSER: u32 = 8;
+const CLOSER_ROUNDS: usize = 4;
+/// How near a tube must be to an end for its axis to lead there, in radii, or which of the last points it must be.
 const END_NEAR: f64 = 2.5;
+const END_LAST: usize = 3;
 /// Places of a line that are looked at for its end at most.
 const COURSE_MOST: usize = 4096;
 /// Distance between points, in radii.
@@ -584,15 +586,28 @@ fn last_ball(solids: &Solids<'_>, places: &[(f64, DVec3)], part: u32) -> Option<
     let (place, _) = inside
         .enumerate()
         .max_by(|(_, a), (_, b)| reach(a).total_cmp(&reach(b)))?;
-    // The same once more, closer about it.
-    let around = places.get(place.saturating_sub(1)..=(place + 1).min(places.len() - 1))?;
-    let closer = around.windows(2).flat_map(|pair| {
-        let (from, to) = (pair[0], pair[1]);
-        let parts = (0..=CLOSER).map(|part| f64::from(part) / f64::from(CLOSER));
-        parts.map(move |part| (from.0 + part * (to.0 - from.0), from.1.lerp(to.1, part)))
-    });
-    let closer = closer.map(|place| ball(&place));
-    let (_, ball) = closer.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
+    // The same again and again, closer about it.
+    let mut around = places
+        .get(place.saturating_sub(1)..=(place + 1).min(places.len() - 1))?
+        .to_vec();
+    let mut last = balls[place];
+    for _ in 0..CLOSER_ROUNDS {
+        let parts = |pair: &[(f64, DVec3)]| {
+            let (from, to) = (pair[0], pair[1]);
+            let parts = (0..=CLOSER).map(|part| f64::from(part) / f64::from(CLOSER));
+            let at = |part| (from.0 + part * (to.0 - from.0), from.1.lerp(to.1, part));
+            parts.map(at).collect::<Vec<_>>()
+        };
+        let closer: Vec<(f64, DVec3)> = around.windows(2).flat_map(parts).collect();
+        let balls: Vec<(f64, Ball)> = closer.iter().map(ball).collect();
+        let (place, best) = balls
+            .iter()
+            .enumerate()
+            .max_by(|(_, a), (_, b)| reach(a).total_cmp(&reach(b)))?;
+        last = *best;
+        around = closer[place.saturating_sub(1)..=(place + 1).min(closer.len() - 1)].to_vec();
+    }
+    let (_, ball) = last;
     // Over a radius: the last steps to a ball at a tip may lead to the side.
     let (here, at) = places[place];
     let before = places.iter().take(place);
@@ -610,16 +625,18 @@ fn axis(samples: &[Sample], tip: Ball) -> Option<Vec<(f64, DVec3)>> {
     let last = samples.iter().rposition(|sample| sample.tube.is_some())?;
     let tube = samples[last].tube?;
     let onwards = samples[last].point - samples[last.saturating_sub(1)].point;
-    let tangent = if tube.tangent.dot(onwards) < 0.0 {
-        -tube.tangent
-    } else {
-        tube.tangent
+    let is_near = tube.point.distance(tip.centre) < END_NEAR * tube.radius;
+    let (tangent, bend) = match is_near {
+        true if tube.tangent.dot(onwards) < 0.0 => (-tube.tangent, tube.bend),
+        true => (tube.tangent, tube.bend),
+        // On a very long line points are far apart: straight on.
+        false => (onwards.normalize_or_zero(), DVec3::ZERO),
     };
-    let at = |s: f64| tube.point + s * tangent + s * s / 2.0 * tube.bend;
+    let at = |s: f64| tube.point + s * tangent + s * s / 2.0 * bend;
     // The ball at the tip touches the surface there: the line's last ball is not behind it.
     let step = END_STEP * tube.radius;
     let far = (tip.centre - tube.point).dot(tangent) + BEYOND * tube.radius;
-    if far > END_NEAR * tube.radius || at(far).distance(tip.centre) > tube.radius {
+    if !is_near && samples.len() - last > END_LAST || at(far).distance(tip.centre) > tube.radius {
         return None;
     }
     let mut places = Vec::new();

@@ -11,6 +11,9 @@ use crate::mesh::Mesh;
 
 /// A triangle with an edge longer than so many radii is coarse.
 const COARSE: f32 = 3.0;
+/// One between the rims of the solid, as lids are made of, already so: a line ends before its middle. On rims normals lean by more than this cosine.
+const COARSE_LID: f32 = 1.5;
+const RIM: f64 = 0.8;
 /// Edges of coarse triangles are cut until they are not longer than this.
 const FINE: f32 = 0.8;
 /// Rounds at most: an edge is cut in so many powers of two.
@@ -34,8 +37,12 @@ pub(super) fn refined(skin: &Skin<'_>, mut radii: Vec<f32>) -> Option<Mesh> {
     let whole = skin.surface.mesh();
     let mut positions = whole.positions.clone();
     let faces = skin.surface.triangles().map(|(_, face)| face);
-    let (mut coarse, mut fine): (Vec<[u32; 3]>, Vec<[u32; 3]>) =
-        faces.partition(|face| edges(*face).any(|edge| is_long(&positions, &radii, edge, COARSE)));
+    let is_lid = |face: &[u32; 3]| face.iter().all(|one| skin.leans[*one as usize] < RIM);
+    let is_coarse = |face: &[u32; 3]| {
+        let most = if is_lid(face) { COARSE_LID } else { COARSE };
+        edges(*face).any(|edge| is_long(&positions, &radii, edge, most))
+    };
+    let (mut coarse, mut fine): (Vec<[u32; 3]>, Vec<[u32; 3]>) = faces.partition(is_coarse);
     if coarse.is_empty() {
         return None;
     }

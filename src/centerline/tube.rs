@@ -50,7 +50,8 @@ const MEDIANS_OF_RADIUS: f64 = 2.0;
 const ROUNDS_OF_RADIUS: usize = 3;
 /// It is found when a round changes it by less than this part.
 const SETTLED: f64 = 1e-4;
-const TOLERANCE_LEAST: f64 = 0.012;
+const LEAST: f64 = 0.012;
+const LEAST_OF_MIDDLES: f64 = 0.05;
 /// Half the length of a fit's window, in radii; following looks ahead less far. What is around it by this is gathered, too: fits move.
 const WINDOW: f64 = 0.65;
 const AHEAD: f64 = 0.4;
@@ -76,7 +77,7 @@ const FITS_LEAST: f64 = 0.45;
 const FEWEST: usize = 20;
 /// Fewer vertices to a radius of a window are few: there the middles of triangles count, too, for half as much as vertices. (Where a mesh was made coarse
 /// by quadric errors, as most are, its vertices are outside of what it stands for by half as much as its triangles' middles are inside.)
-const DENSE: f64 = 31.0;
+const DENSE: f64 = 18.0;
 const MIDDLES: f64 = 0.5;
 /// Points that are enough.
 const ENOUGH: usize = 256;
@@ -159,7 +160,7 @@ fn fit_in(
     let mut tube = *guess;
     let mut median = f64::INFINITY;
     for most in rounds {
-        let tolerance = (MEDIANS * median).clamp(TOLERANCE_LEAST, *most);
+        let tolerance = (MEDIANS * median).clamp(round.least.min(*most), *most);
         median = round.improve(&mut tube, tolerance, scratch, None)?;
         let is_near = tube.point.distance(guess.point) < 1.2 * guess.radius;
         if !(is_near && tube.radius > 0.3 * guess.radius && tube.radius < 2.5 * guess.radius) {
@@ -168,7 +169,7 @@ fn fit_in(
     }
     let mut narrow = tube;
     for _ in 0..ROUNDS_OF_RADIUS {
-        let tolerance = (MEDIANS_OF_RADIUS * median).clamp(TOLERANCE_LEAST, 0.08);
+        let tolerance = (MEDIANS_OF_RADIUS * median).clamp(round.least, 0.08);
         let last = narrow.radius;
         median = round.improve(&mut narrow, tolerance, scratch, None)?;
         if (narrow.radius - last).abs() < SETTLED * last {
@@ -189,7 +190,7 @@ pub(super) fn follow(
     let mut tube = *expected;
     let mut median = f64::INFINITY;
     for most in FOLLOWED {
-        let tolerance = (MEDIANS * median).clamp(TOLERANCE_LEAST, most);
+        let tolerance = (MEDIANS * median).clamp(round.least.min(most), most);
         median = round.improve(&mut tube, tolerance, scratch, Some(expected))?;
     }
     (tube.fits > FITS_LEAST).then_some(tube)
@@ -201,6 +202,8 @@ struct Round {
     window: [f64; 2],
     /// What lengths are measured in.
     unit: f64,
+    /// The deviation up to which a point counts at least, in radii.
+    least: f64,
 }
 
 impl Round {
@@ -234,6 +237,11 @@ impl Round {
         Self {
             window: [-behind * unit, ahead * unit],
             unit,
+            // Vertices and middles lie on two tubes, and both are to count.
+            least: match scratch.iter().any(|point| point.is_middle) {
+                true => LEAST_OF_MIDDLES,
+                false => LEAST,
+            },
         }
     }
 

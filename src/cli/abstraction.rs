@@ -166,7 +166,6 @@ fn screen(name: &str, fit: &Fit, seconds: f64) -> String {
     };
     let matching = |one: &Candidate| one.differences.iter().filter(|one| one.matches()).count();
     let (matches, of) = (matching(best), best.differences.len());
-    let ruled = matching(&fit.by_rules);
     let mut line = |said: String| {
         let _ = writeln!(text, "{said}"); // Writing into a string cannot fail.
     };
@@ -174,15 +173,21 @@ fn screen(name: &str, fit: &Fit, seconds: f64) -> String {
         "{name}: {} trees drawn in {seconds:.1} s; the best, of seed {}, has {matches} of {of} numbers as the model has them (distance {:.4})",
         fit.candidates, best.params.seed, best.distance
     ));
-    line(format!(
-        "the source's own rules have {ruled} of them, in the middle one of their trees (distance {:.4})\n",
-        fit.by_rules.distance
-    ));
+    let ruled = fit.by_rules.as_ref();
+    line(match ruled {
+        Some(ruled) => format!(
+            "the source's own rules have {} of them, in the middle one of their trees (distance {:.4})\n",
+            matching(ruled),
+            ruled.distance
+        ),
+        None => "the source's own rules make trees without bounds of it\n".to_owned(),
+    });
     line(format!(
         "{:<30}{:>11}{:>11}{:>9}   {:>11}",
         "", "model", "best", "off by", "by rules"
     ));
-    for (one, ruled) in best.differences.iter().zip(&fit.by_rules.differences) {
+    for (place, one) in best.differences.iter().enumerate() {
+        let ruled = ruled.and_then(|ruled| ruled.differences.get(place));
         line(format!(
             "{:<30}{:>11}{:>11}{:>8.1}% {} {:>11}",
             one.name,
@@ -190,7 +195,7 @@ fn screen(name: &str, fit: &Fit, seconds: f64) -> String {
             Rounded(one.got).to_string(),
             100.0 * one.relative,
             if one.matches() { ' ' } else { '!' },
-            Rounded(ruled.got).to_string(),
+            ruled.map_or("–".to_owned(), |one| Rounded(one.got).to_string()),
         ));
     }
     line(format!("{:<30}{:>11}{:>11}", "segments", "", best.segments));

@@ -111,9 +111,6 @@ impl Table {
                 };
                 page.counts(ui);
                 self.unreached(ui, view, &page);
-                if lines.analysis.model.open_ends > 0 {
-                    ui.checkbox(&mut look.caps, words.caps);
-                }
                 if look.bridge.is_some() || !lines.centerline.unreached.is_empty() {
                     gaps(ui, view, words, model, &mut look);
                 }
@@ -122,6 +119,9 @@ impl Table {
                 page.path(ui);
                 ui.separator();
                 coloured_by(ui, words, &mut look);
+                if lines.analysis.model.open_ends > 0 {
+                    ui.checkbox(&mut look.caps, words.caps);
+                }
                 legend(ui, shading, words, model.unit);
                 self.bars(ui, &page, look.by);
                 ui.separator();
