@@ -4,8 +4,7 @@
 //! junctions it has, and of what degree. These are drawn and adapted (population Monte Carlo; Cappé, Guillin, Marin and Robert 2004): half of
 //! each round's candidates near those that were good, half anywhere. Lengths, radii and angles of the same seed change evenly with their
 //! parameters, since what is drawn stays the same: so for each candidate with the right number of tips they are solved for, by Gauss's and Newton's method,
-//! damped. (Drawing them as well, as the source's authors did by hand, needs all of a table's ten numbers to come out right by chance: of
-//! 20,000 draws of the duct none does.)
+//! damped.
 //!
 //! Rounds are worked out in parallel and looked at in order, so one seed gives one result for any number of threads.
 

@@ -52,21 +52,6 @@ pub(super) fn grow_up(
     drawn(&grammar, &string, params, limits, cancel).map(Some)
 }
 
-/// The tree of a grammar of these parameters after some iterations; that of iteration k of a longer run is that of a run of k.
-///
-/// # Errors
-/// A tree beyond `limits`, or `cancel` being set.
-pub fn grown(
-    grammar: &Grammar,
-    params: &Params,
-    iteration: u32,
-    limits: &Limits,
-    cancel: &AtomicBool,
-) -> Result<Tree, AbstractionError> {
-    let string = grammar.derive(iteration, limits, cancel)?;
-    drawn(grammar, &string, params, limits, cancel)
-}
-
 fn drawn(
     grammar: &Grammar,
     string: &ModuleString,

@@ -16,7 +16,7 @@ pub struct Params {
     pub bifurcation_probability: f64,
     /// How likely a fork has three branches, 0 to 1. Not of the source.
     pub trifurcation_probability: f64,
-    /// Sides of the cylinders that are drawn, from 3.
+    /// Sides of the cylinders, from 3, for whoever draws them: a grammar has none.
     pub radial_segments: u32,
     /// How many iterations a centerline may be long, in the mean.
     pub iterations: f64,

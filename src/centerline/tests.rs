@@ -213,6 +213,23 @@ fn what_cannot_be_done_is_said_in_one_sentence() {
 }
 
 #[test]
+fn more_triangles_than_there_may_be_are_refused() {
+    let mut mesh = tube(4, 5);
+    // They are of vertices that are not there, and so cost nothing but their room.
+    mesh.triangles.resize(TRIANGLES_MOST + 1, [NONE; 3]);
+    let error = found(mesh, &of_tube(4.0), &Params::default()).unwrap_err();
+    let most = TRIANGLES_MOST;
+    assert_eq!(
+        error,
+        CenterlineError::TooLarge {
+            triangles: most + 1,
+            most
+        }
+    );
+    assert!(error.to_string().contains("20000000"), "{error}");
+}
+
+#[test]
 fn a_ball_is_no_tube_but_has_a_middle() {
     let ends = [(Kind::Source, DVec3::Z), (Kind::Target, -DVec3::Z)];
     let error = found(sphere(4), &ends, &Params::default()).unwrap_err();

@@ -76,7 +76,7 @@ const FITS_LEAST: f64 = 0.45;
 /// Fewest vertices of a fit.
 const FEWEST: usize = 20;
 /// Fewer vertices to a radius of a window are few: there the middles of triangles count, too, for half as much as vertices. (Where a mesh was made coarse
-/// by quadric errors, as most are, its vertices are outside of what it stands for by half as much as its triangles' middles are inside.)
+/// by quadric errors, its vertices are outside of what it stands for by half as much as its triangles' middles are inside.)
 const DENSE: f64 = 18.0;
 const MIDDLES: f64 = 0.5;
 /// Points that are enough.
@@ -386,7 +386,7 @@ impl Classes {
     }
 }
 
-/// The sector that a direction is in. (By its angle, the arcus tangent took a twelfth of all the time.)
+/// The sector that a direction is in. (By its angle, the arcus tangent took a twentieth of all the time.)
 fn sector(x: f64, y: f64) -> usize {
     let (long, short) = (x.abs().max(y.abs()), x.abs().min(y.abs()));
     let from_axis = TANGENTS.iter().filter(|tangent| short > **tangent * long);
