@@ -154,7 +154,7 @@ pub fn fit(
     progress: &mut dyn FnMut(usize, usize, Option<&Candidate>),
 ) -> Result<Fit, AbstractionError> {
     let search = Search::new(target, params)?;
-    let by_rules = search.by_rules(cancel);
+    let mut by_rules = search.by_rules(cancel);
     let mut ranked: Vec<Candidate> = Vec::new();
     let mut elite: Vec<Form> = Vec::new();
     let mut done = 0;
@@ -191,6 +191,9 @@ pub fn fit(
         progress(done, params.candidates, ranked.first());
     }
     ranked.truncate(params.ranked);
+    for one in ranked.iter_mut().chain(&mut by_rules) {
+        search.measure(one, cancel);
+    }
     if ranked.is_empty() {
         return Err(if cancel.load(Ordering::Relaxed) {
             AbstractionError::Cancelled
@@ -302,7 +305,8 @@ impl<'a> Search<'a> {
     }
 
     fn candidate(&self, params: Params, tree: &Tree) -> Candidate {
-        let table = Table::of(&Measures::whole(tree));
+        // How branches bend is not compared.
+        let table = Table::of(&Measures::brief(tree));
         let differences = differences(self.target, &table);
         Candidate {
             params,
@@ -310,6 +314,13 @@ impl<'a> Search<'a> {
             distance: distance(&differences),
             differences,
             table,
+        }
+    }
+
+    /// Measures what else its table has.
+    fn measure(&self, candidate: &mut Candidate, cancel: &AtomicBool) {
+        if let Ok(tree) = grow(&candidate.params, &self.limits, cancel) {
+            candidate.table = Table::of(&Measures::whole(&tree));
         }
     }
 

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use serde::Serialize;
 
-use super::Children;
 use super::course::Course;
+use super::{Children, Detail};
 use crate::tree::{NO_PARENT, Tree};
 
 /// The radius along a branch.
@@ -74,6 +74,19 @@ impl Branch {
         self.length / self.chord - 1.0
     }
 
+    /// Measures how it bends.
+    fn bend(&mut self, tree: &Tree) {
+        let points: Vec<DVec3> = self
+            .nodes
+            .iter()
+            .map(|node| position(tree, *node))
+            .collect();
+        let course = Course::new(&points, self.radius.mean);
+        self.curvature = course.mean_curvature();
+        self.torsion = course.mean_torsion();
+        self.tangents = course.end_tangents();
+    }
+
     /// The first and the last node.
     pub fn ends(&self) -> [u32; 2] {
         [self.nodes.first(), self.nodes.last()].map(|node| node.copied().unwrap_or(NO_PARENT))
@@ -86,7 +99,7 @@ pub(super) fn position(tree: &Tree, node: u32) -> DVec3 {
 }
 
 /// The branches of a tree, each behind its parent.
-pub(super) fn branches(tree: &Tree, children: &Children) -> Vec<Branch> {
+pub(super) fn branches(tree: &Tree, children: &Children, detail: Detail) -> Vec<Branch> {
     let mut branches: Vec<Branch> = Vec::new();
     let roots = (0_u32..)
         .zip(&tree.parent)
@@ -108,7 +121,11 @@ pub(super) fn branches(tree: &Tree, children: &Children) -> Vec<Branch> {
                 nodes.push(at);
             }
             let number = branches.len();
-            branches.push(measured(tree, nodes, parent, children.of(at).is_empty()));
+            let mut branch = measured(tree, nodes, parent, children.of(at).is_empty());
+            if detail == Detail::Whole {
+                branch.bend(tree);
+            }
+            branches.push(branch);
             open.extend(
                 children
                     .of(at)
@@ -155,10 +172,6 @@ fn measured(tree: &Tree, nodes: Vec<u32>, parent: Option<usize>, is_tip: bool) -
         start: radii[0],
         end: radii[radii.len() - 1],
     };
-    let course = Course::new(&points, branch.radius.mean);
-    branch.curvature = course.mean_curvature();
-    branch.torsion = course.mean_torsion();
-    branch.tangents = course.end_tangents();
     branch.nodes = nodes;
     branch
 }

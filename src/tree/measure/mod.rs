@@ -55,17 +55,23 @@ impl Measures {
         let children = Children::new(tree);
         Self {
             vmtk: Split::new(tree, &children),
-            ..Self::of(tree, &children)
+            ..Self::of(tree, &children, Detail::Whole)
         }
     }
 
     /// The same of whole branches alone, without VMTK's, which takes a small part of the time.
     pub fn whole(tree: &Tree) -> Self {
-        Self::of(tree, &Children::new(tree))
+        Self::of(tree, &Children::new(tree), Detail::Whole)
     }
 
-    fn of(tree: &Tree, children: &Children) -> Self {
-        let mut branches = branch::branches(tree, children);
+    /// The same without how branches bend, for trees that are measured by the thousand: curvatures and torsions are none, directions at branches' ends and
+    /// what follows from them zero.
+    pub fn brief(tree: &Tree) -> Self {
+        Self::of(tree, &Children::new(tree), Detail::Brief)
+    }
+
+    fn of(tree: &Tree, children: &Children, detail: Detail) -> Self {
+        let mut branches = branch::branches(tree, children, detail);
         orders::number(&mut branches);
         let orders = orders::orders(&branches);
         let junctions = junction::junctions(tree, &branches);
@@ -87,6 +93,15 @@ impl Measures {
             .filter(|junction| junction.daughters.len() == 2)
             .count()
     }
+}
+
+/// How much of a branch is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Detail {
+    /// All of it.
+    Whole,
+    /// Not how it bends, which takes most of the time.
+    Brief,
 }
 
 /// The children of each node, in flat arrays.

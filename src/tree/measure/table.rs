@@ -150,7 +150,7 @@ fn stem(branches: &[Branch]) -> Option<usize> {
     (of_root.count() == 1).then_some(0)
 }
 
-/// Radii at equally spaced points of lines; `smallest` are their smallest radii, `total` is the length of all.
+/// How radii are spread at equally spaced points of lines; `smallest` are their smallest radii, `total` is the length of all.
 pub(super) fn point_radii<L: IntoIterator<Item = (DVec3, f64)>>(
     lines: impl IntoIterator<Item = L>,
     smallest: impl Iterator<Item = f64>,
@@ -161,7 +161,7 @@ pub(super) fn point_radii<L: IntoIterator<Item = (DVec3, f64)>>(
     if !(step.is_finite() && step > 0.0) {
         return Spread::default();
     }
-    let mut radii = Vec::new();
+    let mut runs = Vec::new();
     for line in lines {
         let (mut done, mut next) = (0.0, 0.0);
         let mut before: Option<(DVec3, f64)> = None;
@@ -170,17 +170,103 @@ pub(super) fn point_radii<L: IntoIterator<Item = (DVec3, f64)>>(
                 continue;
             };
             let length = start.distance(point);
-            while next <= done + length {
-                let part = if length > 0.0 {
-                    (next - done) / length
+            if next <= done + length {
+                let per_length = if length > 0.0 {
+                    (to - from) / length
                 } else {
                     0.0
                 };
-                radii.push(from + part * (to - from));
-                next += step;
+                let count = ((done + length - next) / step).floor() + 1.0;
+                runs.push(Run {
+                    first: from + (next - done) * per_length,
+                    rise: step * per_length,
+                    count,
+                });
+                next += count * step;
             }
             done += length;
         }
     }
-    spread(radii)
+    spread_of_runs(&runs)
+}
+
+/// Values in equal steps, as radii are between two nodes.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    first: f64,
+    rise: f64,
+    count: f64,
+}
+
+impl Run {
+    fn last(&self) -> f64 {
+        self.first + self.rise * (self.count - 1.0)
+    }
+}
+
+/// The spread of all values, by the sums of arithmetic series.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "some million at most"
+)]
+fn spread_of_runs(runs: &[Run]) -> Spread {
+    let is_finite = |run: &&Run| run.first.is_finite() && run.last().is_finite();
+    let runs: Vec<&Run> = runs.iter().filter(is_finite).collect();
+    let n: f64 = runs.iter().map(|run| run.count).sum();
+    if n == 0.0 {
+        return Spread::default();
+    }
+    let sum = |run: &&Run| run.count * f64::midpoint(run.first, run.last());
+    let mean = runs.iter().map(sum).sum::<f64>() / n;
+    let squares = |run: &&Run| {
+        let (count, from) = (run.count, run.first - mean);
+        let (once, twice) = (count - 1.0, 2.0 * count - 1.0);
+        count * (from * (from + run.rise * once) + run.rise * run.rise * once * twice / 6.0)
+    };
+    let variance = runs.iter().map(squares).sum::<f64>() / n;
+    let ends = || runs.iter().flat_map(|run| [run.first, run.last()]);
+    Spread {
+        n: n as usize,
+        mean,
+        std: variance.max(0.0).sqrt(),
+        min: ends().fold(f64::INFINITY, f64::min),
+        max: ends().fold(f64::NEG_INFINITY, f64::max),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "the case says it")]
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Against all values, one by one.
+        #[test]
+        fn runs_are_spread_as_their_values(runs in prop::collection::vec((-5.0..5.0_f64, -0.1..0.1_f64, 1..40_u32), 1..20)) {
+            let runs: Vec<Run> = runs
+                .into_iter()
+                .map(|(first, rise, count)| Run { first, rise, count: f64::from(count) })
+                .collect();
+            let mut values = Vec::new();
+            for run in &runs {
+                let mut place = 0.0;
+                while place < run.count {
+                    values.push(run.first + place * run.rise);
+                    place += 1.0;
+                }
+            }
+            let (found, expected) = (spread_of_runs(&runs), spread(values));
+            prop_assert_eq!(found.n, expected.n);
+            for (found, expected) in [
+                (found.mean, expected.mean),
+                (found.std, expected.std),
+                (found.min, expected.min),
+                (found.max, expected.max),
+            ] {
+                prop_assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+            }
+        }
+    }
 }
