@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
-use ramus::abstraction::{FitParams, Params, Table, fit, grow};
+use ramus::abstraction::{FitParams, Grower, Params, Table, fit};
 use ramus::lsystem::Limits;
 use rayon::prelude::*;
 
@@ -45,17 +45,15 @@ fn trees(bench: &mut Criterion) {
                 prune_intersections,
                 ..params.clone()
             };
+            let grower = Grower::new(&params).unwrap();
+            let segments = |grower: &mut Grower, seed| {
+                let tree = grower.tree(seed, &Limits::default(), &never).unwrap();
+                tree.segment_count()
+            };
             group.bench_function(format!("{name}_{what}"), |bench| {
                 bench.iter(|| {
-                    let segments = (0..TREES).into_par_iter().map(|seed| {
-                        let params = Params {
-                            seed,
-                            ..params.clone()
-                        };
-                        let tree = grow(&params, &Limits::default(), &never).unwrap();
-                        tree.segment_count()
-                    });
-                    segments.sum::<usize>()
+                    let trees = (0..TREES).into_par_iter();
+                    trees.map_init(|| grower.clone(), segments).sum::<usize>()
                 });
             });
         }

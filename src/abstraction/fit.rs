@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::difference::{Difference, differences, distance, weight};
 use super::error::AbstractionError;
-use super::grow::{grow, grow_up};
+use super::grow::{Grower, grow};
 use super::params::{ITERATIONS_MOST, Params};
 use super::rules;
 use super::table::Table;
@@ -285,16 +285,20 @@ impl<'a> Search<'a> {
 
     /// The middle one of trees by the source's rules.
     fn by_rules(&self, cancel: &AtomicBool) -> Option<Candidate> {
+        let grower = Grower::new(&self.rules).ok()?;
+        let ruled = |grower: &mut Grower, number| {
+            let seed = self.seed.wrapping_add(number) & SEEDS;
+            let tree = grower.tree(seed, &self.limits, cancel).ok()?;
+            let params = Params {
+                seed,
+                ..self.rules.clone()
+            };
+            Some(self.candidate(params, &tree))
+        };
         let mut all: Vec<Candidate> = (0..RULED)
             .into_par_iter()
-            .filter_map(|number| {
-                let params = Params {
-                    seed: self.seed.wrapping_add(number) & SEEDS,
-                    ..self.rules.clone()
-                };
-                let tree = grow(&params, &self.limits, cancel).ok()?;
-                Some(self.candidate(params, &tree))
-            })
+            .map_init(|| grower.clone(), ruled)
+            .flatten()
             .collect();
         all.sort_by(|a, b| {
             let by_seed = a.params.seed.cmp(&b.params.seed);
@@ -330,7 +334,10 @@ impl<'a> Search<'a> {
         let params = self.proposed(&mut random, elite);
         // Some tips die before they have grown: they are tips of the string alone.
         let most = self.tips + self.tips / 2 + 2;
-        let tree = grow_up(&params, most, &self.limits, cancel).ok()??;
+        let mut grower = Grower::new(&params).ok()?;
+        let tree = grower
+            .up_to(most, params.seed, &self.limits, cancel)
+            .ok()??;
         if tree.tips().len() != self.tips {
             return None;
         }

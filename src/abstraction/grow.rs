@@ -18,57 +18,100 @@ pub fn grow(
     limits: &Limits,
     cancel: &AtomicBool,
 ) -> Result<Tree, AbstractionError> {
-    let tree = grow_up(params, usize::MAX, limits, cancel)?;
-    Ok(tree.unwrap_or_default())
+    Grower::new(params)?.tree(params.seed, limits, cancel)
 }
 
-/// The same, and none as soon as there are more tips than so many.
-pub(super) fn grow_up(
-    params: &Params,
-    tips: usize,
-    limits: &Limits,
-    cancel: &AtomicBool,
-) -> Result<Option<Tree>, AbstractionError> {
-    let grammar = grammar(params)?;
-    let mut string = grammar.derive(0, limits, cancel)?;
-    for step in 1..=steps(params) {
-        let (mut live, mut dead) = (0, 0);
+/// What grows trees of some parameters, one for each seed. Their grammar is read once.
+#[derive(Clone, Debug)]
+pub struct Grower {
+    grammar: Grammar,
+    params: Params,
+}
+
+impl Grower {
+    /// Of parameters, whose seed does not matter.
+    ///
+    /// # Errors
+    /// A parameter beyond its limits.
+    pub fn new(params: &Params) -> Result<Self, AbstractionError> {
+        Ok(Self {
+            grammar: grammar(params)?,
+            params: params.clone(),
+        })
+    }
+
+    /// The tree of a seed after all of its iterations.
+    ///
+    /// # Errors
+    /// A tree beyond `limits`, or `cancel` being set.
+    pub fn tree(
+        &mut self,
+        seed: u64,
+        limits: &Limits,
+        cancel: &AtomicBool,
+    ) -> Result<Tree, AbstractionError> {
+        let tree = self.up_to(usize::MAX, seed, limits, cancel)?;
+        Ok(tree.unwrap_or_default())
+    }
+
+    /// The same, and none as soon as there are more tips than so many.
+    pub(super) fn up_to(
+        &mut self,
+        tips: usize,
+        seed: u64,
+        limits: &Limits,
+        cancel: &AtomicBool,
+    ) -> Result<Option<Tree>, AbstractionError> {
+        self.grammar.set_seed(seed);
+        let mut string = self.grammar.derive(0, limits, cancel)?;
+        for step in 1..=steps(&self.params) {
+            let [live, dead] = self.tips(&string);
+            if live + dead > tips {
+                return Ok(None);
+            }
+            // What else there is thickens in every iteration.
+            if live == 0 && self.params.radial_increment == 0.0 {
+                break;
+            }
+            string = self.grammar.derive_next(&string, step, limits, cancel)?;
+        }
+        self.drawn(&string, limits, cancel).map(Some)
+    }
+
+    /// How many live and dead tips a string has.
+    fn tips(&self, string: &ModuleString) -> [usize; 2] {
+        let mut counts = [0; 2];
         for symbol in string.symbols() {
-            match grammar.name(symbol) {
-                "B" => live += 1,
-                "D" => dead += 1,
+            match self.grammar.name(symbol) {
+                "B" => counts[0] += 1,
+                "D" => counts[1] += 1,
                 _ => {}
             }
         }
-        if live + dead > tips {
-            return Ok(None);
-        }
-        // What else there is thickens in every iteration.
-        if live == 0 && params.radial_increment == 0.0 {
-            break;
-        }
-        string = grammar.derive_next(&string, step, limits, cancel)?;
+        counts
     }
-    drawn(&grammar, &string, params, limits, cancel).map(Some)
-}
 
-fn drawn(
-    grammar: &Grammar,
-    string: &ModuleString,
-    params: &Params,
-    limits: &Limits,
-    cancel: &AtomicBool,
-) -> Result<Tree, AbstractionError> {
-    let turtle = TurtleParams {
-        limits: *limits,
-        ..TurtleParams::default()
-    };
-    let tree = interpret(grammar, string, &turtle, cancel)?;
-    let (intersections, ellipsoid) = (params.prune_intersections, params.bounding_ellipsoid);
-    if intersections || ellipsoid.is_some() {
-        return Ok(pruned(&tree, intersections, ellipsoid));
+    fn drawn(
+        &self,
+        string: &ModuleString,
+        limits: &Limits,
+        cancel: &AtomicBool,
+    ) -> Result<Tree, AbstractionError> {
+        let turtle = TurtleParams {
+            limits: *limits,
+            ..TurtleParams::default()
+        };
+        let tree = interpret(&self.grammar, string, &turtle, cancel)?;
+        let Params {
+            prune_intersections,
+            bounding_ellipsoid,
+            ..
+        } = self.params;
+        if prune_intersections || bounding_ellipsoid.is_some() {
+            return Ok(pruned(&tree, prune_intersections, bounding_ellipsoid));
+        }
+        Ok(tree)
     }
-    Ok(tree)
 }
 
 /// The same tree to look at: tips are drawn pointed, as twigs are, so each gets a node a radius before it, and is as thick as it is up to there.

@@ -23,7 +23,7 @@ pub use difference::{Difference, OF_DEVIATIONS, OF_MEANS, differences, distance}
 pub use error::AbstractionError;
 pub use fit::{Candidate, Fit, FitParams, fit};
 pub use grammar::{grammar, steps, text};
-pub use grow::{blunt, grow};
+pub use grow::{Grower, blunt, grow};
 pub use params::{ITERATIONS_MOST, Params, STEM_MOST};
 pub use prune::pruned;
 pub use table::{Counts, FORMAT, MeanStd, Quantities, Table};

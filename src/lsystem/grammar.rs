@@ -579,6 +579,11 @@ impl Grammar {
         self
     }
 
+    /// Gives it another seed.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.seed = seed;
+    }
+
     /// The turn in degrees of `+ - & ^ \ /` without a parameter, where the file states it.
     #[must_use]
     pub fn angle(&self) -> Option<f64> {
