@@ -7,6 +7,7 @@
 )]
 
 mod panels {
+    mod abstraction;
     mod accidents;
     mod controllers;
     mod guide;

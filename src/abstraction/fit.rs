@@ -143,7 +143,7 @@ const NUMBERS: [Number; 8] = [
     ),
 ];
 
-/// Finds trees with a model's table. `progress` gets how many candidates are done, of how many, and the best so far.
+/// Finds trees with a model's table. `progress` gets how many candidates are done, of how many, and the best so far, the nearest first.
 ///
 /// # Errors
 /// A table that no tree of this kind can have. Where `cancel` is set what was found until then is given, if anything was.
@@ -151,14 +151,14 @@ pub fn fit(
     target: &Table,
     params: &FitParams,
     cancel: &AtomicBool,
-    progress: &mut dyn FnMut(usize, usize, Option<&Candidate>),
+    progress: &mut dyn FnMut(usize, usize, &[Candidate]),
 ) -> Result<Fit, AbstractionError> {
     let search = Search::new(target, params)?;
     let mut by_rules = search.by_rules(cancel);
     let mut ranked: Vec<Candidate> = Vec::new();
     let mut elite: Vec<Form> = Vec::new();
     let mut done = 0;
-    progress(0, params.candidates, None);
+    progress(0, params.candidates, &[]);
     while done < params.candidates && !cancel.load(Ordering::Relaxed) {
         let round = done..(done + ROUND).min(params.candidates);
         let mut drawn: Vec<(f64, Params)> = round
@@ -188,7 +188,7 @@ pub fn fit(
             .take(ELITE)
             .map(|one| Form::of(&one.params))
             .collect();
-        progress(done, params.candidates, ranked.first());
+        progress(done, params.candidates, &ranked);
     }
     ranked.truncate(params.ranked);
     for one in ranked.iter_mut().chain(&mut by_rules) {
@@ -336,7 +336,7 @@ impl<'a> Search<'a> {
         let most = self.tips + self.tips / 2 + 2;
         let mut grower = Grower::new(&params).ok()?;
         let tree = grower
-            .up_to(most, params.seed, &self.limits, cancel)
+            .up_to([usize::MAX, most], params.seed, &self.limits, cancel)
             .ok()??;
         if tree.tips().len() != self.tips {
             return None;

@@ -50,21 +50,35 @@ impl Grower {
         limits: &Limits,
         cancel: &AtomicBool,
     ) -> Result<Tree, AbstractionError> {
-        let tree = self.up_to(usize::MAX, seed, limits, cancel)?;
+        self.tree_at(steps(&self.params), seed, limits, cancel)
+    }
+
+    /// The tree of a seed after so many iterations: those of a longer run have it at that iteration, too.
+    ///
+    /// # Errors
+    /// As [`Self::tree`].
+    pub fn tree_at(
+        &mut self,
+        iterations: u32,
+        seed: u64,
+        limits: &Limits,
+        cancel: &AtomicBool,
+    ) -> Result<Tree, AbstractionError> {
+        let tree = self.up_to([iterations as usize, usize::MAX], seed, limits, cancel)?;
         Ok(tree.unwrap_or_default())
     }
 
     /// The same, and none as soon as there are more tips than so many.
     pub(super) fn up_to(
         &mut self,
-        tips: usize,
+        [iterations, tips]: [usize; 2],
         seed: u64,
         limits: &Limits,
         cancel: &AtomicBool,
     ) -> Result<Option<Tree>, AbstractionError> {
         self.grammar.set_seed(seed);
         let mut string = self.grammar.derive(0, limits, cancel)?;
-        for step in 1..=steps(&self.params) {
+        for step in (1..=steps(&self.params)).take(iterations) {
             let [live, dead] = self.tips(&string);
             if live + dead > tips {
                 return Ok(None);

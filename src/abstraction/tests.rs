@@ -414,7 +414,7 @@ fn the_published_tables_are_met() {
         };
         let mut told = Vec::new();
         let found = fit(&table, &params, &never(), &mut |done, of, best| {
-            told.push((done, of, best.map(|best| best.distance)));
+            told.push((done, of, best.first().map(|best| best.distance)));
         })
         .unwrap();
         let best = &found.ranked[0];
@@ -481,7 +481,7 @@ fn a_fit_that_is_stopped_gives_what_it_has() {
     };
     let cancel = AtomicBool::new(false);
     let found = fit(&table, &params, &cancel, &mut |_, _, best| {
-        cancel.store(best.is_some(), std::sync::atomic::Ordering::Relaxed);
+        cancel.store(!best.is_empty(), std::sync::atomic::Ordering::Relaxed);
     })
     .unwrap();
     assert!(found.stopped && !found.ranked.is_empty());

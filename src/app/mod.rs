@@ -5,6 +5,7 @@
 //!            session::run is the loop; album watches it; store keeps the project
 //! ```
 
+mod abstracting;
 pub mod again;
 pub mod album;
 pub mod analysis;

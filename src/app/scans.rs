@@ -18,7 +18,9 @@ use crate::mesh::report::{Component, ReportParams, report};
 use crate::mesh::surface::Surface;
 use crate::mesh::textured::{LayerLimits, Textured, moved};
 use crate::mesh::unit::{Scale, Unit};
-use crate::mesh::{Format, Mesh, ReadLimits, read};
+use crate::mesh::{self, Format, Mesh, ReadLimits, read, read_bytes};
+use crate::tree::export::Swc;
+use crate::world::likeness::Likeness;
 use crate::world::model::LoadedModel;
 use crate::world::scene::new_revision;
 
@@ -31,6 +33,8 @@ pub(super) struct Scan {
     pub(super) path: PathBuf,
     /// What is mended on it, in order.
     pub(super) mends: Vec<Mend>,
+    /// What grows in the place of the file, where something does.
+    pub(super) likeness: Option<Likeness>,
     /// Where to keep what takes long to work out, if somewhere.
     pub(super) cache: Option<PathBuf>,
     /// Whether it comes onto the stage when it is read; else it stands there and waits for its mesh.
@@ -134,7 +138,10 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
     let Scan { path, mends, .. } = scan;
     let [mending, reporting, crossing, building] = STAGES;
     progress.begin();
-    let model = read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?;
+    let model = match &scan.likeness {
+        Some(likeness) => grown(likeness, cancel)?,
+        None => read(path, &ReadLimits::default(), cancel).map_err(|error| error.to_string())?,
+    };
     let (stated, format) = (model.scale(), model.format);
     let stopped = || "the reading of the model was cancelled".to_owned();
     let (remarks, skeleton) = (model.remarks, model.skeleton);
@@ -193,6 +200,16 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
         z_up: stands_on_its_third_axis(format),
         model,
     })
+}
+
+/// A tree that grows, as the skeleton that it would be in a file.
+fn grown(likeness: &Likeness, cancel: &AtomicBool) -> Result<mesh::Model, String> {
+    let wrong = |why: &dyn std::fmt::Display| format!("the tree cannot grow: {why}");
+    let tree = likeness.shown(cancel).map_err(|error| wrong(&error))?;
+    let mut file = Vec::new();
+    let skeleton = Swc::new(&tree).map_err(|error| wrong(&error))?;
+    skeleton.write(&mut file).map_err(|error| wrong(&error))?;
+    read_bytes(&file, &ReadLimits::default(), cancel).map_err(|error| wrong(&error))
 }
 
 /// A model with the colours of its file; what is not shown of them is told.
@@ -328,6 +345,7 @@ pub(crate) mod tests {
             file: file.to_owned(),
             path: folder.path().join(file),
             mends: Vec::new(),
+            likeness: None,
             cache: None,
             comes,
         };
@@ -364,10 +382,10 @@ pub(crate) mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (kept, never) = (folder.path().join("kept"), AtomicBool::new(false));
         let picked = |mesh: &Arc<Mesh>| kept_picker(mesh, &kept, &never, &mut |_, _| ()).unwrap();
-        let small = Arc::new(crate::mesh::made::sphere(3));
+        let small = Arc::new(mesh::made::sphere(3));
         picked(&small);
         assert!(!folder.path().join("kept").exists(), "small ones need none");
-        let large = Arc::new(crate::mesh::made::torus(400, 130));
+        let large = Arc::new(mesh::made::torus(400, 130));
         let hit = |picker: &Picker| picker.ray(glam::Vec3::X * 9.0, glam::Vec3::NEG_X, 99.0);
         let first = hit(&picked(&large));
         let files = || {
@@ -397,6 +415,7 @@ pub(crate) mod tests {
             file: "neuron.swc".to_owned(),
             path,
             mends: Vec::new(),
+            likeness: None,
             cache: None,
             comes: true,
         };
@@ -415,6 +434,7 @@ pub(crate) mod tests {
             file: "point.obj".to_owned(),
             path,
             mends: Vec::new(),
+            likeness: None,
             cache: None,
             comes: true,
         };

@@ -5,10 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use crate::abstraction;
 use crate::app::worker::Worker;
-use crate::app::{centerlines, take_home};
+use crate::app::{centerlines, export, take_home};
 use crate::mesh::unit::Unit;
+use crate::tree::Organs;
+use crate::tree::file::write_atomically;
 use crate::world::document::Document;
+use crate::world::likeness::Likeness;
 use crate::world::lines::Lines;
 
 /// What is written.
@@ -18,6 +22,8 @@ pub(super) enum Taken {
     Tree(Document),
     /// A model's centerlines or, as `csv` and `json`, what is told of them, in its unit.
     Lines(Arc<Lines>, Unit),
+    /// A tree that grows on the stage or, as `lsys`, its grammar.
+    Likeness(Likeness),
 }
 
 /// Writes what was asked for.
@@ -131,12 +137,27 @@ fn write(what: &Taken, path: &Path) -> Result<PathBuf, String> {
         (Taken::Lines(lines, unit), "json") => {
             centerlines::write_analysis(&lines.analysis, *unit, path).map_err(Into::into)
         }
+        (Taken::Likeness(likeness), "lsys") => {
+            let text = abstraction::text(&likeness.params);
+            write_atomically(path, text.as_bytes()).map_err(Into::into)
+        }
+        (Taken::Likeness(likeness), ending) => write_likeness(likeness, ending, path),
         (Taken::Lines(lines, _), _) => {
             centerlines::write(&lines.centerline, path).map_err(Into::into)
         }
     };
     let wrong = |error: anyhow::Error| format!("{error:#}: {}", path.display());
     written.map(|()| path.to_owned()).map_err(wrong)
+}
+
+/// Writes a tree as far as it has grown: a skeleton as it is, anything else as it is looked at.
+fn write_likeness(likeness: &Likeness, ending: &str, path: &Path) -> anyhow::Result<()> {
+    let never = AtomicBool::new(false);
+    let tree = match ending {
+        "swc" => likeness.tree(&never)?,
+        _ => likeness.shown(&never)?,
+    };
+    Ok(export::drawing(&tree, &Organs::default(), path)?)
 }
 
 #[cfg(test)]

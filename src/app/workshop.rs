@@ -13,6 +13,7 @@ use std::sync::atomic::AtomicBool;
 use ramus_xr::profiles::Profile;
 use ramus_xr::{Frame, Hand, Pulse, View};
 
+use crate::app::abstracting::Abstracting;
 use crate::app::convert::{buttons, input_from_frame};
 use crate::app::finding::Finding;
 use crate::app::scans::Scans;
@@ -64,6 +65,7 @@ pub struct Workshop {
     scans: Scans,
     studies: Studies,
     finding: Finding,
+    abstracting: Abstracting,
     /// Time of the last frame.
     clock: Option<f64>,
     store: Option<Store>,
@@ -135,6 +137,7 @@ impl Workshop {
             scans: Scans::start()?,
             studies: Studies::start()?,
             finding: Finding::start()?,
+            abstracting: Abstracting::start()?,
             clock: None,
             world,
             store,
@@ -211,6 +214,7 @@ impl Workshop {
         if let Some(told) = self.takeaway.poll() {
             self.world.show_message(told);
         }
+        self.world.grow_likeness(passed);
     }
 
     fn carry_out(&mut self, wish: Wish) {
@@ -241,6 +245,7 @@ impl Workshop {
                 self.offer_models();
             }
             Wish::Line(wish) => self.do_with_lines(wish),
+            Wish::Abstraction(wish) => self.do_with_abstraction(wish),
             Wish::StopReading => self.stop_reading(),
             Wish::Teach(lesson) => world.teach(lesson),
         }
@@ -311,7 +316,7 @@ impl Workshop {
         self.save()?;
         // Trees that are on their way belong to this world, and the next one's wishes have the same numbers.
         let (worker, scans, studies) = (grow_worker()?, Scans::start()?, Studies::start()?);
-        let finding = Finding::start()?;
+        let (finding, abstracting) = (Finding::start()?, Abstracting::start()?);
         let opened = Store::open(project)?;
         if let Some(store) = self.store.replace(opened.store) {
             // Everything is in the file already; what is left is the journal's end.
@@ -323,7 +328,7 @@ impl Workshop {
         world.take_buttons(self.world.buttons().clone());
         self.world = world;
         (self.worker, self.scans, self.studies) = (worker, scans, studies);
-        self.finding = finding;
+        (self.finding, self.abstracting) = (finding, abstracting);
         self.growing = None;
         (self.grower, self.saved) = (Grower::default(), self.edits);
         self.offer_models();

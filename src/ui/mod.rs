@@ -8,6 +8,7 @@
 
 use egui::epaint::{ClippedPrimitive, textures::TexturesDelta};
 
+mod abstraction;
 mod bench;
 pub mod board;
 mod keyboard;
@@ -24,7 +25,7 @@ mod theme;
 pub mod words;
 
 pub use board::BoardUi;
-pub use panels::{LineWish, Panels, Recent, Settings, Thumbnail, View, Wish};
+pub use panels::{AbstractionWish, LineWish, Panels, Recent, Settings, Thumbnail, View, Wish};
 
 /// How densely boards are laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]

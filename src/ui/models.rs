@@ -3,6 +3,7 @@
 use egui::{Button, RichText, Ui};
 
 use super::{
+    abstraction::{self, Abstractions},
     lines::Table,
     marks::{Marks, legend},
     panels::{View, Wish},
@@ -26,6 +27,7 @@ pub(super) struct Models {
     part: Part,
     marks: Marks,
     lines: Table,
+    abstractions: Abstractions,
 }
 
 /// Parts of a model's page.
@@ -40,6 +42,8 @@ enum Part {
     Places,
     /// Centerlines.
     Lines,
+    /// As an L-system.
+    LSystem,
 }
 
 /// Size of headings.
@@ -73,14 +77,15 @@ impl Models {
             let mut models = document.models.to_vec();
             if !kept {
                 models.remove(self.chosen);
-                wishes.push(arrange(document, models, document.linked));
+                wishes.push(Wish::Edit(arrange(document, models, document.linked)));
             } else if changed != *model {
                 models[self.chosen] = changed;
-                wishes.push(arrange(document, models, document.linked));
+                wishes.push(Wish::Edit(arrange(document, models, document.linked)));
             }
             ui.separator();
         }
         self.bring(ui, words, wishes);
+        abstraction::plant(ui, words, wishes);
         // The last row: what comes and goes must not move what a hand is about to press.
         if let Some(reading) = view.world.reading() {
             ui.horizontal_wrapped(|ui| {
@@ -113,6 +118,7 @@ impl Models {
                 (Part::Mend, words.part_mend),
                 (Part::Places, words.part_places),
                 (Part::Lines, words.part_lines),
+                (Part::LSystem, words.part_lsystem),
             ] {
                 ui.selectable_value(&mut self.part, part, name);
             }
@@ -139,6 +145,10 @@ impl Models {
                 let on = (self.chosen, &mut *model);
                 self.lines.show(ui, view, words, on, wishes);
             }
+            Part::LSystem => {
+                let on = (self.chosen, &mut *model);
+                self.abstractions.show(ui, view, words, on, wishes);
+            }
         }
         ui.separator();
         !ui.button(words.take_away).clicked()
@@ -148,7 +158,12 @@ impl Models {
         self.chosen = self.chosen.min(document.models.len().saturating_sub(1));
         ui.horizontal_wrapped(|ui| {
             for (at, model) in document.models.iter().enumerate() {
-                let name = file_name(&model.file);
+                let name = match &model.likeness {
+                    None => file_name(&model.file).to_owned(),
+                    Some(likeness) => {
+                        format!("{} * {}", file_name(&model.file), likeness.params.seed)
+                    }
+                };
                 if ui.selectable_label(self.chosen == at, name).clicked() {
                     self.chosen = at;
                 }
@@ -177,12 +192,12 @@ impl Models {
     }
 }
 
-fn arrange(document: &Document, models: Vec<Model>, linked: bool) -> Wish {
-    Wish::Edit(Edit::Arrange {
+pub(super) fn arrange(document: &Document, models: Vec<Model>, linked: bool) -> Edit {
+    Edit::Arrange {
         models,
         platform: document.platform,
         linked,
-    })
+    }
 }
 
 fn file_name(file: &str) -> &str {
@@ -194,7 +209,11 @@ fn linked(ui: &mut Ui, view: &View<'_>, words: &Words, wishes: &mut Vec<Wish>) {
     let document = view.document;
     let mut linked = document.linked;
     if ui.checkbox(&mut linked, words.linked).changed() {
-        wishes.push(arrange(document, document.models.to_vec(), linked));
+        wishes.push(Wish::Edit(arrange(
+            document,
+            document.models.to_vec(),
+            linked,
+        )));
     }
 }
 

@@ -74,6 +74,23 @@ pub enum LineWish {
     Write(usize, &'static str),
 }
 
+/// What a person wants with models as L-systems; models are told by their numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AbstractionWish {
+    /// Look for trees like a model, with a seed.
+    Find(usize, u64),
+    /// Stop looking for those.
+    Stop(usize),
+    /// Stand the tree of this place in the list beside its model.
+    Stand(usize, usize),
+    /// Stand a tree of the preset with this number there.
+    Plant(usize),
+    /// Let a tree grow on by itself, or not.
+    Grow(usize, bool),
+    /// Write a tree beside the project as a file with this ending.
+    Write(usize, &'static str),
+}
+
 /// What a person wants; the application carries it out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
@@ -117,6 +134,8 @@ pub enum Wish {
     ReadEnds(usize, String),
     /// Do this with a model's centerlines.
     Line(LineWish),
+    /// Do this with models as L-systems.
+    Abstraction(AbstractionWish),
     /// Stop the reading of a model.
     StopReading,
     /// Look again which models lie beside the project, and try again those that could not be read.

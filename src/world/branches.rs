@@ -48,15 +48,15 @@ fn reach(model: &Model) -> Reach {
 }
 
 impl LineKey {
-    fn of(model: &Model) -> Self {
+    pub(super) fn of(model: &Model) -> Self {
         Self {
-            source: (model.file.clone(), model.mends.clone()),
+            source: Source::of(model),
             endpoints: Arc::clone(&model.endpoints),
             reach: reach(model),
         }
     }
 
-    fn is_of(&self, model: &Model) -> bool {
+    pub(super) fn is_of(&self, model: &Model) -> bool {
         let (one, other) = (&self.endpoints, &model.endpoints);
         let is_between = Arc::ptr_eq(one, other) || one == other;
         is_of(&self.source, model) && is_between && self.reach == reach(model)

@@ -9,7 +9,7 @@ use super::history::History;
 use super::hover::{self, HoverParams, Pointer};
 use super::marks::{Found, MOST_MEASURES, WayRequest, mark_radius, marked, with_endpoints};
 use super::model::{LoadedModel, Model};
-use super::models::is_of;
+use super::models::{Source, is_of};
 use super::scene::SurfaceLook;
 use super::settings::DrawTool;
 use super::tools::{Hand, Hold, Hover, Tools, pointer};
@@ -243,7 +243,7 @@ impl Tools {
     /// Has ends proposed for a model.
     pub(super) fn propose(&mut self, document: &Document, at: usize) {
         if let Some(model) = document.models.get(at) {
-            self.models.marks.asked = Some((model.file.clone(), model.mends.clone()));
+            self.models.marks.asked = Some(Source::of(model));
         }
     }
 
@@ -263,7 +263,7 @@ impl Tools {
         marks.asked.take_if(|source| is_of(source, model));
         marks.proposals.retain(|(source, _)| !is_of(source, model));
         if !proposals.is_empty() {
-            let source = (model.file.clone(), model.mends.clone());
+            let source = Source::of(model);
             marks.proposals.push((source, proposals));
         }
         self.models.changes += 1;

@@ -173,7 +173,7 @@ impl Marks {
                 self.next += 1;
                 self.measures.push(Measure {
                     id: self.next,
-                    source: (model.file.clone(), model.mends.clone()),
+                    source: Source::of(model),
                     what,
                     places: Vec::new(),
                     found: Found::Begun,

@@ -13,6 +13,7 @@ use glam::{Affine3A, Vec3};
 
 use crate::sketch::{Grown, Sketch};
 
+pub mod abstracting;
 pub mod board;
 pub mod branches;
 pub mod document;
@@ -29,6 +30,7 @@ pub mod hover;
 pub mod input;
 pub mod journal;
 pub mod lesson;
+pub mod likeness;
 pub mod lines;
 mod marking;
 pub mod marks;
@@ -398,8 +400,9 @@ impl World {
     }
 
     fn follow_history(&mut self) {
-        self.tools.models.keep(self.history.committed());
         self.tools.show(&self.history);
+        let seen = &self.tools.shown;
+        self.tools.models.keep([self.history.committed(), seen]);
         self.wish();
         self.compose();
     }

@@ -10,6 +10,7 @@ use glam::{Affine3A, DVec3, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::document::{PLACEMENT_BOUNDS, Placement};
+use super::likeness::Likeness;
 use super::lines::LineLook;
 use super::scene::{ModelLook, SurfaceLook, new_revision};
 use crate::centerline::analysis::ModelFacts;
@@ -91,6 +92,9 @@ pub struct Model {
     /// How its centerlines are seen; none where they are not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lines: Option<LineLook>,
+    /// What it grows from, where it is no scan but an L-system like that file's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub likeness: Option<Likeness>,
 }
 
 fn is_none(endpoints: &Arc<Vec<Endpoint>>) -> bool {
@@ -122,6 +126,9 @@ pub enum ModelError {
         "an endpoint needs a name of at most {NAME_MOST} bytes in one line, and finite coordinates"
     )]
     Endpoint,
+    /// A parameter of what it grows from is beyond its limits.
+    #[error("a model cannot grow so: its {0} is beyond the limits of that number")]
+    Likeness(&'static str),
     /// More than [`MOST_MODELS`].
     #[error("a project has at most {MOST_MODELS} models: remove one first")]
     TooMany,
@@ -150,6 +157,7 @@ impl Model {
             colouring: Colouring::default(),
             endpoints: Arc::default(),
             lines: None,
+            likeness: None,
         }
     }
 
@@ -190,7 +198,7 @@ impl Model {
         if !fits || !(0.0..=360.0).contains(&yaw_deg) || !(least..=most).contains(&scale) {
             return Err(ModelError::Place);
         }
-        Ok(())
+        self.likeness.as_ref().map_or(Ok(()), Likeness::validate)
     }
 
     /// What of it is to be seen.

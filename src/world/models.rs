@@ -7,12 +7,14 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, Vec4};
 
+use super::abstracting;
 use super::branches;
 use super::document::{Document, Edit, Placement};
 use super::grip::{GripParams, PlatformGrip};
 use super::history::History;
 use super::hover::{self, Pointer};
 use super::input::Pose;
+use super::likeness::Likeness;
 use super::marks::Marks;
 use super::model::{Colouring, LoadedModel, Model, SIDE_BOUNDS};
 use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene};
@@ -49,11 +51,26 @@ fn pedestal(stage: &StageParams) -> StageParams {
     }
 }
 
-/// A file and what is mended on it.
-pub(super) type Source = (String, Vec<Mend>);
+/// What a model's surface comes from: a file and what is mended on it, or what it grows from.
+#[derive(Clone, Debug)]
+pub(super) struct Source {
+    file: String,
+    mends: Vec<Mend>,
+    likeness: Option<Likeness>,
+}
 
-pub(super) fn is_of((file, mends): &Source, model: &Model) -> bool {
-    *file == model.file && *mends == model.mends
+impl Source {
+    pub(super) fn of(model: &Model) -> Self {
+        Self {
+            file: model.file.clone(),
+            mends: model.mends.clone(),
+            likeness: model.likeness.clone(),
+        }
+    }
+}
+
+pub(super) fn is_of(source: &Source, model: &Model) -> bool {
+    source.file == model.file && source.mends == model.mends && source.likeness == model.likeness
 }
 
 /// A model's colours by numbers, and what they mean.
@@ -134,6 +151,7 @@ pub(super) struct Models {
     pub(super) lamp: Option<Vec3>,
     pub(super) marks: Marks,
     pub(super) lines: branches::Store,
+    pub(super) abstractions: abstracting::Store,
     /// Colours by numbers that were worked out.
     painted: Vec<(Source, Colouring, Painting)>,
     grip: Option<(usize, PlatformGrip)>,
@@ -150,8 +168,7 @@ impl Models {
 
     pub(super) fn give(&mut self, model: &Model, found: Found) {
         self.found.retain(|(known, _)| !is_of(known, model));
-        let source = (model.file.clone(), model.mends.clone());
-        self.found.push((source, found));
+        self.found.push((Source::of(model), found));
         self.changes += 1;
     }
 
@@ -177,24 +194,30 @@ impl Models {
             Some(found) => found.as_ref().ok(),
             None => {
                 let before = self.found.iter().rev();
-                let mut same = before.filter(|((file, _), _)| *file == model.file);
+                let is_grown = model.likeness.is_some();
+                let mut same = before.filter(|(source, _)| {
+                    source.file == model.file && source.likeness.is_some() == is_grown
+                });
                 same.find_map(|(_, found)| found.as_ref().ok())
             }
         }
     }
 
-    /// Forgets the meshes that no model has any more; undo has them read again.
-    pub(super) fn keep(&mut self, document: &Document) {
-        let wanted = self.wanted(document).map(|model| model.file.clone());
+    /// Forgets the meshes that no model has any more, as it is kept or as it is seen; undo has them read again.
+    pub(super) fn keep(&mut self, documents: [&Document; 2]) {
+        let [committed, _] = documents;
+        let wanted = documents.into_iter().find_map(|one| self.wanted(one));
+        let wanted = wanted.map(|model| model.file.clone());
         let kept = |source: &Source| {
-            let mut models = document.models.iter();
-            wanted.as_ref() == Some(&source.0) || models.any(|model| is_of(source, model))
+            let mut models = documents.into_iter().flat_map(|one| one.models.iter());
+            wanted.as_ref() == Some(&source.file) || models.any(|model| is_of(source, model))
         };
         self.found.retain(|(source, _)| kept(source));
-        self.marks.keep(document);
-        self.lines.keep(document);
+        self.marks.keep(committed);
+        self.lines.keep(committed);
+        self.abstractions.keep(committed);
         self.painted.retain(|(source, by, _)| {
-            let mut models = document.models.iter();
+            let mut models = committed.models.iter();
             models.any(|model| is_of(source, model) && model.colouring == *by)
         });
     }
@@ -209,7 +232,7 @@ impl Models {
     }
 
     pub(super) fn paint(&mut self, model: &Model, painting: Painting) {
-        let source = (model.file.clone(), model.mends.clone());
+        let source = Source::of(model);
         self.painted.push((source, model.colouring, painting));
         self.changes += 1;
     }

@@ -16,7 +16,7 @@ impl World {
     /// A model on the stage that has not been read yet as it is to be; [`Self::give_model`] brings what became of it.
     #[must_use]
     pub fn wanted_model(&self) -> Option<&Model> {
-        self.tools.models.wanted(self.document())
+        self.tools.models.wanted(self.shown())
     }
 
     /// Gives what a model's file holds, mended as it is to be, or a sentence that says why not: its pedestal stays empty then.
@@ -25,7 +25,9 @@ impl World {
             self.show_message(why.clone());
         }
         self.tools.models.give(model, found.map(Arc::new));
-        self.tools.models.keep(self.history.committed());
+        self.tools
+            .models
+            .keep([self.history.committed(), &self.tools.shown]);
     }
 
     /// A model that is to be coloured by numbers, which nobody has worked out; [`Self::give_painting`] brings what became of it.
@@ -39,7 +41,9 @@ impl World {
     /// Gives a model's colours by numbers; they are dropped where it is to be coloured otherwise meanwhile.
     pub fn give_painting(&mut self, model: &Model, painting: Painting) {
         self.tools.models.paint(model, painting);
-        self.tools.models.keep(self.history.committed());
+        self.tools
+            .models
+            .keep([self.history.committed(), &self.tools.shown]);
     }
 
     /// What a model's colours by numbers mean, if they were worked out.

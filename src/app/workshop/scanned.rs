@@ -6,7 +6,7 @@ use super::{NO_PROJECT, Workshop};
 use crate::app::ends;
 use crate::app::scans::{Done, ENDINGS, Read, Scan, named, offered};
 use crate::app::takeaway::{Taken, free_name};
-use crate::ui::LineWish;
+use crate::ui::{AbstractionWish, LineWish};
 use crate::world::document::Edit;
 use crate::world::model::Model;
 use crate::world::scene::SurfaceLook;
@@ -41,6 +41,7 @@ impl Workshop {
             file,
             path,
             mends: Vec::new(),
+            likeness: None,
             cache: self.cache(),
             comes: true,
         };
@@ -94,6 +95,7 @@ impl Workshop {
             || self.world.wanted_model().is_some()
             || self.world.wanted_lines().is_some()
             || self.world.wanted_shading().is_some()
+            || self.world.wanted_abstraction().is_some()
     }
 
     /// Has the meshes read of models that stand on the stage, and brings those that were asked for. In a session that is recorded or played the frame
@@ -110,6 +112,7 @@ impl Workshop {
         }
         self.study(waits);
         self.find_lines(waits);
+        self.find_abstractions(waits);
         let reading = self.scans.reading();
         self.world.tell_reading(reading);
     }
@@ -140,6 +143,64 @@ impl Workshop {
             self.study(waits);
         }
         self.world.tell_finding(self.finding.now());
+    }
+
+    /// Has trees like models looked for, and shows how near they are; `waits`: all of them, now.
+    fn find_abstractions(&mut self, waits: bool) {
+        while self.abstracting.follow(&self.world)
+            && let Some((model, seed, found)) = if waits {
+                self.abstracting.wait()
+            } else {
+                self.abstracting.poll()
+            }
+        {
+            self.world.give_abstraction(&model, seed, found, true);
+        }
+        if let Some((model, seed, found)) = self.abstracting.so_far() {
+            self.world.give_abstraction(&model, seed, Ok(found), false);
+        }
+    }
+
+    /// Does what is wanted with abstractions.
+    pub(super) fn do_with_abstraction(&mut self, wish: AbstractionWish) {
+        let model = |at: usize| self.document().models.get(at).cloned();
+        match wish {
+            AbstractionWish::Find(at, seed) => self.world.abstract_model(at, seed),
+            AbstractionWish::Stop(at) => {
+                if let Some(model) = model(at) {
+                    self.world.stop_abstracting(&model);
+                }
+            }
+            AbstractionWish::Stand(at, place) => {
+                if let Err(error) = self.world.stand_beside(at, place) {
+                    self.world.show_message(error.to_string());
+                }
+            }
+            AbstractionWish::Plant(preset) => {
+                if let Err(error) = self.world.plant(preset) {
+                    self.world.show_message(error.to_string());
+                }
+            }
+            AbstractionWish::Grow(at, on) => self.world.grow_on(at, on),
+            AbstractionWish::Write(at, ending) => self.write_likeness(at, ending),
+        }
+    }
+
+    /// Writes a tree that grows on the stage beside the project, or its grammar, under a name that is free.
+    fn write_likeness(&mut self, at: usize, ending: &'static str) {
+        let Some(model) = self.document().models.get(at).cloned() else {
+            return;
+        };
+        let Some(likeness) = model.likeness else {
+            return;
+        };
+        let Some(project) = self.project() else {
+            return self.world.show_message(NO_PROJECT.into());
+        };
+        let stem = Path::new(&model.file).file_stem().unwrap_or_default();
+        let name = format!("{}-like.{ending}", stem.to_string_lossy());
+        let name = project.with_file_name(name);
+        self.take_away(Taken::Likeness(likeness), &name, ending);
     }
 
     /// Does what is wanted with centerlines.
@@ -192,6 +253,7 @@ impl Workshop {
         }
         self.study(true);
         self.find_lines(true);
+        self.find_abstractions(true);
         self.world.tell_reading(None);
         self.keep_journal();
     }
@@ -205,6 +267,7 @@ impl Workshop {
                 file: model.file.clone(),
                 path: self.path_of(&model.file),
                 mends: model.mends.clone(),
+                likeness: model.likeness.clone(),
                 cache: self.cache(),
                 comes: false,
             };
@@ -245,7 +308,10 @@ impl Workshop {
 
     fn take_scan(&mut self, (scan, read): Done) {
         let document = self.world.document();
-        let of = |model: &&Model| model.file == scan.file && model.mends == scan.mends;
+        let of = |model: &&Model| {
+            let is_same = model.file == scan.file && model.mends == scan.mends;
+            is_same && model.likeness == scan.likeness
+        };
         let stands = document.models.iter().find(of).cloned();
         let read = match (read, stands) {
             (Ok(read), _) if scan.comes => return self.come(scan.file, read),

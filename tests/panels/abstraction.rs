@@ -1,0 +1,222 @@
+//! A scanned model as an L-system: looked for while one watches, stood beside it, grown on and back, told other numbers, written.
+
+use std::path::Path;
+
+use glam::Vec3;
+use image::DynamicImage;
+use image::imageops::{FilterType, crop_imm, resize};
+use ramus::abstraction::OF_DEVIATIONS;
+use ramus::app::picture::Picture;
+use ramus::app::portrait;
+use ramus::app::store::Store;
+use ramus::app::workshop::{Workshop, WorkshopParams};
+use ramus::lsystem::Grammar;
+use ramus::world::abstracting::Search;
+use ramus::world::likeness::Likeness;
+use ramus::world::panels::PanelId;
+
+use super::guide::{compare, strip};
+use super::models::{press, vessel, visitor};
+use super::pictures::{draw, save, views};
+use super::visitor::{RIGHT, Visitor};
+
+fn search(visitor: &Visitor) -> &Search {
+    let model = &visitor.document().models[0];
+    visitor.workshop.world().abstraction(model).unwrap()
+}
+
+fn likeness(visitor: &Visitor, at: usize) -> Likeness {
+    visitor.document().models[at].likeness.clone().unwrap()
+}
+
+fn says(visitor: &Visitor, part: &str) -> bool {
+    let mut texts = visitor.workshop.texts(PanelId::Bench);
+    texts.any(|text| text.contains(part))
+}
+
+/// A press that waits for nothing.
+fn touch(visitor: &mut Visitor, text: &str) {
+    visitor.scroll_to(RIGHT, PanelId::Bench, text);
+    visitor.click(RIGHT, PanelId::Bench, text);
+}
+
+/// Somebody before a vessel's page as an L-system.
+fn before_a_vessel(folder: &Path) -> Visitor {
+    vessel(folder);
+    let mut visitor = visitor(folder);
+    for text in ["Models", "vessel.obj", "L-system"] {
+        press(&mut visitor, text);
+    }
+    visitor
+}
+
+/// What the tree on the stage has: segments and tips.
+fn parts(visitor: &Visitor, at: usize) -> [usize; 2] {
+    let model = &visitor.document().models[at];
+    let loaded = visitor.workshop.world().loaded_model(model).unwrap();
+    let skeleton = loaded.skeleton.as_ref().unwrap();
+    [skeleton.segment_count(), skeleton.tips().len()]
+}
+
+#[test]
+fn a_model_is_abstracted_and_the_tree_stands_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let gpu = portrait::open_gpu().unwrap();
+    let mut picture = Picture::offscreen(&gpu, 720, 720).unwrap();
+    let mut visitor = before_a_vessel(folder.path());
+    assert!(says(&visitor, "Its centerlines are found first."));
+    press(&mut visitor, "Find centerlines");
+
+    // It goes on beside the session, and stops where that is wanted; what was found until then stays.
+    touch(&mut visitor, "Abstract this");
+    assert!(search(&visitor).goes_on);
+    assert!(says(&visitor, "trees drawn: "));
+    while search(&visitor).found.is_none() {
+        visitor.frame();
+    }
+    touch(&mut visitor, "Cancel");
+    let stopped = search(&visitor).clone();
+    let found = stopped.found.unwrap().unwrap();
+    assert!(
+        !stopped.goes_on && found.drawn[0] < found.drawn[1],
+        "{:?}",
+        found.drawn
+    );
+
+    // Another seed, to its end.
+    press(&mut visitor, "Another one");
+    let search = search(&visitor).clone();
+    assert_eq!((search.seed, search.goes_on), (1, false));
+    let found = search.found.unwrap().unwrap();
+    assert_eq!(found.drawn, [20_000; 2]);
+    assert!(found.ranked.len() == 6 && found.by_rules.is_some());
+    let nearest_first = found
+        .ranked
+        .is_sorted_by(|a, b| a.0.distance <= b.0.distance);
+    assert!(nearest_first);
+    let best = &found.ranked[0].0;
+    let off =
+        |one: &&ramus::abstraction::Difference| !one.matches() && one.tolerance < OF_DEVIATIONS;
+    let off: Vec<_> = best.differences.iter().filter(off).collect();
+    assert!(off.is_empty(), "counts and means are the model's: {off:?}");
+    assert!(says(&visitor, "numbers as the model has them: "));
+
+    // It stands to the right, as large as the model is shown.
+    let edits = visitor.workshop.edits();
+    press(&mut visitor, "Stand it beside the model");
+    assert_eq!(visitor.workshop.edits(), edits + 1);
+    let models = visitor.document().models.clone();
+    assert_eq!(models.len(), 2);
+    assert_eq!(likeness(&visitor, 1).params, best.params.clone().into());
+    let apart = models[1].place.position - models[0].place.position;
+    assert!(
+        apart.x > 0.2 && apart.y.abs() < 1e-6 && apart.z.abs() < 1e-6,
+        "{apart}"
+    );
+    let magnified = |visitor: &Visitor, at: usize| {
+        let model = &visitor.document().models[at];
+        let loaded = visitor.workshop.world().loaded_model(model).unwrap();
+        loaded.magnification(model)
+    };
+    let [one, other] = [0, 1].map(|at| magnified(&visitor, at));
+    assert!((one / other - 1.0).abs() < 0.1, "{one} {other}");
+    assert_eq!(
+        parts(&visitor, 1)[1],
+        found.target.counts.centerlines.unwrap()
+    );
+    let middle = models[0].place.position + 0.5 * apart + Vec3::Y * 0.2;
+    let near = views(middle + Vec3::new(0.0, 0.1, 1.0), middle);
+    let seen = draw(&mut visitor, &mut picture, &near);
+    save(&seen, "abstraction-beside.png");
+    let half = crop_imm(&seen, 0, 0, seen.width() / 2, seen.height()).to_image();
+    let still = resize(&half, 480, 480, FilterType::Triangle);
+    compare(
+        "beside",
+        &strip(&[DynamicImage::ImageRgba8(still).to_rgb8()]),
+    );
+    assert_eq!(gpu.messages().count(), 0, "validation is silent");
+}
+
+#[test]
+fn a_tree_grows_on_and_back_and_by_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut visitor = visitor(folder.path());
+    for text in ["Models", "duct", "L-system"] {
+        press(&mut visitor, text);
+    }
+    let whole = parts(&visitor, 0);
+    assert_eq!(whole[1], 13, "the published duct's tips");
+    assert!(says(&visitor, "tips: 13"));
+    let last = f64::from(likeness(&visitor, 0).last());
+
+    // Back by a step, and on again.
+    press(&mut visitor, "Back");
+    assert_eq!(likeness(&visitor, 0).moment, Some(last - 1.0));
+    visitor.scroll_to(RIGHT, PanelId::Bench, "Back");
+    visitor.click_nth(RIGHT, PanelId::Bench, "Grow", 2);
+    visitor.workshop.finish_models();
+    assert_eq!(likeness(&visitor, 0).moment, None);
+    assert_eq!(parts(&visitor, 0), whole);
+
+    // By itself from the beginning to the end, which is one edit.
+    let edits = visitor.workshop.edits();
+    touch(&mut visitor, "Play");
+    let (mut moments, mut segments) = (Vec::new(), Vec::new());
+    while visitor.workshop.world().grows_on(0) {
+        visitor.workshop.finish_models();
+        visitor.frame();
+        visitor.frames.clear();
+        let shown = visitor.workshop.world().shown().models[0].clone();
+        moments.extend(shown.likeness.as_ref().unwrap().moment);
+        let loaded = visitor.workshop.world().loaded_model(&shown).unwrap();
+        segments.push(loaded.skeleton.as_ref().unwrap().segment_count());
+    }
+    visitor.workshop.finish_models();
+    assert!(
+        moments.is_sorted() && moments.len() > 50,
+        "{}",
+        moments.len()
+    );
+    assert!(
+        moments.iter().any(|moment| moment.fract() > 0.3),
+        "between steps, too"
+    );
+    segments.dedup();
+    assert!(segments.is_sorted() && segments.len() > 5, "{segments:?}");
+    assert_eq!(
+        (likeness(&visitor, 0).moment, parts(&visitor, 0)),
+        (None, whole)
+    );
+    assert!(visitor.workshop.edits() <= edits + 1);
+
+    // Another seed is another tree; undo brings the first one back.
+    let seed = likeness(&visitor, 0).params.seed;
+    press(&mut visitor, "Another one");
+    assert_eq!(likeness(&visitor, 0).params.seed, seed + 1);
+    press(&mut visitor, "nothing runs into the tree");
+    assert!(likeness(&visitor, 0).params.prune_intersections);
+    press(&mut visitor, "nothing leaves an ellipsoid");
+    let within = likeness(&visitor, 0).params.bounding_ellipsoid;
+    assert!(within.is_some_and(|radii| radii.iter().all(|radius| *radius > 0.0)));
+    assert!(parts(&visitor, 0)[0] < 200);
+
+    // It is written as a grammar that grows the same, and as files for others.
+    for ending in ["LSYS", "GLB", "OBJ", "SWC"] {
+        press(&mut visitor, ending);
+        visitor.workshop.finish_tree();
+        let file = format!("duct-like-1.{}", ending.to_lowercase());
+        let bytes = std::fs::read(folder.path().join(&file)).unwrap();
+        assert!(bytes.len() > 200, "{file}");
+    }
+    let text = std::fs::read_to_string(folder.path().join("duct-like-1.lsys")).unwrap();
+    assert_eq!(Grammar::parse(&text, "duct.lsys").unwrap().seed(), seed + 1);
+
+    // The project keeps it.
+    let kept = visitor.document().models.clone();
+    visitor.workshop.close().unwrap();
+    let opened = Store::open(&folder.path().join("a.ramus")).unwrap();
+    let mut again = Workshop::new(opened, WorkshopParams::default()).unwrap();
+    assert_eq!(again.document().models, kept);
+    again.finish_models();
+    assert_eq!(again.scene().models.len(), 1);
+}
