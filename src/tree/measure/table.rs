@@ -102,21 +102,10 @@ pub(super) fn table(tree: &Tree, branches: &[Branch], junctions: &[Junction]) ->
         .iter()
         .zip(&to_end)
         .filter(|(branch, _)| branch.is_tip);
-    let lines = branches.iter().map(|branch| {
-        let nodes = branch.nodes.iter();
-        nodes.map(|node| {
-            (
-                position(tree, *node),
-                f64::from(tree.radius[*node as usize]),
-            )
-        })
-    });
-    let smallest = branches.iter().map(|branch| branch.radius.min);
-    let total = branches.iter().map(|branch| branch.length).sum();
     Parts {
         lengths: branches.iter().map(|branch| branch.length).collect(),
         tangents: branches.iter().map(|branch| branch.tangents).collect(),
-        point_radius: point_radii(lines, smallest, total),
+        point_radius: spread(point_radius_of(tree, branches)),
         centerline_length: spread(tips.map(|(_, length)| *length)),
         stem: stem(branches),
         angles: spread(junctions.iter().flat_map(|one| one.angles.iter().copied())),
@@ -150,16 +139,47 @@ fn stem(branches: &[Branch]) -> Option<usize> {
     (of_root.count() == 1).then_some(0)
 }
 
-/// Radii at equally spaced points of lines; `smallest` are their smallest radii, `total` is the length of all.
+/// The spread of radii at equally spaced points of lines; `smallest` are their smallest radii, `total` is the length of all.
 pub(super) fn point_radii<L: IntoIterator<Item = (DVec3, f64)>>(
     lines: impl IntoIterator<Item = L>,
     smallest: impl Iterator<Item = f64>,
     total: f64,
 ) -> Spread {
+    spread(point_radius_values(lines, smallest, total))
+}
+
+/// The radii behind [`Table::point_radius`], of a tree's whole branches.
+pub fn point_radius_of(tree: &Tree, branches: &[Branch]) -> Vec<f64> {
+    let smallest = branches.iter().map(|branch| branch.radius.min);
+    let total = branches.iter().map(|branch| branch.length).sum();
+    point_radius_values(lines(tree, branches), smallest, total)
+}
+
+/// Places and radii along each branch.
+fn lines(
+    tree: &Tree,
+    branches: &[Branch],
+) -> impl Iterator<Item = impl Iterator<Item = (DVec3, f64)>> {
+    branches.iter().map(|branch| {
+        let nodes = branch.nodes.iter();
+        nodes.map(|node| {
+            (
+                position(tree, *node),
+                f64::from(tree.radius[*node as usize]),
+            )
+        })
+    })
+}
+
+fn point_radius_values<L: IntoIterator<Item = (DVec3, f64)>>(
+    lines: impl IntoIterator<Item = L>,
+    smallest: impl Iterator<Item = f64>,
+    total: f64,
+) -> Vec<f64> {
     let smallest = smallest.filter(|radius| *radius > 0.0);
     let step = (smallest.fold(f64::INFINITY, f64::min) / PER_RADIUS).max(total / POINTS_MOST);
     if !(step.is_finite() && step > 0.0) {
-        return Spread::default();
+        return Vec::new();
     }
     let mut radii = Vec::new();
     for line in lines {
@@ -182,5 +202,5 @@ pub(super) fn point_radii<L: IntoIterator<Item = (DVec3, f64)>>(
             done += length;
         }
     }
-    spread(radii)
+    radii
 }
