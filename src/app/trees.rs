@@ -110,9 +110,7 @@ pub fn of_grammar(text: &str, name: &str) -> Result<Held> {
     let grammar = Grammar::parse(text, name).map_err(|errors| anyhow!("{errors}"))?;
     let steps = grammar.steps();
     let steps = steps.ok_or_else(|| {
-        anyhow!(
-            "{name} states no number of steps: write one into it, as `derivation length: 5` does"
-        )
+        anyhow!("{name} states no number of steps: write one into it, such as `steps 5`")
     })?;
     // An eighth of what is free is left to everybody else.
     let room = memory::room().map_or(u64::MAX, |room| room / 8 * 7);

@@ -130,7 +130,7 @@ fn verdicts_are_what_a_person_would_say() {
         (
             "wide.swc",
             "different",
-            "bifurcation angle larger in the second",
+            "bifurcation angle is larger in the second",
         ),
         ("large.swc", "different", "31 and 127 branches"),
     ] {
@@ -160,9 +160,9 @@ fn the_same_tree_is_no_distance_away_and_a_scaled_one_only_in_size() {
     }
     let scaled = &told(&[&one, &twice])["pairs"][0];
     assert!((number(&scaled["scale"]) - 2.0).abs() < 1e-5);
-    // Each bar is as long again: the distance is the length of the first.
+    // As they are, most bars of the second are beyond all of the first.
     let path = &scaled["topology"]["tmd"]["path"];
-    assert!((number(&path["share"]) - 1.0 / 3.0).abs() < 1e-3, "{path}");
+    assert!(number(&path["share"]) > 0.5, "{path}");
     assert!(number(&path["scale_free"]["share"]) < 1e-5);
     for (name, power) in [
         ("total_length", 1),
@@ -291,31 +291,28 @@ fn grammars_sketches_and_surfaces_are_compared_as_trees() {
             .arg("--project")
             .arg(&project),
     );
-    let told = told(&[&project, &grammar]);
-    assert_eq!(told["trees"][0]["kind"], "project");
-    assert_eq!(told["trees"][1]["kind"], "grammar");
-    assert_eq!(told["pairs"][0]["verdict"]["kind"], "different");
-    // A surface made around a skeleton, against that skeleton.
-    let skeleton = write(folder.path(), "fork.swc", &tree(1.0, 40.0));
-    let surface = folder.path().join("fork.stl");
-    let fork = "\
-        lsystem 1\n\
-        derivation length: 0\n\
-        Axiom: !(8)F(60)[+(40)F(50)][-(40)F(50)]\n";
-    let fork = write(folder.path(), "fork.lsys", fork);
-    let made = ramus()
-        .arg("derive")
-        .arg(&fork)
-        .arg("--export")
-        .arg(folder.path().join("fork.obj"))
-        .output()
-        .unwrap();
-    if made.status.success() {
-        let (good, _, said) = output(&mut compare(&[&folder.path().join("fork.obj"), &skeleton]));
-        // Whatever is found of it, it is told in a sentence.
-        assert!(good || said.starts_with("ramus: "), "{said}");
+    let both = told(&[&project, &grammar]);
+    assert_eq!(both["trees"][0]["kind"], "project");
+    assert_eq!(both["trees"][1]["kind"], "grammar");
+    assert_eq!(both["pairs"][0]["verdict"]["kind"], "different");
+    // A surface, and the centerline that was found of it.
+    let surface = write(folder.path(), "tube.obj", &analyze::tube());
+    let [swc, vtp] = ["line.swc", "line.vtp"].map(|name| folder.path().join(name));
+    for line in [&swc, &vtp] {
+        succeed(
+            ramus()
+                .arg("analyze")
+                .arg(&surface)
+                .arg("--export")
+                .arg(line),
+        );
     }
-    assert!(!surface.exists());
+    for line in [&swc, &vtp] {
+        let found = verdict(&[&surface, line]);
+        assert_eq!(found.0, "same", "{found:?}");
+        assert!(found.1.contains("at the same place"), "{found:?}");
+    }
+    assert_eq!(told(&[&surface, &swc])["trees"][0]["kind"], "model");
 }
 
 #[test]
@@ -369,11 +366,8 @@ fn what_cannot_be_compared_is_said_in_a_sentence() {
     let point = at("point.swc", "1 1 0 0 0 1 -1\n");
     let nan = at("nan.swc", "1 1 0 0 0 1 -1\n2 1 NaN 0 0 1 1\n");
     let table = at("table.json", "{\"format\": \"ramus-table/1\"}");
-    let blank = at(
-        "blank.lsys",
-        "lsystem 1\nderivation length: 1\nAxiom: A\nA --> A\n",
-    );
-    let endless = at("endless.lsys", "lsystem 1\nAxiom: F\nF --> FF\n");
+    let blank = at("blank.lsys", "steps 1\naxiom A\nA -> A\n");
+    let endless = at("endless.lsys", "axiom F\nF -> FF\n");
     let notes = at("notes.txt", "a tree");
     let broken = at("broken.ramus", "{");
     for (file, part) in [

@@ -25,8 +25,11 @@ pub(super) fn colour(tree: usize) -> &'static str {
 /// A curve: where it is, 0 to 1, and how high, in parts of the same for all of a plot.
 pub(super) type Curve = Vec<[f64; 2]>;
 
+/// Places along an axis, and what stands there.
+pub(super) type Marks = Vec<(f64, String)>;
+
 /// How a quantity is spread in each tree: curves of the same area, from 0 to 1 high, with marks at places along.
-pub(super) fn curves(trees: &[Studied], sample: usize) -> Option<(Vec<Curve>, Vec<(f64, String)>)> {
+pub(super) fn curves(trees: &[Studied], sample: usize) -> Option<(Vec<Curve>, Marks)> {
     let values = |tree: &Studied| tree.samples[sample].values.clone();
     let all: Vec<Vec<f64>> = trees.iter().map(values).collect();
     let axis = axis(trees, sample)?;

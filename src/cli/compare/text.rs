@@ -51,7 +51,8 @@ pub(super) fn screen(about: &[About], trees: &[Studied], pairs: &[Pair]) -> Stri
     if about.len() > 2 {
         matrix(&mut text, about, pairs);
     }
-    text
+    let lines = text.lines().map(str::trim_end);
+    lines.flat_map(|line| [line, "\n"]).collect()
 }
 
 fn short(name: &str) -> String {
@@ -105,9 +106,6 @@ fn numbers(text: &mut String, about: &[About], trees: &[Studied], to_first: &[&P
                 format!("{} {mark}", percent(difference.relative)),
                 width = NAME + 2
             );
-        }
-        while text.ends_with(' ') {
-            text.pop();
         }
         text.push('\n');
     }

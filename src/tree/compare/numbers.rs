@@ -5,6 +5,7 @@
 
 use serde::Serialize;
 
+use super::samples::STRAIGHT;
 use crate::tree::measure::{Branch, Measures, Spread, spread};
 
 /// Up to what part means and counts match, as the source papers have it.
@@ -13,6 +14,18 @@ pub const OF_MEANS: f64 = 0.05;
 pub const OF_DEVIATIONS: f64 = 0.10;
 /// A standard deviation counts as no smaller than this part of its mean.
 const DEVIATION_LEAST: f64 = 0.05;
+
+/// No angle is a part of less than this, degrees: single precision knows none better.
+const ANGLE_LEAST: f64 = 0.01;
+
+/// What differences of a number are parts of at least.
+fn least(name: &str) -> f64 {
+    if name.contains("_deg") {
+        ANGLE_LEAST
+    } else {
+        0.0
+    }
+}
 
 /// What is counted or measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +53,7 @@ impl Number {
             of_papers: false,
             value,
             tolerance: OF_MEANS,
-            unit: value.unwrap_or_default().abs(),
+            unit: value.unwrap_or_default().abs().max(least(name)),
         }
     }
 
@@ -69,6 +82,7 @@ fn both(names: [&'static str; 2], power: i8, of: Spread) -> [Number; 2] {
     let mean = Number::new(names[0], power, known.then_some(of.mean)).of_papers();
     let std = Number::new(names[1], power, known.then_some(of.std)).of_papers();
     let unit = of.std.max(DEVIATION_LEAST * of.mean.abs());
+    let unit = unit.max(least(names[1]));
     [
         mean,
         Number {
@@ -106,6 +120,15 @@ pub fn numbers(measures: &Measures) -> Vec<Number> {
     let mean = |of: Spread| (of.n > 0).then_some(of.mean);
     let some = |value: f64| (!branches.is_empty()).then_some(value);
     let over = |values: Vec<f64>| mean(spread(values));
+    // What single precision leaves of straight branches is no curvature.
+    let bend = table.curvature.max * table.branch_length.max;
+    let curvature = match bend < STRAIGHT {
+        true => Spread {
+            mean: 0.0,
+            ..table.curvature
+        },
+        false => table.curvature,
+    };
     let parent_angles = junctions.iter().flat_map(|one| &one.parent_angles).copied();
     let mut all = vec![
         count("centerlines", *tips).of_papers(),
@@ -156,7 +179,7 @@ pub fn numbers(measures: &Measures) -> Vec<Number> {
         Number::new("stem_iterations", 0, some(table.stem_iterations)),
         Number::new("iterations_mean", 0, some(table.iterations[0])),
         Number::new("iterations_std", 0, some(table.iterations[1])),
-        Number::new("curvature_mean", -1, mean(table.curvature)),
+        Number::new("curvature_mean", -1, mean(curvature)),
         Number::new("torsion_mean", -1, mean(table.torsion)),
         Number::new("tortuosity_mean", 0, mean(table.tortuosity)),
         Number::new("branching_ratio", 0, ratios.branching),

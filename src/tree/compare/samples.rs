@@ -29,6 +29,9 @@ const OF_KIND: [&str; 5] = [
     "parent_angle_deg",
 ];
 
+/// A tortuosity, and a turn along a branch in radians, that is rounding.
+pub(super) const STRAIGHT: f64 = 1e-5;
+
 /// The values of a quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
@@ -117,8 +120,18 @@ pub fn samples(tree: &Tree, measures: &Measures) -> Vec<Sample> {
                 .flat_map(|one| degrees(&one.parent_angles))
                 .collect(),
         ),
-        sample("tortuosity", "tortuosity", 0, of(Branch::tortuosity)),
-        sample("curvature", "curvature", -1, of(|branch| branch.curvature)),
+        sample(
+            "tortuosity",
+            "tortuosity",
+            0,
+            of(|branch| unless_straight(branch, branch.tortuosity())),
+        ),
+        sample(
+            "curvature",
+            "curvature",
+            -1,
+            of(|branch| unless_straight(branch, branch.curvature)),
+        ),
         sample(
             "taper",
             "taper",
@@ -138,6 +151,13 @@ pub fn samples(tree: &Tree, measures: &Measures) -> Vec<Sample> {
             junctions.iter().filter_map(|one| one.asymmetry).collect(),
         ),
     ]
+}
+
+/// Of what bends by less than single precision tells: nothing, so that straight branches are the same.
+fn unless_straight(branch: &Branch, value: f64) -> f64 {
+    let is_straight =
+        branch.tortuosity().abs() < STRAIGHT && branch.curvature * branch.length < STRAIGHT;
+    if is_straight { 0.0 } else { value }
 }
 
 /// Lengths of the ways from root to tip.

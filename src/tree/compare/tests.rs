@@ -166,7 +166,7 @@ fn verdicts_are_what_a_person_would_say() {
         (
             plant(5, 0.8, 1.2, 2),
             Kind::Different,
-            "bifurcation angle larger in the second",
+            "bifurcation angle is larger in the second",
         ),
         (
             plant(7, 0.8, 0.5, 1),

@@ -8,7 +8,7 @@
 //! | too few to tell | where nothing else is against the same kind, and one tree has fewer branches than tests take |
 //! | different | else |
 //!
-//! Trees whose sizes differ by more than a twentieth are compared at one size.
+//! Trees are of one kind as they are, or at one size: they are judged the way in which fewer quantities that make a kind are told apart.
 
 use super::numbers::Difference;
 use super::samples::{Apart, VALUES_LEAST};
@@ -22,8 +22,6 @@ pub const SAME_BARS: f64 = 0.002;
 pub const KIND_BARS: f64 = 1.0 / 3.0;
 /// Up to how many times as many branches one has as the other.
 pub const KIND_BRANCHES: f64 = 1.5;
-/// Up to what part sizes are one.
-pub const ONE_SIZE: f64 = 0.05;
 /// Differences that are named.
 const NAMED: usize = 3;
 
@@ -73,7 +71,7 @@ pub(super) fn verdict(pair: &Pair) -> Verdict {
         Kind::InPart => {
             let other = not_of_kind(pair);
             format!(
-                "alike in sizes, angles and branching{}, and told apart by {}: {}",
+                "alike in sizes, angles and branching{}, and not in all: {}; {}",
                 sized(pair),
                 named(other),
                 alike(pair)
@@ -128,16 +126,21 @@ fn is_same(pair: &Pair) -> bool {
         && pair.branches[0] > 0
 }
 
-/// Whether both are of one size.
-fn one_size(pair: &Pair) -> bool {
-    (pair.scale - 1.0).abs() <= ONE_SIZE
+/// Whether they are judged at one size: where fewer quantities that make a kind are told apart then than as they are.
+fn at_one_size(pair: &Pair) -> bool {
+    let count = |all: &[Apart]| {
+        all.iter()
+            .filter(|one| one.of_kind && one.is_told())
+            .count()
+    };
+    count(&pair.scale_free) < count(&pair.distributions)
 }
 
 /// Of a size that differs.
 fn sized(pair: &Pair) -> String {
-    match one_size(pair) {
-        true => String::new(),
-        false => format!(", the second {} times as large", rounded(pair.scale)),
+    match at_one_size(pair) {
+        false => String::new(),
+        true => format!(", the second {} times as large", rounded(pair.scale)),
     }
 }
 
@@ -175,11 +178,11 @@ fn same(pair: &Pair) -> String {
     }
 }
 
-/// The distributions that are judged: as they are where both are of one size.
+/// The distributions that are judged.
 fn judged(pair: &Pair) -> &[Apart] {
-    match one_size(pair) {
-        true => &pair.distributions,
-        false => &pair.scale_free,
+    match at_one_size(pair) {
+        true => &pair.scale_free,
+        false => &pair.distributions,
     }
 }
 
@@ -236,9 +239,9 @@ fn in_words(one: &Apart) -> String {
     let name = one.words.trim_end_matches(" (°)");
     let delta = one.tested.map_or(0.0, |tested| tested.delta);
     let way = match delta {
-        _ if delta > 0.147 => "smaller in the second",
-        _ if delta < -0.147 => "larger in the second",
-        _ => "spread in another way",
+        _ if delta > 0.147 => "is smaller in the second",
+        _ if delta < -0.147 => "is larger in the second",
+        _ => "is spread in another way",
     };
     format!("{name} {way} (D {:.2})", one.d.unwrap_or_default())
 }
@@ -247,9 +250,9 @@ fn different(pair: &Pair) -> String {
     let mut all = against(pair);
     all.extend(not_of_kind(pair));
     let said = named(all);
-    match one_size(pair) {
-        true => said,
-        false => format!(
+    match at_one_size(pair) {
+        false => said,
+        true => format!(
             "{said}; at one size, the second being {} times as large",
             rounded(pair.scale)
         ),
@@ -258,7 +261,7 @@ fn different(pair: &Pair) -> String {
 
 /// What speaks for one kind.
 fn alike(pair: &Pair) -> String {
-    let scale_free = !one_size(pair);
+    let scale_free = at_one_size(pair);
     let papers = || pair.differences.iter().filter(|one| one.of_papers);
     let within = papers().filter(|one| one.matches(scale_free)).count();
     let tested = judged(pair).iter().filter(|one| one.tested.is_some());
