@@ -95,7 +95,11 @@ fn heights(tree: &Tree, by: Height) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::missing_assert_message, reason = "the table says it")]
+    #![allow(
+        clippy::missing_assert_message,
+        clippy::cast_possible_truncation,
+        reason = "the table says it, and its trees are small"
+    )]
     use super::super::tests::{grown, mirrored, spec};
     use super::*;
     use proptest::prelude::*;
@@ -128,7 +132,7 @@ mod tests {
         for node in 0..tree.len() {
             let children = (0..tree.len()).filter(|child| tree.parent[*child] == node as u32);
             let farthest = |of: usize| {
-                let is_tip = |tip: &usize| !tree.parent.iter().any(|parent| *parent == *tip as u32);
+                let is_tip = |tip: &usize| !tree.parent.contains(&(*tip as u32));
                 let hangs = |tip: &usize| {
                     let mut at = *tip as u32;
                     while at != NO_PARENT && at != of as u32 {

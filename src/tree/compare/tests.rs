@@ -108,7 +108,7 @@ fn plant(generations: u32, shorter: f32, spread: f32, seed: u32) -> Tree {
         let mut next = Vec::new();
         for (at, way, length) in tips {
             for side in [-1.0, 1.0] {
-                let roll = Quat::from_axis_angle(way, 6.28 * draw());
+                let roll = Quat::from_axis_angle(way, std::f32::consts::TAU * draw());
                 let pitch = Quat::from_axis_angle(
                     way.any_orthonormal_vector(),
                     side * spread * (0.7 + 0.6 * draw()),

@@ -89,18 +89,15 @@ mod tests {
         #[test]
         fn vectors_are_kept_but_for_their_length(half in prop::collection::vec(-3.0..3.0, 10)) {
             let mut matrix = [[0.0; 4]; 4];
-            let mut numbers = half.iter();
-            for i in 0..4 {
-                for j in 0..=i {
-                    let number = numbers.next().copied().unwrap_or(0.0);
-                    (matrix[i][j], matrix[j][i]) = (number, number);
-                }
+            let places = (0..4_usize).flat_map(|i| (0..=i).map(move |j| (i, j)));
+            for ((i, j), number) in places.zip(&half) {
+                (matrix[i][j], matrix[j][i]) = (*number, *number);
             }
             let found = eigen(matrix);
             for (value, vector) in found {
-                for i in 0..4 {
-                    let product: f64 = (0..4).map(|j| matrix[i][j] * vector[j]).sum();
-                    prop_assert!((product - value * vector[i]).abs() < 1e-9);
+                for (row, part) in matrix.iter().zip(vector) {
+                    let product: f64 = row.iter().zip(vector).map(|(a, b)| a * b).sum();
+                    prop_assert!((product - value * part).abs() < 1e-9);
                 }
                 prop_assert!((vector.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-12);
             }
