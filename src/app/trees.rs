@@ -16,6 +16,7 @@ use crate::lsystem::{Grammar, Limits, TurtleParams, interpret};
 use crate::mesh::unit::Unit;
 use crate::mesh::{Mesh, ReadLimits};
 use crate::sketch;
+use crate::tree::radii::{self, FitParams};
 use crate::tree::{Tree, import};
 
 /// What a file holds.
@@ -101,7 +102,7 @@ pub fn of_swc(path: &Path) -> Result<Held> {
     })
 }
 
-/// The tree of a grammar's text after the number of steps that it states, its widths as they stand.
+/// The tree of a grammar's text after the number of steps that it states. Widths that are far too large for metres are scaled, as `ramus derive` does it.
 ///
 /// # Errors
 /// What is wrong with the grammar, or why it cannot be grown.
@@ -128,15 +129,21 @@ pub fn of_grammar(text: &str, name: &str) -> Result<Held> {
         },
         ..TurtleParams::default()
     };
-    let tree = interpret(&grammar, &string, &turtle, &never)
+    let mut tree = interpret(&grammar, &string, &turtle, &never)
         .map_err(|error| anyhow!("{name}: {error}"))?;
+    let mut remarks: Vec<String> = grammar.remarks().iter().map(ToString::to_string).collect();
+    if let Some(factor) = radii::fit(&mut tree, &FitParams::default()) {
+        remarks.push(format!(
+            "the widths of {name} are far too large for metres and were multiplied by {factor:.2e}"
+        ));
+    }
     Ok(Held {
         tree,
         origin: DVec3::ZERO,
         holds: Holds::Grammar,
         unit: None,
         z_up: false,
-        remarks: grammar.remarks().iter().map(ToString::to_string).collect(),
+        remarks,
     })
 }
 

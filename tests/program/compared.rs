@@ -280,8 +280,7 @@ fn grammars_sketches_and_surfaces_are_compared_as_trees() {
             .arg("derive")
             .arg(&grammar)
             .arg("--export")
-            .arg(&grown)
-            .args(["--widths", "metres"]),
+            .arg(&grown),
     );
     assert_eq!(verdict(&[&grammar, &grown]).0, "same");
     let project = folder.path().join("first.ramus");

@@ -14,6 +14,8 @@ const PER_ROW: usize = 4;
 /// Above the plots, with one line of names.
 const HEAD: f64 = 34.0;
 const LEGEND_LINE: f64 = 16.0;
+/// How many times as high as the flattest curve's peak others are drawn.
+const PEAKS: f64 = 6.0;
 /// Bars of a tree that are drawn, the longest.
 const BARS_MOST: usize = 200;
 
@@ -36,19 +38,33 @@ pub(super) fn curves(trees: &[Studied], sample: usize) -> Option<(Vec<Curve>, Ma
     let mut curves: Vec<Curve> = all
         .into_iter()
         .map(|values| {
-            let shown = values.into_iter().map(|value| axis.shown(value)).collect();
+            let shown: Vec<f64> = values.into_iter().map(|value| axis.shown(value)).collect();
+            // What is all one value is a line to the top.
+            let alone = shown.first().map(|value| axis.part(*value));
             let shape = density(shown);
-            let points = shape.into_iter().map(|(at, high)| [axis.part(at), high]);
-            of_one_area(points.collect())
+            match (alone, shape.is_empty()) {
+                (Some(part), true) => vec![[part, 0.0], [part, f64::INFINITY]],
+                _ => of_one_area(
+                    shape
+                        .into_iter()
+                        .map(|(at, high)| [axis.part(at), high])
+                        .collect(),
+                ),
+            }
         })
         .collect();
-    let highest = curves
-        .iter()
-        .flatten()
-        .map(|[_, high]| *high)
-        .fold(0.0, f64::max);
-    for point in curves.iter_mut().flatten().filter(|_| highest > 0.0) {
-        point[1] /= highest;
+    let highest = |curve: &Curve| curve.iter().map(|[_, high]| *high).fold(0.0, f64::max);
+    let peaks = || {
+        curves
+            .iter()
+            .map(highest)
+            .filter(|peak| *peak > 0.0 && peak.is_finite())
+    };
+    let lowest = peaks().fold(f64::INFINITY, f64::min);
+    let top = peaks().fold(0.0, f64::max).min(PEAKS * lowest);
+    let top = if top > 0.0 { top } else { 1.0 };
+    for point in curves.iter_mut().flatten() {
+        point[1] = (point[1] / top).min(1.0);
     }
     Some((curves, axis.marks()))
 }
@@ -125,7 +141,7 @@ pub fn page(about: &[About], trees: &[Studied], pairs: &[Pair]) -> String {
         );
     }
     let foot = [
-        "Curves: how values are spread in each tree, of the same area; lengths in each tree's own unit. Bars: where each tip's branch leaves a farther one, and where it ends, along the way from the root (Kanari et al. 2018); the longest 200 at most.",
+        "Curves: how values are spread in each tree, of the same area, high peaks cut; lengths in each tree's own unit. Bars: where each tip's branch leaves a farther one, and where it ends, along the way from the root (Kanari et al. 2018); the longest 200 at most.",
         "D: largest difference of both distributions (Kolmogorov and Smirnov); p: the smaller of that test's and of Mann and Whitney's, corrected by Holm. Branches of one tree are no independent draws: a small p alone says little.",
     ];
     let mut y = below + rows(trees.len()) + 14.0;
@@ -204,22 +220,11 @@ fn distribution(
                 svg.text([at, base + 11.0], 8.0, Anchor::Middle, INK, &told);
             }
             for (place, curve) in curves.iter().enumerate() {
-                let values = &trees[place].samples[sample].values;
                 let spot = |[part, up]: &[f64; 2]| [x + part * wide, base - up * high];
                 if let (Some(first), Some(last)) = (curve.first(), curve.last()) {
                     let ends = [[last[0], 0.0], [first[0], 0.0]];
                     let points: Vec<[f64; 2]> = curve.iter().chain(&ends).map(spot).collect();
                     svg.area(&points, colour(place));
-                } else if let Some(value) = values.first() {
-                    // All values are one.
-                    let part =
-                        axis(trees, sample).map_or(0.5, |axis| axis.part(axis.shown(*value)));
-                    svg.line(
-                        [x + part * wide, y],
-                        [x + part * wide, base],
-                        colour(place),
-                        1.5,
-                    );
                 }
             }
         }

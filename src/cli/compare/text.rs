@@ -116,7 +116,7 @@ fn numbers(text: &mut String, about: &[About], trees: &[Studied], to_first: &[&P
 fn distributions(text: &mut String, pair: &Pair) {
     let _ = writeln!(
         text,
-        "  {:<26}{:>7}{:>7}{:>8}{:>12}{:>9}   {:>16}",
+        "  {:<24}{:>9}{:>9}{:>7}{:>12}{:>9}   {:>16}",
         "distribution", "n", "n", "D", "p by Holm", "Cliff's", "D at one size"
     );
     for (one, free) in pair.distributions.iter().zip(&pair.scale_free) {
@@ -127,13 +127,14 @@ fn distributions(text: &mut String, pair: &Pair) {
             value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}"))
         };
         let p = match p {
+            Some(p) if p < 1e-300 => "< 1e-300".to_owned(),
             Some(p) if p < 1e-3 => format!("{p:.0e}"),
             p => of(p, 3),
         };
         let mark = |is_told: bool| if is_told { '!' } else { ' ' };
         let _ = writeln!(
             text,
-            "  {:<26}{:>7}{:>7}{:>8}{p:>12}{:>9} {} {:>16} {}",
+            "  {:<24}{:>9}{:>9}{:>7}{p:>12}{:>9} {} {:>16} {}",
             one.words,
             one.n[0],
             one.n[1],
