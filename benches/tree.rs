@@ -1,4 +1,4 @@
-//! Times of the tree's room: radii, segments, mesh, files. `cargo bench --bench tree [-- NAME]`
+//! Times of the tree's room: radii, segments, mesh, comparison, files. `cargo bench --bench tree [-- NAME]`
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -6,10 +6,12 @@
 )]
 
 use std::hint::black_box;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
+use ramus::tree::compare::{Studied, compare};
 use ramus::tree::export::{self, ExportParams};
 use ramus::tree::radii::{RadiusParams, da_vinci, da_vinci_into};
 use ramus::tree::tubes::{SegmentBuilder, mesh};
@@ -94,6 +96,11 @@ fn tree_benches(criterion: &mut Criterion) {
         group.bench_function("mesh_8_sides", |b| b.iter(|| mesh(&records, 1.0, 8)));
         group.bench_function("glb", |b| {
             b.iter(|| export::glb(&tree, &ExportParams::default()).unwrap())
+        });
+        group.bench_function("study", |b| b.iter(|| Studied::new(&tree, DVec3::ZERO)));
+        let both = [&tree, &bush(segments / 2)].map(|tree| Studied::new(tree, DVec3::ZERO));
+        group.bench_function("compare", |b| {
+            b.iter(|| compare(&both, &AtomicBool::new(false), &mut |_, _| {}))
         });
         group.bench_function("swc_write", |b| b.iter(|| export::swc(&tree).unwrap()));
         let text = export::swc(&tree).unwrap();

@@ -1,6 +1,7 @@
 //! From the statistics of a measured model to a stochastic L-system whose trees have them.
 //!
 //! ```text
+//! models ─▶ one table (pooled) ─▶ table
 //! table ─▶ parameters by the source's rules (rules) ─┐
 //!      └─▶ parameters that fit (fit) ────────────────┴─▶ grammar ─▶ lsystem ─▶ Tree ─▶ pruned ─▶ measured, compared (difference)
 //! ```
@@ -14,11 +15,13 @@ mod fit;
 mod grammar;
 mod grow;
 mod params;
+mod pooled;
 mod presets;
 mod prune;
 pub mod rules;
 mod table;
 mod told;
+mod variants;
 
 pub use difference::{Difference, OF_DEVIATIONS, OF_MEANS, differences, distance};
 pub use error::AbstractionError;
@@ -26,10 +29,12 @@ pub use fit::{Candidate, Fit, FitParams, fit};
 pub use grammar::{grammar, steps, text};
 pub use grow::{Grower, blunt, grow};
 pub use params::{ITERATIONS_MOST, Params, STEM_MOST};
+pub use pooled::{Part, pooled};
 pub use presets::{Preset, presets};
 pub use prune::pruned;
 pub use table::{Counts, FORMAT, MeanStd, Quantities, Table};
 pub use told::Told;
+pub use variants::{DRAWS, variants};
 
 #[cfg(test)]
 mod tests;

@@ -17,6 +17,11 @@ pub struct Told<'a> {
     source_rules: Rules<'a>,
     best: Option<Best<'a>>,
     ranked: Vec<Ranked>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    variants: Vec<Ranked>,
+    /// How many models the target was pooled of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    models: Option<usize>,
     candidates: usize,
     seconds: f64,
 }
@@ -64,11 +69,6 @@ impl<'a> Told<'a> {
             distance: one.distance,
             differences: by_name(one),
         };
-        let ranked = |one: &Candidate| Ranked {
-            seed: one.params.seed,
-            distance: one.distance,
-            counts: one.table.counts,
-        };
         let ruled = fit.by_rules.as_ref();
         Self {
             format: "ramus-abstraction/1",
@@ -82,8 +82,32 @@ impl<'a> Told<'a> {
             },
             best: fit.ranked.first().map(best),
             ranked: fit.ranked.iter().map(ranked).collect(),
+            variants: Vec::new(),
+            models: None,
             candidates: fit.candidates,
             seconds,
         }
+    }
+
+    /// With trees of the best one's parameters and other seeds.
+    #[must_use]
+    pub fn with_variants(mut self, variants: &[Candidate]) -> Self {
+        self.variants = variants.iter().map(ranked).collect();
+        self
+    }
+
+    /// With how many models the target was pooled of.
+    #[must_use]
+    pub fn of_models(mut self, models: Option<usize>) -> Self {
+        self.models = models;
+        self
+    }
+}
+
+fn ranked(one: &Candidate) -> Ranked {
+    Ranked {
+        seed: one.params.seed,
+        distance: one.distance,
+        counts: one.table.counts,
     }
 }

@@ -14,11 +14,15 @@ use clap::builder::{PathBufValueParser, TypedValueParser};
 use super::inspect::Loaded;
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
-use super::progress::Progress;
+use super::progress::{Progress, start_watch};
+use super::trees::of_loaded;
 use crate::abstraction::{
-    Candidate, Fit, FitParams, Table, Told, blunt, fit, grow, text as grammar_text,
+    Candidate, Fit, FitParams, Params, Table, Told, blunt, fit, grow, pooled, text as grammar_text,
+    variants as variants_of,
 };
-use crate::app::analysis::{Wanted, checked, endpoints, found, prepared};
+use crate::app::cohort::cohort;
+use crate::app::cohort::entries::entries;
+use crate::app::cohort::pooled::parts;
 use crate::app::{export, portrait};
 use crate::lsystem::Limits;
 use crate::mesh::unit::Rounded;
@@ -28,7 +32,8 @@ use crate::tree::{Drawing, Organs};
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
-    /// The model, which is measured between ends that are found on it, or a table: a .json file that says "ramus-table/1", or what ramus analyze --json printed
+    /// The model, which is measured between ends that are found on it; or a table: a .json file that says "ramus-table/1", or what ramus analyze --json printed;
+    /// or a group of models: a folder, or a list (.csv) as ramus cohort takes them
     model: PathBuf,
     /// How many trees to draw
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
@@ -45,6 +50,9 @@ pub(super) struct Args {
     /// Write the best one's grammar as .lsys
     #[arg(long, value_name = "FILE", value_parser = grammar_file())]
     grammar: Option<PathBuf>,
+    /// Draw so many more trees of the best one's parameters, of other seeds: with --export and --grammar each is written beside the best, numbered
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    variants: Option<u16>,
     /// Draw the best tree into a PNG picture
     #[arg(long, value_name = "FILE", value_parser = picture_file())]
     png: Option<PathBuf>,
@@ -69,13 +77,36 @@ pub(super) fn run(
     read: impl FnOnce(&Path, &AtomicBool) -> Result<Loaded>,
 ) -> Result<()> {
     let never = AtomicBool::new(false);
-    let outputs = || args.export.iter().chain(&args.grammar).chain(&args.png);
-    not_over_each_other(Some(&args.model), outputs().map(PathBuf::as_path), None)?;
-    check_places(outputs())?;
+    let more = usize::from(args.variants.unwrap_or(0));
+    let written: Vec<PathBuf> = args.export.iter().chain(&args.grammar).cloned().collect();
+    let variants =
+        (1..=more).flat_map(|number| written.iter().map(move |path| numbered(path, number)));
+    let outputs: Vec<PathBuf> = written
+        .iter()
+        .chain(&args.png)
+        .cloned()
+        .chain(variants)
+        .collect();
+    not_over_each_other(
+        Some(&args.model),
+        outputs.iter().map(PathBuf::as_path),
+        None,
+    )?;
+    check_places(&outputs)?;
     let name = args.model.display();
-    let target = match args.model.extension() {
-        Some(ending) if ending.eq_ignore_ascii_case("json") => table(&args.model)?,
-        _ => measured(&args.model, read)?,
+    let is = |wanted: &str| {
+        let ending = args.model.extension();
+        ending.is_some_and(|ending| ending.eq_ignore_ascii_case(wanted))
+    };
+    let mut models = None;
+    let target = match is("json") {
+        true => table(&args.model)?,
+        false if args.model.is_dir() || is("csv") => {
+            let (table, count) = of_group(&args.model)?;
+            models = Some(count);
+            table
+        }
+        false => measured(&args.model, read)?,
     };
     let params = FitParams {
         candidates: args.candidates as usize,
@@ -92,21 +123,21 @@ pub(super) fn run(
     let Some(best) = fit.ranked.first() else {
         bail!("cannot abstract {name}: no tree was drawn");
     };
-    if let Some(path) = &args.grammar {
-        write_atomically(path, grammar_text(&best.params).as_bytes())?;
+    write(args, &best.params, Path::to_owned)?;
+    let others = Progress::during("drawing variants", || {
+        variants_of(&best.params, &target, more, &never)
+    });
+    if others.len() < more {
+        whisper!("{} of {more} variants grow within bounds", others.len());
     }
-    if args.export.is_some() || args.png.is_some() {
+    for (place, one) in others.iter().enumerate() {
+        write(args, &one.params, |path| numbered(path, place + 1))?;
+    }
+    if args.png.is_some() {
         let tree = grow(&best.params, &Limits::default(), &never)?;
-        // A skeleton is measured, and is as it grew.
-        let shown = blunt(&tree);
-        if let Some(path) = &args.export {
-            let is_skeleton = export::Format::of(path)? == export::Format::Swc;
-            let tree = if is_skeleton { &tree } else { &shown };
-            export::drawing(tree, &Organs::default(), path)?;
-        }
         if let Some(path) = &args.png {
             let drawing = Drawing {
-                tree: shown,
+                tree: blunt(&tree),
                 organs: Organs::default(),
             };
             let draw = || portrait::of_drawing(drawing, args.size, false, portrait::PAPER);
@@ -116,10 +147,90 @@ pub(super) fn run(
         }
     }
     let text = match args.json {
-        true => serde_json::to_string(&Told::new(&target, &fit, seconds))? + "\n",
-        false => screen(&name.to_string(), &fit, seconds),
+        true => {
+            let told = Told::new(&target, &fit, seconds).with_variants(&others);
+            serde_json::to_string(&told.of_models(models))? + "\n"
+        }
+        false => screen(&called(&name.to_string(), models), &fit, seconds) + &ranked(&others),
     };
     print_result("the abstraction", |out| out.write_all(text.as_bytes()))
+}
+
+/// Writes the tree and the grammar of some parameters, where they are asked for, under other names.
+fn write(args: &Args, params: &Params, place: impl Fn(&Path) -> PathBuf) -> Result<()> {
+    if let Some(path) = &args.grammar {
+        write_atomically(&place(path), grammar_text(params).as_bytes())?;
+    }
+    let Some(path) = &args.export else {
+        return Ok(());
+    };
+    let tree = grow(params, &Limits::default(), &AtomicBool::new(false))?;
+    // A skeleton is measured, and is as it grew.
+    let tree = match export::Format::of(path)? {
+        export::Format::Swc => tree,
+        _ => blunt(&tree),
+    };
+    Ok(export::drawing(&tree, &Organs::default(), &place(path))?)
+}
+
+/// `best.swc` as `best-2.swc`.
+fn numbered(path: &Path, number: usize) -> PathBuf {
+    let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_owned();
+    let mut name = part(path.file_stem());
+    name.push(format!("-{number}."));
+    name.push(part(path.extension()));
+    path.with_file_name(name)
+}
+
+/// The table of a group's models together, and how many they are. A model that fails costs nobody the rest.
+fn of_group(models: &Path) -> Result<(Table, usize)> {
+    let name = models.display();
+    let entries = entries(models)?;
+    start_watch();
+    let mut progress = Progress::new("analyzing models");
+    let cohort = cohort(&entries, None, false, &mut |done, of| {
+        progress.show(done, of)
+    })?;
+    drop(progress);
+    for (model, reason) in cohort.failed() {
+        whisper!("{model} failed: {reason}");
+    }
+    if cohort.units().len() > 1 {
+        whisper!(
+            "models are most likely in different units: their lengths are put together as they are"
+        );
+    }
+    let parts = parts(&cohort);
+    let table = pooled(&parts).with_context(|| format!("cannot abstract {name}"))?;
+    Ok((table, parts.len()))
+}
+
+/// What is abstracted, with how many models it is of.
+fn called(name: &str, models: Option<usize>) -> String {
+    match models {
+        None => name.to_owned(),
+        Some(1) => format!("{name} (1 model)"),
+        Some(models) => format!("{name} ({models} models together)"),
+    }
+}
+
+/// Variants as a person reads them.
+fn ranked(variants: &[Candidate]) -> String {
+    let mut text = String::new();
+    for (place, one) in variants.iter().enumerate() {
+        let matches = one.differences.iter().filter(|one| one.matches()).count();
+        // Writing into a string cannot fail.
+        let _ = writeln!(
+            text,
+            "variant {}: seed {}, {} centerlines, {matches} of {} numbers (distance {:.4})",
+            place + 1,
+            one.params.seed,
+            one.table.counts.centerlines.unwrap_or(0),
+            one.differences.len(),
+            one.distance
+        );
+    }
+    text
 }
 
 /// Reads a table.
@@ -138,24 +249,9 @@ fn table(path: &Path) -> Result<Table> {
 
 /// The table of a model between ends that are found on it; of a skeleton as it is.
 fn measured(path: &Path, read: impl FnOnce(&Path, &AtomicBool) -> Result<Loaded>) -> Result<Table> {
-    let never = AtomicBool::new(false);
-    let loaded = Progress::during("reading", || read(path, &never))?;
-    if let Some(skeleton) = &loaded.skeleton {
-        return Ok(Table::of(&Measures::new(skeleton)));
-    }
-    let wanted = Wanted::default();
-    let of_surface = || -> Result<Table> {
-        let report = checked(&loaded.mesh, &mut |_, _| {})?;
-        let on = prepared(&loaded.mesh, report, &mut |_, _| {})?;
-        let ends = endpoints(&wanted, &on)?;
-        let found = found(&wanted, &on, &ends, &mut |_, _| {})?;
-        for one in &found.unreached {
-            whisper!("{} is {one}", one.name);
-        }
-        Ok(Table::of(&Measures::new(&found.tree)))
-    };
-    Progress::during("measuring", of_surface)
-        .with_context(|| format!("cannot analyze {}", path.display()))
+    let held = of_loaded(path, read)?;
+    held.remarks.iter().for_each(|remark| whisper!("{remark}"));
+    Ok(Table::of(&Measures::new(&held.tree)))
 }
 
 /// The fit as a person reads it.

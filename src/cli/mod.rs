@@ -19,6 +19,7 @@ macro_rules! whisper {
 mod abstraction;
 mod analyze;
 mod cohort;
+mod compare;
 mod derive;
 mod doctor;
 mod explain;
@@ -30,6 +31,7 @@ mod moment;
 mod outputs;
 mod progress;
 mod replay;
+mod trees;
 mod unwritten;
 mod workshop;
 
@@ -60,6 +62,7 @@ use crate::app::sentence;
         ramus inspect duct.ply                        what a scanned model is like and what is wrong with it\n  \
         ramus analyze duct.ply --png duct.png         its centerlines, measured and drawn\n  \
         ramus cohort models --groups groups.csv --out results\n  \
+        ramus compare duct.ply duct.lsys --png both.png   how alike they are\n  \
         ramus abstract duct.ply --grammar duct.lsys   an L-system whose trees have its statistics\n  \
         ramus doctor                                  what this machine has and what it lacks"
 )]
@@ -88,6 +91,8 @@ enum Command {
     Analyze(analyze::Args),
     /// Analyzes several models into one table and compares groups of them.
     Cohort(cohort::Args),
+    /// Compares trees: scans, skeletons, grammars, sketches.
+    Compare(compare::Args),
     /// Makes an L-system whose trees have a model's statistics.
     Abstract(abstraction::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
@@ -110,6 +115,7 @@ pub fn run() -> ExitCode {
         Some(Command::Inspect(args)) => inspect::run(&args, inspect::load),
         Some(Command::Analyze(args)) => analyze::run(&args, inspect::load),
         Some(Command::Cohort(args)) => cohort::run(&args),
+        Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Abstract(args)) => abstraction::run(&args, inspect::load),
         Some(Command::Doctor) => doctor::run(),
     };

@@ -14,6 +14,7 @@ use glam::Vec3;
 pub mod axes;
 pub mod bark;
 mod cells;
+pub mod compare;
 pub(crate) mod error;
 pub mod export;
 pub mod file;

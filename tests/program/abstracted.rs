@@ -1,5 +1,7 @@
 //! `ramus abstract`: a table or a model as an L-system whose trees have the same statistics.
 
+use std::path::PathBuf;
+
 use serde_json::Value;
 
 use super::cohort::{tree, write};
@@ -116,6 +118,80 @@ fn a_skeleton_is_abstracted_as_it_is() {
     );
 }
 
+/// Trees of two sizes and one that is no tree.
+fn group(folder: &Path) -> PathBuf {
+    for (name, size) in [("a", 1.0), ("b", 1.0), ("c", 1.6)] {
+        write(folder, &format!("group/{name}.swc"), &tree(size, 20.0));
+    }
+    folder.join("group")
+}
+
+#[test]
+fn a_group_is_abstracted_as_one_and_variants_are_written_beside_the_best() {
+    let folder = tempfile::tempdir().unwrap();
+    let group = group(folder.path());
+    let [swc, lsys] = ["best.swc", "best.lsys"].map(|name| folder.path().join(name));
+    let mut command = abstracted(&group, "500");
+    command.args(["--variants", "2", "--json"]);
+    let (good, printed, said) = output(
+        command
+            .arg("--export")
+            .arg(&swc)
+            .arg("--grammar")
+            .arg(&lsys),
+    );
+    assert!(good, "{said}");
+    let told: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(told["models"], 3);
+    // Three branches each; lengths of the third 1.6 times as large.
+    assert_eq!(told["target"]["counts"]["centerlines"], 2);
+    assert_eq!(told["target"]["counts"]["branches"], 3);
+    let measured = |path: &Path| -> Value {
+        let (_, printed, _) = output(ramus().arg("analyze").arg(path).arg("--json"));
+        serde_json::from_str(&printed).unwrap()
+    };
+    let one = measured(&group.join("a.swc"))["table"]["branch_length"]["mean"]
+        .as_f64()
+        .unwrap();
+    let mean = told["target"]["table"]["branch_length"]["mean"]
+        .as_f64()
+        .unwrap();
+    assert!((mean / one - 3.6 / 3.0).abs() < 1e-5, "{mean} {one}");
+    let variants = told["variants"].as_array().unwrap();
+    assert_eq!(variants.len(), 2);
+    for (number, variant) in (1..).zip(variants) {
+        let at = |ending: &str| folder.path().join(format!("best-{number}.{ending}"));
+        let tips = &measured(&at("swc"))["counts"]["tips"];
+        assert_eq!(tips, &variant["counts"]["centerlines"], "variant {number}");
+        let grammar = fs::read_to_string(at("lsys")).unwrap();
+        let seed = variant["seed"].as_u64().unwrap();
+        assert!(grammar.contains(&seed.to_string()), "{seed}: {grammar}");
+    }
+    assert!(!folder.path().join("best-3.swc").exists() && swc.exists());
+    // The same models as a list, one of which fails: told, and left out.
+    write(folder.path(), "group/bad.swc", "no skeleton");
+    let list = write(
+        folder.path(),
+        "group.csv",
+        "group/a.swc\ngroup/b.swc\ngroup/c.swc\ngroup/bad.swc\n",
+    );
+    let (good, printed, said) = output(&mut abstracted(&list, "500"));
+    assert!(good && said.contains("bad.swc failed"), "{said}");
+    assert!(
+        printed.contains("(3 models together): 500 trees drawn"),
+        "{printed}"
+    );
+    // A variant is never written over what it is made from.
+    let source = write(folder.path(), "kin-1.swc", &tree(1.0, 20.0));
+    let mut command = abstracted(&source, "50");
+    let (good, _, said) = output(
+        command
+            .args(["--variants", "1", "--export"])
+            .arg(folder.path().join("kin.swc")),
+    );
+    assert!(!good && said.contains("would be overwritten"), "{said}");
+}
+
 #[test]
 fn what_cannot_be_abstracted_is_said_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
@@ -128,6 +204,11 @@ fn what_cannot_be_abstracted_is_said_in_a_sentence() {
         (at("empty.json", ""), "it is no table"),
         (at("few.json", few), "how long branches are"),
         (at("line.swc", line), "there are no forks"),
+        (
+            at("empty/notes.md", "").parent().unwrap().to_owned(),
+            "has no models",
+        ),
+        (at("empty.csv", ""), "has no models"),
         (at("notes.txt", "a tree"), "notes.txt"),
     ] {
         let (good, printed, said) = output(&mut abstracted(&path, "50"));

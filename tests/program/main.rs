@@ -17,6 +17,7 @@ use tempfile::TempDir;
 mod abstracted;
 mod analyze;
 mod cohort;
+mod compared;
 mod disk;
 mod doctor;
 mod explain;

@@ -14,6 +14,7 @@ pub mod entries;
 pub mod groups;
 mod measures;
 mod picture;
+pub mod pooled;
 mod run;
 mod tables;
 pub mod told;

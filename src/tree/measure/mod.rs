@@ -26,7 +26,7 @@ pub use self::frame::{Direction, Frame};
 pub use self::junction::Junction;
 pub use self::orders::{Order, Ratios};
 pub use self::statistics::{Spread, quantile, spread};
-pub use self::table::Table;
+pub use self::table::{Table, point_radius_of};
 pub use self::vmtk::Split;
 use super::{NO_PARENT, Tree};
 

@@ -102,21 +102,10 @@ pub(super) fn table(tree: &Tree, branches: &[Branch], junctions: &[Junction]) ->
         .iter()
         .zip(&to_end)
         .filter(|(branch, _)| branch.is_tip);
-    let lines = branches.iter().map(|branch| {
-        let nodes = branch.nodes.iter();
-        nodes.map(|node| {
-            (
-                position(tree, *node),
-                f64::from(tree.radius[*node as usize]),
-            )
-        })
-    });
-    let smallest = branches.iter().map(|branch| branch.radius.min);
-    let total = branches.iter().map(|branch| branch.length).sum();
     Parts {
         lengths: branches.iter().map(|branch| branch.length).collect(),
         tangents: branches.iter().map(|branch| branch.tangents).collect(),
-        point_radius: point_radii(lines, smallest, total),
+        point_radius: spread_of_runs(&runs_of(tree, branches)),
         centerline_length: spread(tips.map(|(_, length)| *length)),
         stem: stem(branches),
         angles: spread(junctions.iter().flat_map(|one| one.angles.iter().copied())),
@@ -156,10 +145,48 @@ pub(super) fn point_radii<L: IntoIterator<Item = (DVec3, f64)>>(
     smallest: impl Iterator<Item = f64>,
     total: f64,
 ) -> Spread {
+    spread_of_runs(&radius_runs(lines, smallest, total))
+}
+
+/// The radii behind [`Table::point_radius`], of a tree's whole branches.
+pub fn point_radius_of(tree: &Tree, branches: &[Branch]) -> Vec<f64> {
+    runs_of(tree, branches)
+        .iter()
+        .flat_map(Run::values)
+        .collect()
+}
+
+fn runs_of(tree: &Tree, branches: &[Branch]) -> Vec<Run> {
+    let smallest = branches.iter().map(|branch| branch.radius.min);
+    let total = branches.iter().map(|branch| branch.length).sum();
+    radius_runs(lines(tree, branches), smallest, total)
+}
+
+/// Places and radii along each branch.
+fn lines(
+    tree: &Tree,
+    branches: &[Branch],
+) -> impl Iterator<Item = impl Iterator<Item = (DVec3, f64)>> {
+    branches.iter().map(|branch| {
+        let nodes = branch.nodes.iter();
+        nodes.map(|node| {
+            (
+                position(tree, *node),
+                f64::from(tree.radius[*node as usize]),
+            )
+        })
+    })
+}
+
+fn radius_runs<L: IntoIterator<Item = (DVec3, f64)>>(
+    lines: impl IntoIterator<Item = L>,
+    smallest: impl Iterator<Item = f64>,
+    total: f64,
+) -> Vec<Run> {
     let smallest = smallest.filter(|radius| *radius > 0.0);
     let step = (smallest.fold(f64::INFINITY, f64::min) / PER_RADIUS).max(total / POINTS_MOST);
     if !(step.is_finite() && step > 0.0) {
-        return Spread::default();
+        return Vec::new();
     }
     let mut runs = Vec::new();
     for line in lines {
@@ -187,7 +214,7 @@ pub(super) fn point_radii<L: IntoIterator<Item = (DVec3, f64)>>(
             done += length;
         }
     }
-    spread_of_runs(&runs)
+    runs
 }
 
 /// Values in equal steps, as radii are between two nodes.
@@ -201,6 +228,14 @@ struct Run {
 impl Run {
     fn last(&self) -> f64 {
         self.first + self.rise * (self.count - 1.0)
+    }
+
+    fn values(&self) -> impl Iterator<Item = f64> {
+        let &Self { first, rise, count } = self;
+        let places = (0_u32..).map(f64::from);
+        places
+            .take_while(move |place| *place < count)
+            .map(move |place| first + place * rise)
     }
 }
 
@@ -249,14 +284,7 @@ mod tests {
                 .into_iter()
                 .map(|(first, rise, count)| Run { first, rise, count: f64::from(count) })
                 .collect();
-            let mut values = Vec::new();
-            for run in &runs {
-                let mut place = 0.0;
-                while place < run.count {
-                    values.push(run.first + place * run.rise);
-                    place += 1.0;
-                }
-            }
+            let values = runs.iter().flat_map(Run::values);
             let (found, expected) = (spread_of_runs(&runs), spread(values));
             prop_assert_eq!(found.n, expected.n);
             for (found, expected) in [

@@ -7,16 +7,16 @@ const MARKS_MOST: f64 = 6.0;
 
 /// An axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Axis {
+pub(crate) struct Axis {
     /// Its ends, as they are shown: logarithms where it is logarithmic.
     ends: [f64; 2],
     /// Whether it shows logarithms.
-    pub(super) logarithmic: bool,
+    pub(crate) logarithmic: bool,
 }
 
 impl Axis {
     /// Around numbers; None where there are none, or where they are too far apart for any picture.
-    pub(super) fn around(
+    pub(crate) fn around(
         numbers: impl Iterator<Item = f64> + Clone,
         may_be_logarithmic: bool,
     ) -> Option<Self> {
@@ -44,7 +44,7 @@ impl Axis {
     }
 
     /// A number as it is shown.
-    pub(super) fn shown(&self, number: f64) -> f64 {
+    pub(crate) fn shown(&self, number: f64) -> f64 {
         if self.logarithmic {
             number.log10()
         } else {
@@ -53,12 +53,12 @@ impl Axis {
     }
 
     /// Where a shown number is: 0 at the lower end, 1 at the upper.
-    pub(super) fn part(&self, shown: f64) -> f64 {
+    pub(crate) fn part(&self, shown: f64) -> f64 {
         (shown - self.ends[0]) / (self.ends[1] - self.ends[0])
     }
 
     /// Marks: where they are, and what stands there.
-    pub(super) fn marks(&self) -> Vec<(f64, String)> {
+    pub(crate) fn marks(&self) -> Vec<(f64, String)> {
         let [low, high] = self.ends;
         let step = step(high - low);
         if self.logarithmic && high - low >= 1.0 {

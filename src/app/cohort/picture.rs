@@ -5,26 +5,15 @@
 //! are those of Okabe and Ito, which people tell apart however they see colours. Written as SVG by ourselves: it is lines and text, and
 //! the drawing crates would bring more than they save.
 
-mod axis;
-mod svg;
-
-use self::axis::Axis;
-use self::svg::{Anchor, Svg};
 use super::comparison::{Comparison, values};
 use super::measures::{LENGTH, Measure, of_branches, of_models};
 use super::told::{Branch, Definition};
 use super::{Cohort, Model};
+use crate::app::plot::{Anchor, Axis, COLOURS, GRID, INK, PALE, Svg, density, shortened, wrapped};
 use crate::app::table::Column;
 use crate::mesh::unit::Unit;
 use crate::tree::measure::{quantile, spread};
 
-/// By Okabe and Ito (2008), without yellow, which is too pale for points.
-const COLOURS: [&str; 7] = [
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#595959",
-];
-const INK: &str = "#1a1a1a";
-const PALE: &str = "#6b6b6b";
-const GRID: &str = "#e6e6e6";
 /// Plots beside each other.
 const PER_ROW: usize = 5;
 /// Around a plot: left, top, right, bottom.
@@ -40,9 +29,6 @@ const LEGEND_LINE: f64 = 16.0;
 const BOX_FROM: usize = 5;
 /// Points of a group at most; of more, those beyond the whiskers are shown.
 const POINTS_MOST: usize = 200;
-/// Heights at which the shape of a distribution is drawn, and bins that it is counted in.
-const SHAPE_STEPS: usize = 64;
-const SHAPE_BINS: usize = 256;
 /// What branches are on a page.
 const DEFINITIONS: &str = "Branches are whole, from junction to junction or to the root or a tip, where nothing else is written; VMTK's branches are outside bifurcations, which begin one sphere before a line leaves another's tube.";
 
@@ -305,28 +291,6 @@ fn per_row(plots: usize, wide: f64) -> usize {
     plots.max(1).div_ceil(rows)
 }
 
-/// Lines of so many letters at most, if no word is longer.
-fn wrapped(text: &str, letters: f64) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split(' ') {
-        let last = lines.len() - 1;
-        let together = lines[last].chars().count() + 1 + word.chars().count();
-        match lines[last].is_empty() {
-            true => lines[last] = word.to_owned(),
-            false if together as f64 <= letters => lines[last] += &format!(" {word}"),
-            false => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
-fn shortened(text: &str, letters: usize) -> String {
-    match text.chars().count() > letters {
-        true => text.chars().take(letters - 1).chain(['…']).collect(),
-        false => text.to_owned(),
-    }
-}
-
 fn colour(group: usize) -> &'static str {
     COLOURS[group % COLOURS.len()]
 }
@@ -379,7 +343,7 @@ fn draw(svg: &mut Svg, plot: &Plot, [x, y]: [f64; 2], wide: f64, cohort: &Cohort
                     .iter()
                     .map(|value| axis.shown(*value))
                     .collect();
-                let shape = shape(shown);
+                let shape = density(shown);
                 let level = |shown: f64| y + HEIGHT * (1.0 - axis.part(shown));
                 shaped(svg, &shape, middle, half, colour(place), &level);
                 bars(svg, &group.behind, middle, colour(place), &height);
@@ -489,51 +453,6 @@ fn points(
         };
         svg.dot([x + aside * half, height(*value)], radius, colour);
     }
-}
-
-/// How thick a distribution is at steps from its lowest value to its highest: a sum of bells, as wide as Silverman's rule has it.
-fn shape(mut shown: Vec<f64>) -> Vec<(f64, f64)> {
-    shown.retain(|value| value.is_finite());
-    shown.sort_by(f64::total_cmp);
-    let (Some(low), Some(high)) = (shown.first().copied(), shown.last().copied()) else {
-        return Vec::new();
-    };
-    let of_all = spread(shown.iter().copied());
-    let quartiles = [0.25, 0.75].map(|part| quantile(&shown, part).unwrap_or(low));
-    let robust = (quartiles[1] - quartiles[0]) / 1.34;
-    let width = if robust > 0.0 {
-        of_all.std.min(robust)
-    } else {
-        of_all.std
-    };
-    let bin = (high - low) / SHAPE_BINS as f64;
-    let bell = (0.9 * width * (shown.len() as f64).powf(-0.2)).max(bin);
-    if !(bell.is_finite() && bell > 0.0) {
-        return Vec::new();
-    }
-    let mut bins = [0.0_f64; SHAPE_BINS];
-    let mut next = shown.iter().peekable();
-    for (place, count) in bins.iter_mut().enumerate() {
-        let end = low + bin * (place + 1) as f64;
-        let is_last = place + 1 == SHAPE_BINS;
-        while next.next_if(|value| is_last || **value < end).is_some() {
-            *count += 1.0;
-        }
-    }
-    (0..=SHAPE_STEPS)
-        .map(|step| {
-            let at = low + (high - low) * (step as f64 / SHAPE_STEPS as f64);
-            let sum: f64 = bins
-                .iter()
-                .enumerate()
-                .map(|(place, count)| {
-                    let from = (low + bin * (place as f64 + 0.5) - at) / bell;
-                    count * (-from * from / 2.0).exp()
-                })
-                .sum();
-            (at, sum)
-        })
-        .collect()
 }
 
 fn shaped(
