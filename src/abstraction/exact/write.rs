@@ -1,0 +1,470 @@
+//! A plan and its productions as a grammar's text.
+
+use hashbrown::HashMap;
+
+use super::classes::{Classes, Entry, LEAF, NONE, Roll};
+use super::forms::{Beside, Form, Forms};
+use super::out::{Out, Size, name, plus, times};
+use super::plan::{Plan, Word};
+
+/// What a production makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) enum Rule {
+    Plain(u32),
+    Family(u32),
+    Run(u32),
+}
+
+/// Which productions there are, and how often each is called.
+#[derive(Debug, Default)]
+pub(super) struct Needed {
+    /// In the order in which they are met.
+    pub(super) rules: Vec<Rule>,
+    pub(super) calls: HashMap<Rule, u64>,
+}
+
+/// What productions are made of.
+#[derive(Clone, Copy)]
+pub(super) struct Writer<'a> {
+    pub(super) classes: &'a Classes,
+    pub(super) forms: &'a Forms,
+    /// Whether a class that is written plainly has a production of its own.
+    pub(super) named: &'a [bool],
+    pub(super) one_radius: bool,
+}
+
+/// What stands at a branch.
+enum Target {
+    /// A module of a rule, with its level.
+    Call(Rule, Option<String>),
+    /// What the class is made of.
+    Inline(u32),
+}
+
+/// A class whose branches are being written.
+struct Level {
+    class: u32,
+    length: f64,
+    radius: f64,
+    next: usize,
+    /// Which rule's own branches these are.
+    of: Option<Rule>,
+}
+
+impl Writer<'_> {
+    /// The rule that a class is made by, if it is by one, and its level.
+    pub(super) fn rule(&self, class: u32) -> Option<(Rule, Option<i64>)> {
+        match self.forms.of[class as usize] {
+            Form::Leaf => None,
+            Form::Plain => self.named[class as usize].then_some((Rule::Plain(class), None)),
+            Form::Level { family, level } => Some((Rule::Family(family), Some(i64::from(level)))),
+            Form::Run { run, count } => Some((Rule::Run(run), Some(i64::from(count)))),
+        }
+    }
+
+    /// What a class's module stands for.
+    fn target(&self, class: u32) -> Target {
+        match self.rule(class) {
+            Some((rule, level)) => Target::Call(rule, level.map(|level| level.to_string())),
+            None => Target::Inline(class),
+        }
+    }
+
+    /// What stands at a branch of a rule's own.
+    fn branch(&self, of: Option<Rule>, place: usize, entry: &Entry) -> Target {
+        match of {
+            Some(Rule::Family(family)) => {
+                let slot = self.forms.families[family as usize].slots[place];
+                match slot.family {
+                    NONE => self.target(entry.class),
+                    family => Target::Call(
+                        Rule::Family(family),
+                        Some(plus("n", -i64::from(slot.below))),
+                    ),
+                }
+            }
+            Some(Rule::Run(run)) => match self.forms.runs[run as usize].beside[place] {
+                None => Target::Call(Rule::Run(run), Some("n-1".to_owned())),
+                Some(Beside::Same(class)) => self.target(class),
+                Some(Beside::Level { family, above }) => {
+                    Target::Call(Rule::Family(family), Some(plus("n", above)))
+                }
+            },
+            _ => self.target(entry.class),
+        }
+    }
+
+    /// The class whose branches a rule's production has.
+    fn model(&self, rule: Rule) -> u32 {
+        match rule {
+            Rule::Plain(class) => class,
+            Rule::Family(family) => self.forms.families[family as usize].top,
+            Rule::Run(run) => self.forms.runs[run as usize].top,
+        }
+    }
+
+    /// All rules that are called from these classes.
+    pub(super) fn needed(&self, parts: &[u32]) -> Needed {
+        let mut needed = Needed::default();
+        let mut open = Vec::new();
+        for class in parts {
+            open.extend(self.rule(*class).map(|(rule, _)| rule));
+        }
+        open.reverse();
+        while let Some(rule) = open.pop() {
+            let calls = needed.calls.entry(rule).or_insert(0);
+            *calls += 1;
+            if *calls > 1 {
+                continue;
+            }
+            needed.rules.push(rule);
+            let mut called = Vec::new();
+            self.walk(rule, &mut |target| {
+                if let Target::Call(rule, _) = target {
+                    called.push(*rule);
+                }
+            });
+            open.extend(called.into_iter().rev());
+        }
+        needed
+    }
+
+    /// Shows all that stands in a rule's productions, what is written out too.
+    fn walk(&self, rule: Rule, see: &mut dyn FnMut(&Target)) {
+        let mut open = vec![(self.model(rule), Some(rule))];
+        if let Rule::Run(run) = rule {
+            let tail = self.target(self.forms.runs[run as usize].tail);
+            see(&tail);
+            if let Target::Inline(class) = tail {
+                open.push((class, None));
+            }
+        }
+        while let Some((class, of)) = open.pop() {
+            let entries = &self.classes.all[class as usize].entries;
+            for (place, entry) in entries.iter().enumerate() {
+                let target = self.branch(of, place, entry);
+                see(&target);
+                if let Target::Inline(class) = target {
+                    open.push((class, None));
+                }
+            }
+        }
+    }
+
+    /// Modules and parameters that a class takes where it is written out, its named parts called.
+    pub(super) fn costs(&self) -> Vec<u64> {
+        let mut costs = Vec::with_capacity(self.classes.all.len());
+        for class in &self.classes.all {
+            let branches = class.entries.iter().map(|entry| {
+                let numbers = &self.classes.numbers;
+                let turns = [
+                    numbers.rolls[entry.turn_roll as usize] != 0.0,
+                    numbers.pitches[entry.pitch as usize] != 0.0,
+                    entry.roll != Roll::Any,
+                ];
+                let turns: u64 = turns.into_iter().map(|turn| 2 * u64::from(turn)).sum();
+                let own = match self.rule(entry.class) {
+                    Some((_, level)) => self.call_cost() + u64::from(level.is_some()),
+                    // Classes stand behind what they are made of.
+                    None => costs.get(entry.class as usize).copied().unwrap_or(0),
+                };
+                turns + own
+            });
+            let sum = branches.fold(0_u64, u64::saturating_add);
+            let brackets = 2 * (class.entries.len() as u64).saturating_sub(1);
+            costs.push(sum.saturating_add(brackets + self.segment_cost()));
+        }
+        costs
+    }
+
+    /// Of `!(w) F(l)`.
+    fn segment_cost(&self) -> u64 {
+        if self.one_radius { 2 } else { 4 }
+    }
+
+    /// Of `A(l, w)`.
+    pub(super) fn call_cost(&self) -> u64 {
+        if self.one_radius { 2 } else { 3 }
+    }
+
+    /// Whether all parts are levels of families that are one lower at each branch, and of one level: then steps count the levels.
+    fn counted_by_steps(&self, parts: &[u32], needed: &Needed) -> Option<u32> {
+        let level = |class: &u32| match self.forms.of[*class as usize] {
+            Form::Level { level, .. } => Some(level),
+            _ => None,
+        };
+        let first = parts.first().and_then(level)?;
+        let same = parts.iter().all(|class| level(class) == Some(first));
+        let one_lower = needed.rules.iter().all(|rule| match rule {
+            Rule::Family(family) => {
+                let slots = &self.forms.families[*family as usize].slots;
+                slots.iter().all(|slot| slot.below == 1 && slot.family != NONE)
+            }
+            _ => false,
+        });
+        (same && one_lower).then_some(first)
+    }
+
+    /// Steps after which all is written out, at most.
+    fn steps(&self, parts: &[u32]) -> u32 {
+        let mut steps: Vec<u32> = Vec::with_capacity(self.classes.all.len());
+        for class in &self.classes.all {
+            let below = class.entries.iter().map(|entry| steps.get(entry.class as usize));
+            let most = below.flatten().max().copied().unwrap_or(0);
+            steps.push(most.saturating_add(1));
+        }
+        let of = |class: &u32| steps[*class as usize];
+        parts.iter().map(of).max().unwrap_or(0)
+    }
+
+    /// The grammar.
+    pub(super) fn write(&self, plan: &Plan) -> (String, Size) {
+        let parts: Vec<u32> = plan.words.iter().filter_map(part_of).collect();
+        let needed = self.needed(&parts);
+        let by_steps = self.counted_by_steps(&parts, &needed);
+        let numbers = needed.rules.iter().copied().zip(0..);
+        let mut text = Text {
+            out: Out::default(),
+            writer: *self,
+            names: numbers.collect(),
+            with_levels: by_steps.is_none(),
+        };
+        let short = segments_pay(plan);
+        let steps = by_steps.unwrap_or_else(|| self.steps(&parts)).max(u32::from(short));
+        text.out.raw(&format!("steps {steps}\naxiom"));
+        axiom(&mut text.out, plan, short, |out, class, length, width| {
+            if let Some((rule, level)) = self.rule(class) {
+                let level = level.map(|level| level.to_string());
+                let (name, parameters) = call(
+                    &text.names,
+                    rule,
+                    level.filter(|_| text.with_levels),
+                    length.to_string(),
+                    (!self.one_radius).then(|| width.to_string()),
+                );
+                out.module(&name, &parameters);
+            }
+        });
+        for rule in needed.rules {
+            text.rule(rule);
+        }
+        text.out.finish()
+    }
+}
+
+/// The class of a part.
+pub(super) fn part_of(word: &Word) -> Option<u32> {
+    match word {
+        Word::Part { class, .. } => Some(*class),
+        _ => None,
+    }
+}
+
+/// A plan without parts as a grammar.
+pub(super) fn plain(plan: &Plan, short: bool) -> (String, Size) {
+    let short = short && segments_pay(plan);
+    let mut out = Out::default();
+    out.raw(&format!("steps {}\naxiom", u32::from(short)));
+    axiom(&mut out, plan, short, |_, _, _, _| {});
+    out.finish()
+}
+
+/// Segments with both turns from which on a module for them is shorter than they are.
+const SHORT_FROM: usize = 6;
+
+fn segments_pay(plan: &Plan) -> bool {
+    let turned = |word: &&Word| {
+        matches!(word, Word::Segment { roll, pitch, .. } if *roll != 0.0 && *pitch != 0.0)
+    };
+    plan.words.iter().filter(turned).count() >= SHORT_FROM
+}
+
+/// Writes an axiom, in which `part` writes parts, and the production of segments if there is one.
+fn axiom(
+    out: &mut Out,
+    plan: &Plan,
+    short: bool,
+    mut part: impl FnMut(&mut Out, u32, f64, f64),
+) {
+    let turn = |out: &mut Out, sign: &str, degrees: f64| {
+        if degrees != 0.0 {
+            out.module(sign, &[degrees.to_string()]);
+        }
+    };
+    if plan.words.is_empty() {
+        out.raw(" *");
+    }
+    for word in &plan.words {
+        match *word {
+            Word::Push => out.module("[", &[]),
+            Word::Pop => out.module("]", &[]),
+            Word::Width(width) => out.module("!", &[width.to_string()]),
+            Word::Segment { roll, pitch, length } if short && roll != 0.0 && pitch != 0.0 => {
+                out.module("S", &[roll, pitch, length].map(|one| one.to_string()));
+            }
+            Word::Segment { roll, pitch, length } | Word::Move { roll, pitch, length } => {
+                turn(out, "/", roll);
+                turn(out, "&", pitch);
+                let draws = matches!(word, Word::Segment { .. });
+                out.module(if draws { "F" } else { "f" }, &[length.to_string()]);
+            }
+            Word::Part {
+                turn: [first, pitch],
+                level,
+                roll,
+                class,
+                length,
+                width,
+            } => {
+                let straight = if pitch == 0.0 && !level { first + roll } else { first };
+                turn(out, "/", straight);
+                turn(out, "&", pitch);
+                if level {
+                    out.module("$", &[]);
+                } else if pitch != 0.0 {
+                    turn(out, "/", roll);
+                }
+                part(out, class, length, width);
+            }
+        }
+    }
+    if short {
+        out.head("S", &["a", "b", "l"], None);
+        out.module("/", &["a".to_owned()]);
+        out.module("&", &["b".to_owned()]);
+        out.module("F", &["l".to_owned()]);
+    }
+}
+
+/// The module of a rule.
+fn call(
+    names: &HashMap<Rule, usize>,
+    rule: Rule,
+    level: Option<String>,
+    length: String,
+    width: Option<String>,
+) -> (String, Vec<String>) {
+    let number = names.get(&rule).copied().unwrap_or(0);
+    let parameters = level.into_iter().chain([length]).chain(width);
+    (name(number), parameters.collect())
+}
+
+/// A grammar on its way.
+struct Text<'a> {
+    out: Out,
+    writer: Writer<'a>,
+    names: HashMap<Rule, usize>,
+    with_levels: bool,
+}
+
+impl Text<'_> {
+    fn rule(&mut self, rule: Rule) {
+        let name = name(self.names.get(&rule).copied().unwrap_or(0));
+        let leveled = self.with_levels && !matches!(rule, Rule::Plain(_));
+        let mut parameters = vec!["l"];
+        if leveled {
+            parameters.insert(0, "n");
+        }
+        if !self.writer.one_radius {
+            parameters.push("w");
+        }
+        self.out.head(&name, &parameters, leveled.then_some("n > 0"));
+        self.body(self.writer.model(rule), Some(rule));
+        if let Rule::Run(run) = rule {
+            self.out.head(&name, &parameters, Some("n == 0"));
+            let tail = self.writer.forms.runs[run as usize].tail;
+            match self.writer.target(tail) {
+                Target::Call(rule, level) => self.call(rule, level, [1.0, 1.0]),
+                Target::Inline(class) => self.body(class, None),
+            }
+        }
+    }
+
+    fn call(&mut self, rule: Rule, level: Option<String>, [length, radius]: [f64; 2]) {
+        let width = (!self.writer.one_radius).then(|| times("w", radius));
+        let level = level.filter(|_| self.with_levels);
+        let (name, parameters) = call(&self.names, rule, level, times("l", length), width);
+        self.out.module(&name, &parameters);
+    }
+
+    fn segment(&mut self, [length, radius]: [f64; 2]) {
+        if !self.writer.one_radius {
+            self.out.module("!", &[times("w", radius)]);
+        }
+        self.out.module("F", &[times("l", length)]);
+    }
+
+    /// A class written out.
+    fn body(&mut self, class: u32, of: Option<Rule>) {
+        self.segment([1.0, 1.0]);
+        let level = |class, [length, radius]: [f64; 2], of| Level {
+            class,
+            length,
+            radius,
+            next: 0,
+            of,
+        };
+        let mut open = vec![level(class, [1.0, 1.0], of)];
+        while let Some(top) = open.last_mut() {
+            let entries = &self.writer.classes.all[top.class as usize].entries;
+            let (place, count) = (top.next, entries.len());
+            if place > 0 && place < count {
+                self.out.module("]", &[]);
+            }
+            let Some(entry) = entries.get(place) else {
+                open.pop();
+                continue;
+            };
+            top.next += 1;
+            if place + 1 < count {
+                self.out.module("[", &[]);
+            }
+            let of = top.of;
+            let numbers = &self.writer.classes.numbers;
+            let factors = [
+                top.length * numbers.lengths[entry.length as usize],
+                top.radius * numbers.radii[entry.radius as usize],
+            ];
+            let roll = match of {
+                Some(Rule::Family(family)) => {
+                    self.writer.forms.families[family as usize].slots[place].roll
+                }
+                _ => entry.roll,
+            };
+            self.turns(entry, roll);
+            match self.writer.branch(of, place, entry) {
+                Target::Call(rule, n) => self.call(rule, n, factors),
+                Target::Inline(class) => {
+                    self.segment(factors);
+                    if class != LEAF {
+                        open.push(level(class, factors, None));
+                    }
+                }
+            }
+        }
+    }
+
+    fn turns(&mut self, entry: &Entry, own: Roll) {
+        let numbers = &self.writer.classes.numbers;
+        let mut roll = numbers.rolls[entry.turn_roll as usize];
+        let pitch = numbers.pitches[entry.pitch as usize];
+        let mut behind = match own {
+            Roll::By(by) => numbers.rolls[by as usize],
+            Roll::Any | Roll::Level => 0.0,
+        };
+        if pitch == 0.0 {
+            (roll, behind) = (roll + behind, 0.0);
+        }
+        for (sign, degrees) in [("/", roll), ("&", pitch)] {
+            if degrees != 0.0 {
+                self.out.module(sign, &[degrees.to_string()]);
+            }
+        }
+        if own == Roll::Level {
+            self.out.module("$", &[]);
+        }
+        if behind != 0.0 {
+            self.out.module("/", &[behind.to_string()]);
+        }
+    }
+}
