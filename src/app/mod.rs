@@ -34,6 +34,7 @@ pub mod studies;
 pub mod table;
 pub mod take_home;
 mod takeaway;
+pub mod tradeoff;
 pub mod window;
 pub mod worker;
 pub mod workshop;

@@ -26,10 +26,18 @@ use crate::tree::file::write_atomically;
 use crate::tree::measure::Measures;
 use crate::tree::{Drawing, Organs};
 
+mod exact;
+
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
-    /// The model, which is measured between ends that are found on it, or a table: a .json file that says "ramus-table/1", or what ramus analyze --json printed
+    /// The model, which is measured between ends that are found on it, or a table: a .json file that says "ramus-table/1", or what ramus analyze --json printed; with --exact also a grammar (.lsys) or a project (.ramus)
     model: PathBuf,
+    /// Write the very tree as a compact grammar that draws it again, nowhere off by more than a length in the model's unit, or a part of its size such as 0.5%
+    #[arg(long, value_name = "TOLERANCE", value_parser = exact::tolerance, allow_hyphen_values = true, conflicts_with_all = ["candidates", "seed"])]
+    exact: Option<exact::Tolerance>,
+    /// Tell how large the grammar is for tolerances from 0.01 % to 5 %, and draw that as an .svg file where one is named
+    #[arg(long, value_name = "FILE", num_args = 0..=1, requires = "exact", value_parser = exact::curve_file())]
+    curve: Option<Option<PathBuf>>,
     /// How many trees to draw
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     candidates: u32,
@@ -69,9 +77,13 @@ pub(super) fn run(
     read: impl FnOnce(&Path, &AtomicBool) -> Result<Loaded>,
 ) -> Result<()> {
     let never = AtomicBool::new(false);
-    let outputs = || args.export.iter().chain(&args.grammar).chain(&args.png);
+    let curve = args.curve.iter().flatten();
+    let outputs = || args.export.iter().chain(&args.grammar).chain(&args.png).chain(curve.clone());
     not_over_each_other(Some(&args.model), outputs().map(PathBuf::as_path), None)?;
     check_places(outputs())?;
+    if let Some(tolerance) = args.exact {
+        return exact::run(args, tolerance, read);
+    }
     let name = args.model.display();
     let target = match args.model.extension() {
         Some(ending) if ending.eq_ignore_ascii_case("json") => table(&args.model)?,

@@ -58,9 +58,9 @@ pub(super) enum Beside {
 
 #[derive(Clone, Debug)]
 pub(super) struct Run {
-    /// The class of one repetition, whose entry at `place` leads to what ends the run.
-    pub(super) last: u32,
+    /// Where the branch is that repeats it.
     pub(super) place: usize,
+    /// The class that ends it.
     pub(super) tail: u32,
     /// None at `place`.
     pub(super) beside: Vec<Option<Beside>>,
@@ -188,7 +188,6 @@ impl Forms {
                 let run = match run {
                     NONE => {
                         runs.push(Run {
-                            last: below,
                             place,
                             tail: all[below as usize].entries[place].class,
                             beside,

@@ -13,6 +13,7 @@
 
 mod check;
 mod classes;
+mod curve;
 mod error;
 mod forms;
 mod frames;
@@ -28,10 +29,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 pub use self::check::Deviation;
+pub use self::curve::{Point, curve};
 pub use self::error::ExactError;
 pub use self::out::Size;
 
-use self::classes::{Alike, Classes, LEAF, NONE};
+use self::classes::{Alike, Classes};
 use self::forms::{Form, Forms};
 use self::frames::Rolled;
 use self::plan::{Plan, Planner, Room};
@@ -316,9 +318,7 @@ impl<'a> Way<'a> {
         let costs = writer.costs();
         let call = writer.call_cost();
         let mut written: hashbrown::HashMap<Rule, (u64, u64)> = hashbrown::HashMap::new();
-        let mut drawn = plan.words.iter().zip(sizes(self.shape, plan));
-        let _ = &mut drawn;
-        for (word, segments) in drawn {
+        for (word, segments) in plan.words.iter().zip(sizes(self.shape, plan)) {
             if let Some((rule, _)) = part_of(word).and_then(|class| writer.rule(class)) {
                 let entry = written.entry(rule).or_default();
                 entry.0 += 1;

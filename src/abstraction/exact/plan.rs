@@ -38,10 +38,10 @@ pub(super) enum Word {
     Push,
     Pop,
     Width(f64),
-    /// Without drawing.
-    Move { roll: f64, pitch: f64, length: f64 },
-    Segment { roll: f64, pitch: f64, length: f64 },
-    /// A part: its class, where its first segment leads, and that segment's length and width.
+    /// Without drawing: `+` by `yaw`, `&` by `pitch`, then on.
+    Move { yaw: f64, pitch: f64, length: f64 },
+    Segment { yaw: f64, pitch: f64, length: f64 },
+    /// A part: where its first segment leads, how it is rolled (by `$` or `/`), its class, and that segment's length and width.
     Part {
         turn: [f64; 2],
         level: bool,
@@ -75,13 +75,24 @@ impl At {
         width: FIRST_WIDTH,
     };
 
+    /// After `/` and `&`.
     fn turned(self, roll: f64, pitch: f64) -> Self {
         let turn = Turn {
             roll: roll.to_radians(),
             pitch: pitch.to_radians(),
         };
+        self.by(turn.rotation())
+    }
+
+    /// After `+` and `&`: what stays in a plane needs the first alone.
+    fn steered(self, yaw: f64, pitch: f64) -> Self {
+        let yawed = DQuat::from_rotation_z(yaw.to_radians());
+        self.by(yawed * DQuat::from_rotation_x(-pitch.to_radians()))
+    }
+
+    fn by(self, rotation: DQuat) -> Self {
         Self {
-            frame: (self.frame * turn.rotation()).normalize(),
+            frame: (self.frame * rotation).normalize(),
             ..self
         }
     }
@@ -101,19 +112,16 @@ impl At {
         if length <= f64::EPSILON {
             return (0.0, 0.0, 0.0);
         }
-        let Turn { roll, pitch } = Turn::to(self.frame.inverse() * away / length);
+        let own = self.frame.inverse() * away / length;
         let degrees = |angle: f64, arm: f64| {
-            let angle = angle.to_degrees();
-            shortest(angle, (part / arm.max(f64::MIN_POSITIVE)).to_degrees().min(90.0))
+            let within = (part / arm.max(f64::MIN_POSITIVE)).to_degrees();
+            shortest(angle.to_degrees(), within.min(90.0))
         };
-        let pitched = degrees(pitch, reach);
-        let rolled = match pitched {
-            0.0 => 0.0,
-            _ => degrees(roll, reach * pitch.sin().abs()),
-        };
-        let ahead = self.turned(rolled, pitched).frame * DVec3::Y;
-        let along = away.dot(ahead);
-        (rolled, pitched, shortest(along, part * (length / reach).min(1.0)))
+        let pitch = degrees(-own.z.clamp(-1.0, 1.0).asin(), reach);
+        let level = own.x.hypot(own.y);
+        let yaw = degrees((-own.x).atan2(own.y), reach * level);
+        let along = away.dot(self.steered(yaw, pitch).frame * DVec3::Y);
+        (yaw, pitch, shortest(along, part * (length / reach).min(1.0)))
     }
 }
 
@@ -163,9 +171,9 @@ impl Planner<'_> {
             plan.drawn.push(root);
         } else {
             let to = self.shape.point[place];
-            let (roll, pitch, length) = at.aim(to, to.length(), self.room.rounding);
-            at = at.turned(roll, pitch).ahead(length);
-            plan.words.push(Word::Move { roll, pitch, length });
+            let (yaw, pitch, length) = at.aim(to, to.length(), self.room.rounding);
+            at = at.steered(yaw, pitch).ahead(length);
+            plan.words.push(Word::Move { yaw, pitch, length });
             plan.drawn.push(root);
         }
         let own = self.shape.radius[place];
@@ -176,7 +184,7 @@ impl Planner<'_> {
         if !as_first {
             self.widen(own, &mut at, plan);
             plan.words.push(Word::Segment {
-                roll: 0.0,
+                yaw: 0.0,
                 pitch: 0.0,
                 length: 0.0,
             });
@@ -236,9 +244,9 @@ impl Planner<'_> {
             self.widen(self.shape.radius[node as usize], &mut at, plan);
             let to = self.shape.point[node as usize];
             let reach = to.distance(at.place);
-            let (roll, pitch, length) = at.aim(to, reach, self.room.rounding);
-            at = at.turned(roll, pitch).ahead(length);
-            plan.words.push(Word::Segment { roll, pitch, length });
+            let (yaw, pitch, length) = at.aim(to, reach, self.room.rounding);
+            at = at.steered(yaw, pitch).ahead(length);
+            plan.words.push(Word::Segment { yaw, pitch, length });
             plan.drawn.push(node);
             self.open(node, &mut work);
         }
@@ -262,11 +270,11 @@ impl Planner<'_> {
         let to = self.shape.point[place];
         let reach = to.distance(at.place) + self.shape.reach[place];
         let fine = self.room.part / 8.0;
-        let (roll, pitch, length) = at.aim(to, reach, fine);
+        let (yaw, pitch, length) = at.aim(to, reach, fine);
         if length <= 0.0 {
             return false;
         }
-        let mut ahead = at.turned(roll, pitch);
+        let mut ahead = at.steered(yaw, pitch);
         let mut own_roll = 0.0;
         let level = classes.frames.is_level[place];
         if level {
@@ -286,7 +294,7 @@ impl Planner<'_> {
             return false;
         }
         plan.words.push(Word::Part {
-            turn: [roll, pitch],
+            turn: [yaw, pitch],
             level,
             roll: own_roll,
             class,

@@ -274,7 +274,7 @@ const SHORT_FROM: usize = 6;
 
 fn segments_pay(plan: &Plan) -> bool {
     let turned = |word: &&Word| {
-        matches!(word, Word::Segment { roll, pitch, .. } if *roll != 0.0 && *pitch != 0.0)
+        matches!(word, Word::Segment { yaw, pitch, .. } if *yaw != 0.0 && *pitch != 0.0)
     };
     plan.words.iter().filter(turned).count() >= SHORT_FROM
 }
@@ -299,30 +299,28 @@ fn axiom(
             Word::Push => out.module("[", &[]),
             Word::Pop => out.module("]", &[]),
             Word::Width(width) => out.module("!", &[width.to_string()]),
-            Word::Segment { roll, pitch, length } if short && roll != 0.0 && pitch != 0.0 => {
-                out.module("S", &[roll, pitch, length].map(|one| one.to_string()));
+            Word::Segment { yaw, pitch, length } if short && yaw != 0.0 && pitch != 0.0 => {
+                out.module("S", &[yaw, pitch, length].map(|one| one.to_string()));
             }
-            Word::Segment { roll, pitch, length } | Word::Move { roll, pitch, length } => {
-                turn(out, "/", roll);
+            Word::Segment { yaw, pitch, length } | Word::Move { yaw, pitch, length } => {
+                turn(out, "+", yaw);
                 turn(out, "&", pitch);
                 let draws = matches!(word, Word::Segment { .. });
                 out.module(if draws { "F" } else { "f" }, &[length.to_string()]);
             }
             Word::Part {
-                turn: [first, pitch],
+                turn: [yaw, pitch],
                 level,
                 roll,
                 class,
                 length,
                 width,
             } => {
-                let straight = if pitch == 0.0 && !level { first + roll } else { first };
-                turn(out, "/", straight);
+                turn(out, "+", yaw);
                 turn(out, "&", pitch);
-                if level {
-                    out.module("$", &[]);
-                } else if pitch != 0.0 {
-                    turn(out, "/", roll);
+                match level {
+                    true => out.module("$", &[]),
+                    false => turn(out, "/", roll),
                 }
                 part(out, class, length, width);
             }
@@ -330,7 +328,7 @@ fn axiom(
     }
     if short {
         out.head("S", &["a", "b", "l"], None);
-        out.module("/", &["a".to_owned()]);
+        out.module("+", &["a".to_owned()]);
         out.module("&", &["b".to_owned()]);
         out.module("F", &["l".to_owned()]);
     }
