@@ -47,7 +47,10 @@ impl Decades {
     fn marks(&self) -> impl Iterator<Item = f64> {
         let count = (self.last - self.first).clamp(0.0, 40.0);
         let first = self.first;
-        (0..).map(f64::from).take_while(move |at| *at <= count).map(move |at| 10.0_f64.powf(first + at))
+        (0..)
+            .map(f64::from)
+            .take_while(move |at| *at <= count)
+            .map(move |at| 10.0_f64.powf(first + at))
     }
 }
 
@@ -64,15 +67,30 @@ pub fn svg(name: &str, size: f64, points: &[Point]) -> String {
     let mut svg = Svg::default();
     for mark in up.marks() {
         svg.line([left, y(mark)], [left + width, y(mark)], GRID, 1.0);
-        svg.text([left - 6.0, y(mark) + 3.5], 10.0, Anchor::End, INK, &Rounded(mark).to_string());
+        svg.text(
+            [left - 6.0, y(mark) + 3.5],
+            10.0,
+            Anchor::End,
+            INK,
+            &Rounded(mark).to_string(),
+        );
     }
     for mark in across.marks() {
         svg.line([x(mark), top], [x(mark), top + height], GRID, 1.0);
         let label = format!("{} %", Rounded(mark));
-        svg.text([x(mark), top + height + 14.0], 10.0, Anchor::Middle, INK, &label);
+        svg.text(
+            [x(mark), top + height + 14.0],
+            10.0,
+            Anchor::Middle,
+            INK,
+            &label,
+        );
     }
     for (colour, of) in [
-        (PLAIN, (|point| point.plain.symbols()) as fn(&Point) -> usize),
+        (
+            PLAIN,
+            (|point| point.plain.symbols()) as fn(&Point) -> usize,
+        ),
         (SHARED, |point| point.size.symbols()),
     ] {
         let places: Vec<[f64; 2]> = points
@@ -86,15 +104,39 @@ pub fn svg(name: &str, size: f64, points: &[Point]) -> String {
             svg.dot(place, 3.5, colour);
         }
     }
-    svg.text([left, 18.0], 12.0, Anchor::Start, INK, &format!("{name}: size of the grammar against its error"));
+    svg.text(
+        [left, 18.0],
+        12.0,
+        Anchor::Start,
+        INK,
+        &format!("{name}: size of the grammar against its error"),
+    );
     svg.square([left, 26.0], 9.0, SHARED);
     svg.text([left + 13.0, 34.0], 10.0, Anchor::Start, INK, "grammar");
     svg.square([left + 76.0, 26.0], 9.0, PLAIN);
-    svg.text([left + 89.0, 34.0], 10.0, Anchor::Start, INK, "each segment of the tree written out");
+    svg.text(
+        [left + 89.0, 34.0],
+        10.0,
+        Anchor::Start,
+        INK,
+        "each segment of the tree written out",
+    );
     let below = top + height + 30.0;
     let middle = left + width / 2.0;
-    svg.text([middle, below], 10.0, Anchor::Middle, INK, "largest distance between center lines, of the tree's size");
-    svg.text([middle, below + 15.0], 10.0, Anchor::Middle, INK, "upwards: modules and parameters; each point was drawn by its grammar and measured");
+    svg.text(
+        [middle, below],
+        10.0,
+        Anchor::Middle,
+        INK,
+        "largest distance between center lines, of the tree's size",
+    );
+    svg.text(
+        [middle, below + 15.0],
+        10.0,
+        Anchor::Middle,
+        INK,
+        "upwards: modules and parameters; each point was drawn by its grammar and measured",
+    );
     svg.finish(SIZE[0], SIZE[1])
 }
 

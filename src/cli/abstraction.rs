@@ -78,7 +78,13 @@ pub(super) fn run(
 ) -> Result<()> {
     let never = AtomicBool::new(false);
     let curve = args.curve.iter().flatten();
-    let outputs = || args.export.iter().chain(&args.grammar).chain(&args.png).chain(curve.clone());
+    let outputs = || {
+        args.export
+            .iter()
+            .chain(&args.grammar)
+            .chain(&args.png)
+            .chain(curve.clone())
+    };
     not_over_each_other(Some(&args.model), outputs().map(PathBuf::as_path), None)?;
     check_places(outputs())?;
     if let Some(tolerance) = args.exact {

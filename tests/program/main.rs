@@ -19,6 +19,7 @@ mod analyze;
 mod cohort;
 mod disk;
 mod doctor;
+mod exact;
 mod explain;
 mod fmt;
 mod inspect;

@@ -22,7 +22,12 @@ pub struct Deviation {
 }
 
 /// What the drawn tree is off by; none where it is another tree.
-pub(super) fn deviation(tree: &Tree, shape: &Shape, order: &[u32], drawn: &Tree) -> Option<Deviation> {
+pub(super) fn deviation(
+    tree: &Tree,
+    shape: &Shape,
+    order: &[u32],
+    drawn: &Tree,
+) -> Option<Deviation> {
     if drawn.len() != order.len() {
         return None;
     }
@@ -52,7 +57,10 @@ pub(super) fn deviation(tree: &Tree, shape: &Shape, order: &[u32], drawn: &Tree)
             sum += distance;
             count += 1;
         };
-        add(here.distance(shape.point[place]), radius - shape.radius[place]);
+        add(
+            here.distance(shape.point[place]),
+            radius - shape.radius[place],
+        );
         if parent == NO_PARENT || is_own_start {
             continue;
         }

@@ -136,7 +136,9 @@ impl Classes {
                 Some(class) => *class,
                 None => {
                     let class = u32::try_from(self.all.len()).unwrap_or(NONE);
-                    let below = key.iter().map(|entry| self.all[entry.class as usize].height);
+                    let below = key
+                        .iter()
+                        .map(|entry| self.all[entry.class as usize].height);
                     self.all.push(Class {
                         height: below.max().unwrap_or(0).saturating_add(1),
                         entries: key.clone(),
@@ -206,7 +208,8 @@ impl Measured {
         alike: Alike,
     ) -> (Numbers, Vec<Option<Entry>>) {
         let places: Vec<usize> = (0..shape.len()).filter(|at| self.usable[*at]).collect();
-        let weight = |place: usize| shape.point[place].distance(shape.point[shape.parent[place] as usize]);
+        let weight =
+            |place: usize| shape.point[place].distance(shape.point[shape.parent[place] as usize]);
         let of = |value: &dyn Fn(usize) -> f64, apart: f64| {
             let samples: Vec<Sample> = places
                 .iter()
@@ -221,7 +224,11 @@ impl Measured {
         // The angle at which the circle is cut is none that is likely.
         let cut = |angle: f64| {
             let degrees = wrapped(angle).to_degrees();
-            if degrees < -179.0 { degrees + 360.0 } else { degrees }
+            if degrees < -179.0 {
+                degrees + 360.0
+            } else {
+                degrees
+            }
         };
         let (pitch_of, pitches) = of(&|at| self.turns[at].pitch.to_degrees(), apart);
         let (length_of, lengths) = of(&|at| self.lengths[at], alike.apart);
@@ -260,10 +267,13 @@ impl Measured {
                     let parent = frames.frame(shape.parent[*place]);
                     let turned = parent * self.turns[*place].rotation();
                     let ahead = frame(frames.heading[*place], turned * glam::DVec3::Z);
-                    own_rolls.push((*place, Sample {
-                        value: cut(roll_to(ahead, up)),
-                        weight: shape.reach[*place],
-                    }));
+                    own_rolls.push((
+                        *place,
+                        Sample {
+                            value: cut(roll_to(ahead, up)),
+                            weight: shape.reach[*place],
+                        },
+                    ));
                 }
             }
             entries[*place] = Some(entry);

@@ -29,14 +29,61 @@ pub(super) enum Form {
     Run { run: u32, count: u32 },
 }
 
+/// What stands at a branch of a family's production.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// One member does not tell.
+    Open,
+    /// A family's level.
+    Level,
+    /// The same class at each level.
+    Same,
+}
+
 /// A branch of a family's production.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slot {
     pub(super) roll: Roll,
+    kind: Kind,
     /// [`NONE`] as long as single segments alone stood there.
-    pub(super) family: u32,
+    family: u32,
     /// Levels that it is lower.
     pub(super) below: u32,
+    /// What stands there in the member that was looked at first.
+    class: u32,
+}
+
+impl Slot {
+    /// The family whose level stands there, if one does.
+    pub(super) fn level(&self) -> Option<u32> {
+        (self.kind != Kind::Same && self.family != NONE).then_some(self.family)
+    }
+
+    /// Both at once, if they agree.
+    fn and(&self, other: &Self, fixed: bool) -> Option<Self> {
+        let roll = self.roll.and(other.roll)?;
+        let kind = match self.kind {
+            Kind::Open if fixed && self.class == other.class => Kind::Same,
+            Kind::Open => Kind::Level,
+            known => known,
+        };
+        if kind == Kind::Same {
+            let agree = self.class == other.class && self.roll == other.roll;
+            return agree.then_some(Self { kind, ..*self });
+        }
+        let family = match (self.family, other.family) {
+            (NONE, family) | (family, NONE) => family,
+            (one, other) if one == other => one,
+            _ => return None,
+        };
+        let agree = self.below == other.below;
+        agree.then_some(Self {
+            roll,
+            kind,
+            family,
+            ..*self
+        })
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -46,6 +93,10 @@ pub(super) struct Family {
     members: HashMap<u32, u32>,
     /// The tallest class.
     pub(super) top: u32,
+    /// The lowest member's level.
+    pub(super) lowest: u32,
+    /// What stands below the lowest member where that is no single segment, and the level that it has there.
+    base: Option<(u32, u32)>,
 }
 
 /// A branch of a run that is not what repeats.
@@ -53,7 +104,10 @@ pub(super) struct Family {
 pub(super) enum Beside {
     Same(u32),
     /// A family's level, as many above the repetition's number.
-    Level { family: u32, above: i64 },
+    Level {
+        family: u32,
+        above: i64,
+    },
 }
 
 #[derive(Clone, Debug)]
@@ -75,7 +129,8 @@ pub(super) struct Forms {
 }
 
 impl Forms {
-    pub(super) fn new(classes: &Classes) -> Self {
+    /// `fixed`: branches of a family may also be the same at each level.
+    pub(super) fn new(classes: &Classes, fixed: bool) -> Self {
         let mut forms = Self {
             of: vec![Form::Plain; classes.all.len()],
             families: Vec::new(),
@@ -83,7 +138,7 @@ impl Forms {
         };
         let mut by_height: Vec<u32> = (0..).take(classes.all.len()).collect();
         by_height.sort_by_key(|class| classes.all[*class as usize].height);
-        let homes = forms.find_families(&classes.all, &by_height);
+        let homes = forms.find_families(&classes.all, &by_height, fixed);
         let counted = forms.counted();
         for (form, home) in forms.of.iter_mut().zip(&homes) {
             if let Some((family, level)) = *home
@@ -100,16 +155,25 @@ impl Forms {
     }
 
     /// The family and level of each class.
-    fn find_families(&mut self, all: &[Class], by_height: &[u32]) -> Vec<Option<(u32, u32)>> {
+    fn find_families(
+        &mut self,
+        all: &[Class],
+        by_height: &[u32],
+        fixed: bool,
+    ) -> Vec<Option<(u32, u32)>> {
         let mut homes: Vec<Option<(u32, u32)>> = vec![None; all.len()];
         let mut alike: HashMap<Vec<[u32; 4]>, Vec<u32>> = HashMap::new();
         for class in by_height.iter().copied().filter(|class| *class != LEAF) {
-            let Class { entries, height, .. } = &all[class as usize];
+            let Class {
+                entries, height, ..
+            } = &all[class as usize];
             let level = height + 1;
             let slots: Vec<Slot> = entries
                 .iter()
                 .map(|entry| Slot {
                     roll: entry.roll,
+                    kind: Kind::Open,
+                    class: entry.class,
                     family: homes[entry.class as usize].map_or(NONE, |(family, _)| family),
                     below: level - (all[entry.class as usize].height + 1),
                 })
@@ -119,18 +183,23 @@ impl Forms {
                 .or_default();
             let joined = known.iter().take(COMPARED).find_map(|family| {
                 let one = &self.families[*family as usize];
-                let joined = one.joined(&slots)?;
-                (!one.members.contains_key(&level)).then_some((*family, joined))
+                let (slots, base) = match one.joined(&slots, fixed) {
+                    Some(slots) => (slots, one.base),
+                    None => one.joined_above(*family, &slots, fixed)?,
+                };
+                (!one.members.contains_key(&level)).then_some((*family, slots, base))
             });
             let family = match joined {
-                Some((family, slots)) => {
-                    self.families[family as usize].slots = slots;
+                Some((family, slots, base)) => {
+                    let one = &mut self.families[family as usize];
+                    (one.slots, one.base) = (slots, base);
                     family
                 }
                 None => {
                     let family = u32::try_from(self.families.len()).unwrap_or(NONE);
                     self.families.push(Family {
                         slots,
+                        lowest: level,
                         ..Family::default()
                     });
                     known.push(family);
@@ -156,9 +225,16 @@ impl Forms {
                 continue;
             }
             let into = self.families[family as usize].slots.iter();
-            open.extend(into.map(|slot| slot.family).filter(|family| *family != NONE));
+            open.extend(into.filter_map(Slot::level));
         }
         counted
+    }
+
+    /// Whether branches of any family of several levels are the same at each.
+    pub(super) fn has_fixed(&self) -> bool {
+        let is_fixed = |slot: &Slot| slot.kind == Kind::Same;
+        let mut families = self.families.iter();
+        families.any(|one| one.members.len() > 2 && one.slots.iter().any(is_fixed))
     }
 
     /// Runs among what is in no family.
@@ -209,7 +285,8 @@ impl Forms {
                 break;
             }
         }
-        let longest = |run: u32| found[runs[run as usize].top as usize].map_or(0, |(_, count)| count);
+        let longest =
+            |run: u32| found[runs[run as usize].top as usize].map_or(0, |(_, count)| count);
         for (form, found) in self.of.iter_mut().zip(&found) {
             if let Some((run, count)) = *found
                 && longest(run) >= REPETITIONS
@@ -239,7 +316,10 @@ impl Forms {
             }
             if at == place {
                 // What ends a run may look the same however it is rolled.
-                upper.roll.and(lower.roll).filter(|roll| *roll == upper.roll)?;
+                upper
+                    .roll
+                    .and(lower.roll)
+                    .filter(|roll| *roll == upper.roll)?;
                 beside.push(None);
                 continue;
             }
@@ -264,21 +344,44 @@ impl Forms {
 
 impl Family {
     /// The slots with those of another member, if they agree.
-    fn joined(&self, slots: &[Slot]) -> Option<Vec<Slot>> {
+    fn joined(&self, slots: &[Slot], fixed: bool) -> Option<Vec<Slot>> {
         let both = self.slots.iter().zip(slots);
-        both.map(|(one, other)| {
-            let family = match (one.family, other.family) {
-                (NONE, family) | (family, NONE) => family,
-                (one, other) if one == other => one,
-                _ => return None,
-            };
-            let agree = one.below == other.below;
-            agree.then_some(Slot {
+        both.map(|(one, other)| one.and(other, fixed)).collect()
+    }
+
+    /// The same with the first member that repeats the only one so far, below which something else stands.
+    fn joined_above(
+        &self,
+        family: u32,
+        slots: &[Slot],
+        fixed: bool,
+    ) -> Option<(Vec<Slot>, Option<(u32, u32)>)> {
+        if !fixed || self.members.len() != 1 {
+            return None;
+        }
+        let mut base = None;
+        let both = self.slots.iter().zip(slots);
+        let joined = both.map(|(one, other)| {
+            if one.class == other.class {
+                return one.and(other, true);
+            }
+            let below = (one.class, self.lowest.checked_sub(one.below)?);
+            let is_same = *base.get_or_insert(below) == below && one.below == other.below;
+            (is_same && other.family == family && other.class == self.top).then_some(Slot {
                 roll: one.roll.and(other.roll)?,
+                kind: Kind::Level,
                 family,
-                below: one.below,
+                ..*one
             })
-        })
-        .collect()
+        });
+        let joined = joined.collect::<Option<Vec<Slot>>>()?;
+        base.is_some().then_some((joined, base))
+    }
+
+    /// What its lowest level is made of where its production does not make it, and which level that is.
+    pub(super) fn base(&self) -> Option<(u32, u32)> {
+        // A single segment has none of the branches that are the same at each level.
+        let more = self.slots.iter().any(|slot| slot.level().is_none());
+        self.base.or(more.then_some((LEAF, 1)))
     }
 }

@@ -148,7 +148,10 @@ impl Frames {
     pub(super) fn frame(&self, node: u32) -> DQuat {
         let heading = self.heading[node as usize];
         let up = self.up[node as usize];
-        frame(heading, up.unwrap_or_else(|| heading.any_orthonormal_vector()))
+        frame(
+            heading,
+            up.unwrap_or_else(|| heading.any_orthonormal_vector()),
+        )
     }
 }
 

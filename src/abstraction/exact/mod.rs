@@ -69,9 +69,10 @@ const SHARES: [[f64; 2]; 3] = [[0.65, 0.3], [0.2, 0.75], [0.01, 0.94]];
 const ROUNDING: f64 = 0.2;
 /// How alike parts are, radians.
 const APART: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 0.04, 0.12, 0.35];
-/// The same, and shares, where there are more nodes than [`MANY`].
+/// The same where there are more nodes than the first number, and than the second.
 const APART_OF_MANY: [f64; 3] = [1e-4, 1e-2, 0.12];
-const MANY: usize = 200_000;
+const APART_OF_MOST: [f64; 1] = [1e-3];
+const MANY: [usize; 2] = [20_000, 300_000];
 /// Rounds in which productions that do not pay are given up.
 const ROUNDS: usize = 3;
 /// Modules and parameters of a segment that is written out, about.
@@ -107,7 +108,9 @@ fn checked(tree: &Tree, tolerance: f64) -> Result<f64, ExactError> {
         return Err(ExactError::Coarse { tolerance, size });
     }
     let root = root.as_dvec3();
-    let far = (low.as_dvec3() - root).abs().max((high.as_dvec3() - root).abs());
+    let far = (low.as_dvec3() - root)
+        .abs()
+        .max((high.as_dvec3() - root).abs());
     let least = far.length() * FINEST;
     if tolerance < least {
         return Err(ExactError::Fine { tolerance, least });
@@ -117,9 +120,8 @@ fn checked(tree: &Tree, tolerance: f64) -> Result<f64, ExactError> {
 
 /// A tree's size: the diagonal of the box that holds its nodes.
 pub fn size(tree: &Tree) -> f64 {
-    tree.bounds().map_or(0.0, |(low, high)| {
-        low.as_dvec3().distance(high.as_dvec3())
-    })
+    tree.bounds()
+        .map_or(0.0, |(low, high)| low.as_dvec3().distance(high.as_dvec3()))
 }
 
 /// The smallest grammar that is found for a tree. `progress` gets what is tried of how much.
@@ -185,8 +187,11 @@ fn stop_if(cancel: &AtomicBool) -> Result<(), ExactError> {
 fn settings(shapes: &[Shape]) -> Vec<Setting> {
     let mut settings = Vec::new();
     for (share, shape) in shapes.iter().enumerate() {
-        let is_large = shape.len() > MANY;
-        let apart: &[f64] = if is_large { &APART_OF_MANY } else { &APART };
+        let apart: &[f64] = match MANY.map(|many| shape.len() > many) {
+            [false, _] => &APART,
+            [true, false] => &APART_OF_MANY,
+            [_, true] => &APART_OF_MOST,
+        };
         settings.push(Setting { share, alike: None });
         for rolled in [Rolled::ByBranches, Rolled::Level] {
             let alike = apart.iter().map(|apart| Some((rolled, *apart)));
@@ -242,7 +247,10 @@ impl<'a> Way<'a> {
             root: 0.5 * tolerance,
         };
         let all = || shape.radius.iter().copied();
-        let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+        let (least, most) = (
+            all().fold(f64::INFINITY, f64::min),
+            all().fold(0.0, f64::max),
+        );
         let is_one = most - least <= 2.0 * part * tolerance * 0.9;
         Self {
             shape,
@@ -270,17 +278,37 @@ impl<'a> Way<'a> {
             return Ok((text, plan.drawn, size));
         };
         let one_radius = self.one_width.is_some();
-        let classes = Classes::new(self.shape, Alike {
-            rolled,
-            apart,
-            one_radius,
-        });
+        let classes = Classes::new(
+            self.shape,
+            Alike {
+                rolled,
+                apart,
+                one_radius,
+            },
+        );
         stop_if(cancel)?;
-        let forms = Forms::new(&classes);
+        let level = self.written_with(&classes, &Forms::new(&classes, false), cancel)?;
+        let forms = Forms::new(&classes, true);
+        if !forms.has_fixed() {
+            return Ok(level);
+        }
+        let fixed = self.written_with(&classes, &forms, cancel)?;
+        let smaller = fixed.2.symbols() < level.2.symbols();
+        Ok(if smaller { fixed } else { level })
+    }
+
+    /// The same with the forms that classes are written in.
+    fn written_with(
+        &self,
+        classes: &Classes,
+        forms: &Forms,
+        cancel: &AtomicBool,
+    ) -> Result<(String, Vec<u32>, Size), ExactError> {
+        let one_radius = self.one_width.is_some();
         let several = |class: &classes::Class| class.uses > 1 && class.height > 0;
         let mut named: Vec<bool> = classes.all.iter().map(several).collect();
         let mut pays = vec![true; forms.families.len()];
-        let planner = self.planner(Some(&classes));
+        let planner = self.planner(Some(classes));
         for round in 0.. {
             let has = |class: u32| match forms.of[class as usize] {
                 Form::Leaf => false,
@@ -290,8 +318,8 @@ impl<'a> Way<'a> {
             };
             let plan = planner.plan(&has, cancel)?;
             let writer = Writer {
-                classes: &classes,
-                forms: &forms,
+                classes,
+                forms,
                 named: &named,
                 one_radius,
             };

@@ -34,7 +34,12 @@ pub(super) struct Sample {
 /// Values put into groups no wider than `width`: the group of each, and the number that stands for each group, with few digits.
 pub(super) fn groups(samples: &[Sample], width: f64) -> (Vec<u32>, Vec<f64>) {
     let mut by_value: Vec<usize> = (0..samples.len()).collect();
-    by_value.sort_by(|a, b| samples[*a].value.total_cmp(&samples[*b].value).then(a.cmp(b)));
+    by_value.sort_by(|a, b| {
+        samples[*a]
+            .value
+            .total_cmp(&samples[*b].value)
+            .then(a.cmp(b))
+    });
     let (mut group_of, mut numbers) = (vec![0; samples.len()], Vec::new());
     let mut rest = by_value.as_slice();
     while let Some(first) = rest.first() {

@@ -106,7 +106,9 @@ pub(super) fn name(number: usize) -> String {
     let round = number / LETTERS.len();
     if round > 0 {
         let digits = round.to_string();
-        let lowered = digits.bytes().map(|digit| char::from_u32(0x2080 + u32::from(digit - b'0')));
+        let lowered = digits
+            .bytes()
+            .map(|digit| char::from_u32(0x2080 + u32::from(digit - b'0')));
         for letter in lowered.flatten() {
             let _ = write!(name, "{letter}"); // Writing into a string cannot fail.
         }
@@ -124,14 +126,24 @@ mod tests {
         let names: Vec<String> = (0..1000).map(name).collect();
         let different: std::collections::HashSet<&String> = names.iter().collect();
         assert_eq!(different.len(), names.len());
-        assert_eq!([&names[0], &names[22], &names[22 * 12 + 1]], ["A", "A₁", "B₁₂"]);
-        assert!(names.iter().all(|name| !name.starts_with(['F', 'G', 'S', 'T'])));
+        assert_eq!(
+            [&names[0], &names[22], &names[22 * 12 + 1]],
+            ["A", "A₁", "B₁₂"]
+        );
+        assert!(
+            names
+                .iter()
+                .all(|name| !name.starts_with(['F', 'G', 'S', 'T']))
+        );
     }
 
     #[test]
     fn parameters_say_no_more_than_they_must() {
         assert_eq!(times("l", 1.0), "l");
         assert_eq!(times("l", 0.9 * 0.7), "l*0.63");
-        assert_eq!([plus("n", 0), plus("n", 2), plus("n", -1)], ["n", "n+2", "n-1"]);
+        assert_eq!(
+            [plus("n", 0), plus("n", 2), plus("n", -1)],
+            ["n", "n+2", "n-1"]
+        );
     }
 }

@@ -39,8 +39,16 @@ pub(super) enum Word {
     Pop,
     Width(f64),
     /// Without drawing: `+` by `yaw`, `&` by `pitch`, then on.
-    Move { yaw: f64, pitch: f64, length: f64 },
-    Segment { yaw: f64, pitch: f64, length: f64 },
+    Move {
+        yaw: f64,
+        pitch: f64,
+        length: f64,
+    },
+    Segment {
+        yaw: f64,
+        pitch: f64,
+        length: f64,
+    },
     /// A part: where its first segment leads, how it is rolled (by `$` or `/`), its class, and that segment's length and width.
     Part {
         turn: [f64; 2],
@@ -121,7 +129,11 @@ impl At {
         let level = own.x.hypot(own.y);
         let yaw = degrees((-own.x).atan2(own.y), reach * level);
         let along = away.dot(self.steered(yaw, pitch).frame * DVec3::Y);
-        (yaw, pitch, shortest(along, part * (length / reach).min(1.0)))
+        (
+            yaw,
+            pitch,
+            shortest(along, part * (length / reach).min(1.0)),
+        )
     }
 }
 
@@ -167,7 +179,8 @@ impl Planner<'_> {
     /// Goes to a root, and gives it its radius where the first segment has another.
     fn root(&self, root: u32, mut at: At, plan: &mut Plan) -> At {
         let place = root as usize;
-        if plan.drawn.is_empty() {
+        let is_first = plan.drawn.is_empty();
+        if is_first {
             plan.drawn.push(root);
         } else {
             let to = self.shape.point[place];
@@ -177,10 +190,14 @@ impl Planner<'_> {
             plan.drawn.push(root);
         }
         let own = self.shape.radius[place];
-        let first = self.shape.children(root).first();
-        let as_first = first.is_some_and(|first| {
-            (self.shape.radius[*first as usize] - own).abs() <= self.room.root
-        });
+        // Behind a move the first segment makes the root, and each bracket would make another.
+        let as_first = match self.shape.children(root) {
+            [first, rest @ ..] => {
+                let thick = self.shape.radius[*first as usize];
+                (is_first || rest.is_empty()) && (thick - own).abs() <= self.room.root
+            }
+            [] => false,
+        };
         if !as_first {
             self.widen(own, &mut at, plan);
             plan.words.push(Word::Segment {
@@ -236,7 +253,9 @@ impl Planner<'_> {
                 work.push(Work::Pop);
                 plan.words.push(Word::Push);
             }
-            let class = self.classes.map_or(NONE, |classes| classes.of[node as usize]);
+            let class = self
+                .classes
+                .map_or(NONE, |classes| classes.of[node as usize]);
             if class != NONE && has_production(class) && self.part(node, class, at, tries, plan) {
                 plan.drawn.extend(node..self.shape.end[node as usize]);
                 continue;
@@ -325,17 +344,24 @@ impl Planner<'_> {
             let here = at.ahead(length);
             let off = here.place.distance(self.shape.point[place]);
             let radius = (at.width / 2.0 - self.shape.radius[place]).abs();
-            if !(off <= self.room.part && (self.one_width.is_some() || radius <= self.room.radius)) {
+            if !(off <= self.room.part && (self.one_width.is_some() || radius <= self.room.radius))
+            {
                 return false;
             }
             let entries = &classes.all[class as usize].entries;
             for (entry, child) in entries.iter().zip(self.shape.children(node)) {
-                let (roll, pitch) = (numbers.rolls[entry.turn_roll as usize], numbers.pitches[entry.pitch as usize]);
+                let (roll, pitch) = (
+                    numbers.rolls[entry.turn_roll as usize],
+                    numbers.pitches[entry.pitch as usize],
+                );
                 let mut ahead = here.turned(roll, pitch);
                 match entry.roll {
                     Roll::Any => {}
                     Roll::Level => ahead.frame = levelled(ahead.frame),
-                    Roll::By(by) => ahead.frame *= DQuat::from_rotation_y(numbers.rolls[by as usize].to_radians()),
+                    Roll::By(by) => {
+                        ahead.frame *=
+                            DQuat::from_rotation_y(numbers.rolls[by as usize].to_radians())
+                    }
                 }
                 if self.one_width.is_none() {
                     ahead.width *= numbers.radii[entry.radius as usize];

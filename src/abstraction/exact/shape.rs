@@ -110,7 +110,11 @@ impl Shape {
         let on = axis[node as usize];
         open.extend((on != NO_PARENT).then_some((on, here)));
         let others = children.of(node).iter().rev();
-        open.extend(others.filter(|child| **child != on).map(|child| (*child, here)));
+        open.extend(
+            others
+                .filter(|child| **child != on)
+                .map(|child| (*child, here)),
+        );
     }
 
     /// Children, ends and ways.

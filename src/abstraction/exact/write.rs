@@ -2,7 +2,7 @@
 
 use hashbrown::HashMap;
 
-use super::classes::{Classes, Entry, LEAF, NONE, Roll};
+use super::classes::{Classes, Entry, LEAF, Roll};
 use super::forms::{Beside, Form, Forms};
 use super::out::{Out, Size, name, plus, times};
 use super::plan::{Plan, Word};
@@ -75,9 +75,9 @@ impl Writer<'_> {
         match of {
             Some(Rule::Family(family)) => {
                 let slot = self.forms.families[family as usize].slots[place];
-                match slot.family {
-                    NONE => self.target(entry.class),
-                    family => Target::Call(
+                match slot.level() {
+                    None => self.target(entry.class),
+                    Some(family) => Target::Call(
                         Rule::Family(family),
                         Some(plus("n", -i64::from(slot.below))),
                     ),
@@ -100,6 +100,18 @@ impl Writer<'_> {
             Rule::Plain(class) => class,
             Rule::Family(family) => self.forms.families[family as usize].top,
             Rule::Run(run) => self.forms.runs[run as usize].top,
+        }
+    }
+
+    /// What a rule ends with instead of its own branches, and the level at which it does.
+    fn end(&self, rule: Rule) -> Option<(u32, u32)> {
+        match rule {
+            Rule::Plain(_) => None,
+            Rule::Family(family) => {
+                let base = self.forms.families[family as usize].base();
+                base.map(|(class, level)| (level, class))
+            }
+            Rule::Run(run) => Some((0, self.forms.runs[run as usize].tail)),
         }
     }
 
@@ -132,10 +144,10 @@ impl Writer<'_> {
     /// Shows all that stands in a rule's productions, what is written out too.
     fn walk(&self, rule: Rule, see: &mut dyn FnMut(&Target)) {
         let mut open = vec![(self.model(rule), Some(rule))];
-        if let Rule::Run(run) = rule {
-            let tail = self.target(self.forms.runs[run as usize].tail);
-            see(&tail);
-            if let Target::Inline(class) = tail {
+        if let Some((_, class)) = self.end(rule) {
+            let end = self.target(class);
+            see(&end);
+            if let Target::Inline(class) = end {
                 open.push((class, None));
             }
         }
@@ -198,7 +210,11 @@ impl Writer<'_> {
         let one_lower = needed.rules.iter().all(|rule| match rule {
             Rule::Family(family) => {
                 let slots = &self.forms.families[*family as usize].slots;
-                slots.iter().all(|slot| slot.below == 1 && slot.family != NONE)
+                let is_plain = self.end(*rule).is_none();
+                is_plain
+                    && slots
+                        .iter()
+                        .all(|slot| slot.below == 1 && slot.level().is_some())
             }
             _ => false,
         });
@@ -208,10 +224,22 @@ impl Writer<'_> {
     /// Steps after which all is written out, at most.
     fn steps(&self, parts: &[u32]) -> u32 {
         let mut steps: Vec<u32> = Vec::with_capacity(self.classes.all.len());
-        for class in &self.classes.all {
-            let below = class.entries.iter().map(|entry| steps.get(entry.class as usize));
+        for (class, form) in self.classes.all.iter().zip(&self.forms.of) {
+            let below = class
+                .entries
+                .iter()
+                .map(|entry| steps.get(entry.class as usize));
             let most = below.flatten().max().copied().unwrap_or(0);
-            steps.push(most.saturating_add(1));
+            // What ends a rule takes a step more.
+            let ends = match *form {
+                Form::Run { count, .. } => count == 1,
+                Form::Level { family, level } => {
+                    let family = &self.forms.families[family as usize];
+                    level == family.lowest && family.base().is_some()
+                }
+                Form::Leaf | Form::Plain => false,
+            };
+            steps.push(most.saturating_add(1 + u32::from(ends)));
         }
         let of = |class: &u32| steps[*class as usize];
         parts.iter().map(of).max().unwrap_or(0)
@@ -230,7 +258,9 @@ impl Writer<'_> {
             with_levels: by_steps.is_none(),
         };
         let short = segments_pay(plan);
-        let steps = by_steps.unwrap_or_else(|| self.steps(&parts)).max(u32::from(short));
+        let steps = by_steps
+            .unwrap_or_else(|| self.steps(&parts))
+            .max(u32::from(short));
         text.out.raw(&format!("steps {steps}\naxiom"));
         axiom(&mut text.out, plan, short, |out, class, length, width| {
             if let Some((rule, level)) = self.rule(class) {
@@ -273,19 +303,12 @@ pub(super) fn plain(plan: &Plan, short: bool) -> (String, Size) {
 const SHORT_FROM: usize = 6;
 
 fn segments_pay(plan: &Plan) -> bool {
-    let turned = |word: &&Word| {
-        matches!(word, Word::Segment { yaw, pitch, .. } if *yaw != 0.0 && *pitch != 0.0)
-    };
+    let turned = |word: &&Word| matches!(word, Word::Segment { yaw, pitch, .. } if *yaw != 0.0 && *pitch != 0.0);
     plan.words.iter().filter(turned).count() >= SHORT_FROM
 }
 
 /// Writes an axiom, in which `part` writes parts, and the production of segments if there is one.
-fn axiom(
-    out: &mut Out,
-    plan: &Plan,
-    short: bool,
-    mut part: impl FnMut(&mut Out, u32, f64, f64),
-) {
+fn axiom(out: &mut Out, plan: &Plan, short: bool, mut part: impl FnMut(&mut Out, u32, f64, f64)) {
     let turn = |out: &mut Out, sign: &str, degrees: f64| {
         if degrees != 0.0 {
             out.module(sign, &[degrees.to_string()]);
@@ -366,12 +389,15 @@ impl Text<'_> {
         if !self.writer.one_radius {
             parameters.push("w");
         }
-        self.out.head(&name, &parameters, leveled.then_some("n > 0"));
+        let end = self.writer.end(rule);
+        let condition = format!("n > {}", end.map_or(0, |(level, _)| level));
+        self.out
+            .head(&name, &parameters, leveled.then_some(condition.as_str()));
         self.body(self.writer.model(rule), Some(rule));
-        if let Rule::Run(run) = rule {
-            self.out.head(&name, &parameters, Some("n == 0"));
-            let tail = self.writer.forms.runs[run as usize].tail;
-            match self.writer.target(tail) {
+        if let Some((level, class)) = end {
+            self.out
+                .head(&name, &parameters, Some(&format!("n == {level}")));
+            match self.writer.target(class) {
                 Target::Call(rule, level) => self.call(rule, level, [1.0, 1.0]),
                 Target::Inline(class) => self.body(class, None),
             }

@@ -61,7 +61,10 @@ pub(super) fn tolerance(text: &str) -> Result<Tolerance, String> {
 pub(super) fn curve_file() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| match path.extension() {
         Some(ending) if ending.eq_ignore_ascii_case("svg") => Ok(path),
-        _ => Err(format!("{}: curves are written as SVG; use the ending .svg", path.display())),
+        _ => Err(format!(
+            "{}: curves are written as SVG; use the ending .svg",
+            path.display()
+        )),
     })
 }
 
@@ -158,7 +161,8 @@ fn given(path: &Path, read: impl FnOnce(&Path, &AtomicBool) -> Result<Loaded>) -
         Some("ramus") => {
             let document = read_project(path)?;
             let cannot = || format!("cannot grow the sketch of {name}");
-            let grown = sketch::grow(&document.sketch, document.step, &never).with_context(cannot)?;
+            let grown =
+                sketch::grow(&document.sketch, document.step, &never).with_context(cannot)?;
             Ok(at_zero(grown.tree))
         }
         _ => measured(path, read),
@@ -169,7 +173,8 @@ fn given(path: &Path, read: impl FnOnce(&Path, &AtomicBool) -> Result<Loaded>) -
 fn grown(path: &Path) -> Result<Tree> {
     let never = AtomicBool::new(false);
     let name = path.display().to_string();
-    let grammar = Grammar::parse(&grammar_text(path)?, &name).map_err(|errors| anyhow!("{errors}"))?;
+    let grammar =
+        Grammar::parse(&grammar_text(path)?, &name).map_err(|errors| anyhow!("{errors}"))?;
     let Some(steps) = grammar.steps() else {
         bail!("{name} states no number of steps: add a line such as `steps 5`");
     };
@@ -282,7 +287,11 @@ fn screen(
     let [tree, drawn] = found.segments;
     for (what, grammar, plain) in [
         ("segments", drawn, tree),
-        ("productions", found.size.productions, found.plain.productions),
+        (
+            "productions",
+            found.size.productions,
+            found.plain.productions,
+        ),
         ("modules", found.size.modules, found.plain.modules),
         ("parameters", found.size.parameters, found.plain.parameters),
         ("bytes", found.size.bytes, found.plain.bytes),
@@ -290,7 +299,10 @@ fn screen(
         line(format!("{what:<12}{grammar:>13}{plain:>13}"));
     }
     if let Some(points) = points {
-        line(format!("\n{:>13}{:>13}{:>13}{:>13}{:>13}", "tolerance", "off by", "productions", "symbols", "bytes"));
+        line(format!(
+            "\n{:>13}{:>13}{:>13}{:>13}{:>13}",
+            "tolerance", "off by", "productions", "symbols", "bytes"
+        ));
         for one in points {
             line(format!(
                 "{:>13}{:>13}{:>13}{:>13}{:>13}",
@@ -311,7 +323,9 @@ fn screen(
     }
     let more = lines.count().saturating_sub(SHOWN_LINES);
     if more > 0 {
-        line(format!("… and {more} lines more: --grammar FILE writes all of it"));
+        line(format!(
+            "… and {more} lines more: --grammar FILE writes all of it"
+        ));
     }
     text
 }
