@@ -11,6 +11,7 @@
 //! much into parts that are alike, how alike parts must be, and how frames are rolled: all of a short list of settings are tried, and the
 //! smallest grammar is kept whose tree, drawn by the engine itself, is near enough.
 
+mod axiom;
 mod check;
 mod classes;
 mod curve;
@@ -19,6 +20,7 @@ mod forms;
 mod frames;
 mod number;
 mod out;
+mod pairs;
 mod plan;
 mod shape;
 mod write;
@@ -63,16 +65,18 @@ pub struct Exact {
     pub segments: [usize; 2],
 }
 
-/// Parts of the tolerance: of nodes that are left out, of parts that productions draw. The rest is rounding.
-const SHARES: [[f64; 2]; 3] = [[0.65, 0.3], [0.2, 0.75], [0.01, 0.94]];
-/// Of numbers that are rounded.
-const ROUNDING: f64 = 0.2;
+/// Parts of the tolerance: of nodes that are left out, of parts that productions draw, of numbers that are rounded.
+const SHARES: [[f64; 3]; 4] = [[0.65, 0.3, 0.2], [0.2, 0.75, 0.2], [0.01, 0.94, 0.2], EVEN];
+/// What is written with so many digits that what is equal stays equal, for repeats in the axiom alone.
+const EVEN: [f64; 3] = [0.01, 0.94, 0.003];
 /// How alike parts are, radians.
 const APART: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 0.04, 0.12, 0.35];
 /// The same where there are more nodes than the first number, and than the second.
 const APART_OF_MANY: [f64; 3] = [1e-4, 1e-2, 0.12];
 const APART_OF_MOST: [f64; 1] = [1e-3];
 const MANY: [usize; 2] = [20_000, 300_000];
+/// How many of the smallest grammars have their axioms shortened.
+const SHORTENED: usize = 4;
 /// Rounds in which productions that do not pay are given up.
 const ROUNDS: usize = 3;
 /// Modules and parameters of a segment that is written out, about.
@@ -84,6 +88,8 @@ const FINEST: f64 = 1.0 / (1 << 22) as f64;
 #[derive(Clone, Copy, Debug)]
 struct Setting {
     share: usize,
+    /// Whether what is repeated in the axiom becomes productions.
+    shorten: bool,
     /// None without productions.
     alike: Option<(Rolled, f64)>,
 }
@@ -137,26 +143,17 @@ pub fn exact(
     checked(tree, tolerance)?;
     let shapes: Vec<Shape> = SHARES
         .par_iter()
-        .map(|[nodes, _]| Shape::new(tree, nodes * tolerance, nodes * tolerance))
+        .map(|[nodes, ..]| Shape::new(tree, nodes * tolerance, nodes * tolerance))
         .collect();
     stop_if(cancel)?;
-    let settings = settings(&shapes);
-    let done = AtomicUsize::new(0);
-    let mut tried: Vec<(usize, usize)> = settings
-        .par_iter()
-        .enumerate()
-        .map(|(place, setting)| {
-            let way = Way::new(&shapes[setting.share], *setting, tolerance);
-            let (_, _, size) = way.written(cancel)?;
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, settings.len());
-            Ok((size.symbols(), place))
-        })
-        .collect::<Result<_, ExactError>>()?;
-    tried.sort_unstable();
-    for (_, place) in tried {
-        let setting = settings[place];
+    let search = Search {
+        shapes: &shapes,
+        tolerance,
+        cancel,
+    };
+    for setting in search.best(progress)? {
         let shape = &shapes[setting.share];
-        let (grammar, order, size) = Way::new(shape, setting, tolerance).written(cancel)?;
+        let (grammar, order, size) = search.written(setting)?;
         let Some((drawn, error)) = drawn(tree, shape, &order, &grammar, cancel)? else {
             continue;
         };
@@ -176,6 +173,53 @@ pub fn exact(
     Err(ExactError::Unmet(tolerance))
 }
 
+/// All settings for a tree.
+struct Search<'a> {
+    shapes: &'a [Shape],
+    tolerance: f64,
+    cancel: &'a AtomicBool,
+}
+
+impl Search<'_> {
+    fn written(&self, setting: Setting) -> Result<(String, Vec<u32>, Size), ExactError> {
+        Way::new(&self.shapes[setting.share], setting, self.tolerance).written(self.cancel)
+    }
+
+    /// The settings by how small their grammars are: of all, and of the smallest and those without classes once more with the axiom shortened.
+    fn best(&self, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Vec<Setting>, ExactError> {
+        let all = settings(self.shapes);
+        let done = AtomicUsize::new(0);
+        let tried = |settings: Vec<Setting>| -> Result<Vec<(usize, Setting)>, ExactError> {
+            let sizes = settings.into_par_iter().map(|setting| {
+                let (_, _, size) = self.written(setting)?;
+                progress(
+                    done.fetch_add(1, Ordering::Relaxed) + 1,
+                    all.len() + all.len() / 3,
+                );
+                Ok((size.symbols(), setting))
+            });
+            sizes.collect()
+        };
+        let mut found = tried(all.clone())?;
+        // Among equals the earlier one is first: the order of trying is kept.
+        found.sort_by_key(|(size, _)| *size);
+        let again = found
+            .iter()
+            .enumerate()
+            .filter_map(|(place, (_, setting))| {
+                let is_tried = place < SHORTENED || setting.alike.is_none();
+                is_tried.then_some(Setting {
+                    shorten: true,
+                    ..*setting
+                })
+            });
+        let again = tried(again.collect())?;
+        found.extend(again);
+        found.sort_by_key(|(size, _)| *size);
+        Ok(found.into_iter().map(|(_, setting)| setting).collect())
+    }
+}
+
 fn stop_if(cancel: &AtomicBool) -> Result<(), ExactError> {
     match cancel.load(Ordering::Relaxed) {
         true => Err(ExactError::Cancelled),
@@ -192,10 +236,22 @@ fn settings(shapes: &[Shape]) -> Vec<Setting> {
             [true, false] => &APART_OF_MANY,
             [_, true] => &APART_OF_MOST,
         };
-        settings.push(Setting { share, alike: None });
+        let shorten = false;
+        settings.push(Setting {
+            share,
+            shorten,
+            alike: None,
+        });
+        if SHARES[share] == EVEN {
+            continue;
+        }
         for rolled in [Rolled::ByBranches, Rolled::Level] {
             let alike = apart.iter().map(|apart| Some((rolled, *apart)));
-            settings.extend(alike.map(|alike| Setting { share, alike }));
+            settings.extend(alike.map(|alike| Setting {
+                share,
+                shorten,
+                alike,
+            }));
         }
     }
     settings
@@ -222,11 +278,12 @@ fn written_out(tree: &Tree, tolerance: f64, cancel: &AtomicBool) -> Result<Size,
     let shape = Shape::new(tree, -1.0, -1.0);
     let setting = Setting {
         share: 0,
+        shorten: false,
         alike: None,
     };
     let way = Way::new(&shape, setting, tolerance);
     let plan = way.planner(None).plan(&|_| false, cancel)?;
-    Ok(plain(&plan, false).1)
+    Ok(plain(&plan, false, false).1)
 }
 
 /// A way to write a shape.
@@ -239,9 +296,9 @@ struct Way<'a> {
 
 impl<'a> Way<'a> {
     fn new(shape: &'a Shape, setting: Setting, tolerance: f64) -> Self {
-        let [_, part] = SHARES[setting.share];
+        let [_, part, rounding] = SHARES[setting.share];
         let room = Room {
-            rounding: ROUNDING * tolerance,
+            rounding: rounding * tolerance,
             part: part * tolerance,
             radius: part * tolerance,
             root: 0.5 * tolerance,
@@ -256,7 +313,7 @@ impl<'a> Way<'a> {
             shape,
             setting,
             room,
-            one_width: is_one.then(|| number::shortest(most + least, part * tolerance * 0.1)),
+            one_width: is_one.then(|| number::thickness(most + least, part * tolerance * 0.1)),
         }
     }
 
@@ -274,7 +331,7 @@ impl<'a> Way<'a> {
         stop_if(cancel)?;
         let Some((rolled, apart)) = self.setting.alike else {
             let plan = self.planner(None).plan(&|_| false, cancel)?;
-            let (text, size) = plain(&plan, true);
+            let (text, size) = plain(&plan, true, self.setting.shorten);
             return Ok((text, plan.drawn, size));
         };
         let one_radius = self.one_width.is_some();
@@ -325,7 +382,7 @@ impl<'a> Way<'a> {
             };
             let given_up = self.given_up(&writer, &plan);
             if round >= ROUNDS || given_up.is_empty() {
-                let (text, size) = writer.write(&plan);
+                let (text, size) = writer.write(&plan, self.setting.shorten);
                 return Ok((text, plan.drawn, size));
             }
             for rule in given_up {

@@ -23,6 +23,11 @@ pub(super) fn shortest(value: f64, within: f64) -> f64 {
     value
 }
 
+/// The same for widths: what is thick is never written as 0, so that a tree is seen however much may be off.
+pub(super) fn thickness(width: f64, within: f64) -> f64 {
+    shortest(width, within.min(0.1 * width))
+}
+
 /// A value among others that are alike.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
@@ -58,4 +63,42 @@ pub(super) fn groups(samples: &[Sample], width: f64) -> (Vec<u32>, Vec<f64>) {
         rest = behind;
     }
     (group_of, numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "the table says it")]
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_that_they_need() {
+        for (value, within, expected) in [
+            (0.899_999_97, 1e-4, 0.9),
+            (137.500_01, 0.01, 137.5),
+            (137.500_01, 1.0, 138.0),
+            (-25.714_28, 0.05, -25.7),
+            (1234.5, 50.0, 1200.0),
+            (0.001_23, 5e-5, 0.001_2),
+            (0.3, 0.4, 0.0),
+            (0.0, 0.0, 0.0),
+            (9.99, 0.1, 10.0),
+        ] {
+            let found = shortest(value, within);
+            assert!((found - expected).abs() < 1e-12, "{value}: {found}");
+        }
+        for value in [1.0 / 3.0, 1e-12, -7e9, f64::MIN_POSITIVE, f64::MAX] {
+            assert!(
+                (shortest(value, 0.0) - value).abs() <= value.abs() * 1e-15,
+                "{value}"
+            );
+        }
+    }
+
+    #[test]
+    fn groups_are_no_wider_than_they_may_be() {
+        let samples = [0.7, 0.1, 0.11, 0.69, 5.0, 0.12].map(|value| Sample { value, weight: 1.0 });
+        let (of, numbers) = groups(&samples, 0.05);
+        assert_eq!(of, [1, 0, 0, 1, 2, 0]);
+        assert!((numbers[0] - 0.11).abs() < 1e-12 && numbers.len() == 3);
+    }
 }

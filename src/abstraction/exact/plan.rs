@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3};
 use super::classes::{Classes, NONE, Roll};
 use super::error::ExactError;
 use super::frames::{Turn, levelled, roll_to};
-use super::number::shortest;
+use super::number::{shortest, thickness};
 use super::shape::Shape;
 
 /// Segments that productions are tried on, for each segment of the tree: what bounds the time where many almost fit.
@@ -220,7 +220,7 @@ impl Planner<'_> {
 
     fn width(&self, radius: f64) -> f64 {
         self.one_width
-            .unwrap_or_else(|| shortest(2.0 * radius, self.room.radius))
+            .unwrap_or_else(|| thickness(2.0 * radius, self.room.radius))
     }
 
     /// All that grows from a root.
@@ -306,7 +306,7 @@ impl Planner<'_> {
         }
         let width = match self.one_width {
             Some(width) => width,
-            None => shortest(2.0 * self.shape.radius[place], self.room.radius / 4.0),
+            None => thickness(2.0 * self.shape.radius[place], self.room.radius / 4.0),
         };
         ahead.width = width;
         if !self.comes_near(node, class, ahead, length, classes, tries) {

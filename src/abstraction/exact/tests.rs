@@ -116,7 +116,7 @@ fn holds(tree: &Tree, exact: &Exact) {
     assert_eq!(exact.grammar.len(), exact.size.bytes);
 }
 
-const GRAMMARS: [(&str, &str, usize, usize); 8] = [
+const GRAMMARS: [(&str, &str, usize, usize); 9] = [
     // Productions and symbols at most; the originals have as many productions.
     (
         "honda",
@@ -161,10 +161,16 @@ const GRAMMARS: [(&str, &str, usize, usize); 8] = [
         30,
     ),
     (
+        "weed-a",
+        include_str!("../../../assets/grammars/weed-a.lsys"),
+        9,
+        120,
+    ),
+    (
         "mycelis",
         include_str!("../../../assets/grammars/mycelis.lsys"),
-        5,
-        210,
+        10,
+        150,
     ),
 ];
 

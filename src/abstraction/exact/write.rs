@@ -2,6 +2,7 @@
 
 use hashbrown::HashMap;
 
+use super::axiom::Axiom;
 use super::classes::{Classes, Entry, LEAF, Roll};
 use super::forms::{Beside, Form, Forms};
 use super::out::{Out, Size, name, plus, times};
@@ -245,11 +246,14 @@ impl Writer<'_> {
         parts.iter().map(of).max().unwrap_or(0)
     }
 
-    /// The grammar.
-    pub(super) fn write(&self, plan: &Plan) -> (String, Size) {
+    /// The grammar; `shorten`: with productions for what is repeated in the axiom.
+    pub(super) fn write(&self, plan: &Plan, shorten: bool) -> (String, Size) {
         let parts: Vec<u32> = plan.words.iter().filter_map(part_of).collect();
         let needed = self.needed(&parts);
-        let by_steps = self.counted_by_steps(&parts, &needed);
+        let axiom = Axiom::new(plan, shorten, true);
+        let by_steps = self
+            .counted_by_steps(&parts, &needed)
+            .filter(|_| axiom.rules.is_empty());
         let numbers = needed.rules.iter().copied().zip(0..);
         let mut text = Text {
             out: Out::default(),
@@ -257,12 +261,8 @@ impl Writer<'_> {
             names: numbers.collect(),
             with_levels: by_steps.is_none(),
         };
-        let short = segments_pay(plan);
-        let steps = by_steps
-            .unwrap_or_else(|| self.steps(&parts))
-            .max(u32::from(short));
-        text.out.raw(&format!("steps {steps}\naxiom"));
-        axiom(&mut text.out, plan, short, |out, class, length, width| {
+        let steps = by_steps.unwrap_or_else(|| self.steps(&parts));
+        let mut part = |out: &mut Out, class, length: f64, width: f64| {
             if let Some((rule, level)) = self.rule(class) {
                 let level = level.map(|level| level.to_string());
                 let (name, parameters) = call(
@@ -274,7 +274,8 @@ impl Writer<'_> {
                 );
                 out.module(&name, &parameters);
             }
-        });
+        };
+        axiom.write(&mut text.out, steps, needed.rules.len(), &mut part);
         for rule in needed.rules {
             text.rule(rule);
         }
@@ -290,71 +291,12 @@ pub(super) fn part_of(word: &Word) -> Option<u32> {
     }
 }
 
-/// A plan without parts as a grammar.
-pub(super) fn plain(plan: &Plan, short: bool) -> (String, Size) {
-    let short = short && segments_pay(plan);
+/// A plan without parts as a grammar; `short`: with modules for segments, `shorten`: and productions for what is repeated.
+pub(super) fn plain(plan: &Plan, short: bool, shorten: bool) -> (String, Size) {
     let mut out = Out::default();
-    out.raw(&format!("steps {}\naxiom", u32::from(short)));
-    axiom(&mut out, plan, short, |_, _, _, _| {});
+    let axiom = Axiom::new(plan, shorten, short);
+    axiom.write(&mut out, 0, 0, &mut |_, _, _, _| {});
     out.finish()
-}
-
-/// Segments with both turns from which on a module for them is shorter than they are.
-const SHORT_FROM: usize = 6;
-
-fn segments_pay(plan: &Plan) -> bool {
-    let turned = |word: &&Word| matches!(word, Word::Segment { yaw, pitch, .. } if *yaw != 0.0 && *pitch != 0.0);
-    plan.words.iter().filter(turned).count() >= SHORT_FROM
-}
-
-/// Writes an axiom, in which `part` writes parts, and the production of segments if there is one.
-fn axiom(out: &mut Out, plan: &Plan, short: bool, mut part: impl FnMut(&mut Out, u32, f64, f64)) {
-    let turn = |out: &mut Out, sign: &str, degrees: f64| {
-        if degrees != 0.0 {
-            out.module(sign, &[degrees.to_string()]);
-        }
-    };
-    if plan.words.is_empty() {
-        out.raw(" *");
-    }
-    for word in &plan.words {
-        match *word {
-            Word::Push => out.module("[", &[]),
-            Word::Pop => out.module("]", &[]),
-            Word::Width(width) => out.module("!", &[width.to_string()]),
-            Word::Segment { yaw, pitch, length } if short && yaw != 0.0 && pitch != 0.0 => {
-                out.module("S", &[yaw, pitch, length].map(|one| one.to_string()));
-            }
-            Word::Segment { yaw, pitch, length } | Word::Move { yaw, pitch, length } => {
-                turn(out, "+", yaw);
-                turn(out, "&", pitch);
-                let draws = matches!(word, Word::Segment { .. });
-                out.module(if draws { "F" } else { "f" }, &[length.to_string()]);
-            }
-            Word::Part {
-                turn: [yaw, pitch],
-                level,
-                roll,
-                class,
-                length,
-                width,
-            } => {
-                turn(out, "+", yaw);
-                turn(out, "&", pitch);
-                match level {
-                    true => out.module("$", &[]),
-                    false => turn(out, "/", roll),
-                }
-                part(out, class, length, width);
-            }
-        }
-    }
-    if short {
-        out.head("S", &["a", "b", "l"], None);
-        out.module("+", &["a".to_owned()]);
-        out.module("&", &["b".to_owned()]);
-        out.module("F", &["l".to_owned()]);
-    }
 }
 
 /// The module of a rule.
