@@ -2,7 +2,6 @@
 
 use super::cohort::picture::svg::{Anchor, Svg};
 use crate::abstraction::exact::Point;
-use crate::mesh::unit::Rounded;
 
 const SIZE: [f64; 2] = [520.0, 340.0];
 /// Around the plot: left, top, right, bottom.
@@ -72,12 +71,12 @@ pub fn svg(name: &str, size: f64, points: &[Point]) -> String {
             10.0,
             Anchor::End,
             INK,
-            &Rounded(mark).to_string(),
+            &mark.to_string(),
         );
     }
     for mark in across.marks() {
         svg.line([x(mark), top], [x(mark), top + height], GRID, 1.0);
-        let label = format!("{} %", Rounded(mark));
+        let label = format!("{mark} %");
         svg.text(
             [x(mark), top + height + 14.0],
             10.0,

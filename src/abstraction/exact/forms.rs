@@ -96,8 +96,11 @@ pub(super) struct Family {
     /// The lowest member's level.
     pub(super) lowest: u32,
     /// What stands below the lowest member where that is no single segment, and the level that it has there.
-    base: Option<(u32, u32)>,
+    base: Option<Base>,
 }
+
+/// A class, and which level of a family it stands for.
+type Base = (u32, u32);
 
 /// A branch of a run that is not what repeats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -355,7 +358,7 @@ impl Family {
         family: u32,
         slots: &[Slot],
         fixed: bool,
-    ) -> Option<(Vec<Slot>, Option<(u32, u32)>)> {
+    ) -> Option<(Vec<Slot>, Option<Base>)> {
         if !fixed || self.members.len() != 1 {
             return None;
         }
@@ -379,7 +382,7 @@ impl Family {
     }
 
     /// What its lowest level is made of where its production does not make it, and which level that is.
-    pub(super) fn base(&self) -> Option<(u32, u32)> {
+    pub(super) fn base(&self) -> Option<Base> {
         // A single segment has none of the branches that are the same at each level.
         let more = self.slots.iter().any(|slot| slot.level().is_none());
         self.base.or(more.then_some((LEAF, 1)))

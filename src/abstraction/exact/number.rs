@@ -3,13 +3,20 @@
 /// Digits behind the point at most.
 const DECIMALS: i32 = 17;
 
+/// Digits before the point at most.
+const LARGEST: i32 = 40;
+
 /// The number with the fewest digits that is within a distance of a value.
 pub(super) fn shortest(value: f64, within: f64) -> f64 {
     if value.abs() <= within || value == 0.0 {
         return 0.0;
     }
-    let whole = (value.abs().log10().floor().clamp(-300.0, 300.0) as i32).saturating_add(1);
-    for decimals in -whole..=DECIMALS {
+    // A number of so many digits before its point may be rounded to all but the first of them.
+    let whole = (-DECIMALS..=LARGEST)
+        .rev()
+        .find(|at| value.abs() >= 10.0_f64.powi(*at));
+    let first = whole.map_or(DECIMALS, |whole| -1 - whole);
+    for decimals in first..=DECIMALS {
         let scale = 10.0_f64.powi(decimals.abs());
         let rounded = if decimals < 0 {
             (value / scale).round() * scale

@@ -266,12 +266,11 @@ fn screen(
     let mut line = |said: String| {
         let _ = writeln!(text, "{said}"); // Writing into a string cannot fail.
     };
-    let ratio = found.plain.symbols() as f64 / found.size.symbols().max(1) as f64;
+    let [written, symbols] = [found.plain, found.size].map(|size| size.symbols());
     line(format!(
-        "{name}: a grammar of {} modules and parameters, a {:.1}th of what its {} segments take written out, found in {seconds:.1} s",
-        found.size.symbols(),
-        ratio,
-        found.segments[0]
+        "{name}: a grammar of {symbols} modules and parameters, where its {} segments written out have {written} ({} times as many), found in {seconds:.1} s",
+        found.segments[0],
+        Rounded(written as f64 / symbols.max(1) as f64)
     ));
     let Deviation { max, mean, radius } = found.error;
     line(format!(
