@@ -12,6 +12,7 @@
 //! smallest grammar is kept whose tree, drawn by the engine itself, is near enough.
 
 mod axiom;
+mod chains;
 mod check;
 mod classes;
 mod curve;
@@ -35,6 +36,7 @@ pub use self::curve::{Point, curve};
 pub use self::error::ExactError;
 pub use self::out::Size;
 
+use self::chains::Chains;
 use self::classes::{Alike, Classes};
 use self::forms::{Form, Forms};
 use self::frames::Rolled;
@@ -378,6 +380,8 @@ impl<'a> Way<'a> {
                 classes,
                 forms,
                 named: &named,
+                chains: &Chains::default(),
+                next: None,
                 one_radius,
             };
             let given_up = self.given_up(&writer, &plan);
@@ -389,7 +393,7 @@ impl<'a> Way<'a> {
                 match rule {
                     Rule::Plain(class) => named[class as usize] = false,
                     Rule::Family(family) => pays[family as usize] = false,
-                    Rule::Run(_) => {}
+                    Rule::Run(_) | Rule::Chain(_) => {}
                 }
             }
         }
@@ -424,7 +428,7 @@ impl<'a> Way<'a> {
                     // What other rules call stays.
                     own < calls || instead > own * (call + 1) + body + call + 2
                 }
-                Rule::Run(_) => true,
+                Rule::Run(_) | Rule::Chain(_) => true,
             };
             given_up.extend((!pays).then_some(rule));
         }

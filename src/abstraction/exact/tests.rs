@@ -236,6 +236,23 @@ fn repetitions_along_a_branch_are_counted() {
 }
 
 #[test]
+fn a_rule_of_several_forks_repeats_itself_whatever_it_ends_in() {
+    // The tree of Guo et al.'s our-branch-5: segments grow, so the last ones are of another length than the rule says.
+    let symbols = |steps: u32| {
+        let text = format!(
+            "steps {steps}\naxiom X\nX -> F(1) [ +(40) X ] F(1) [ -(40) X ] X\nF(l) -> F(l*1.9)"
+        );
+        let tree = grown(&text);
+        let exact = found(&tree, 1e-4 * size(&tree));
+        assert_eq!(topology(&exact.tree), topology(&tree));
+        exact.size
+    };
+    let [small, same] = [5, 7].map(symbols);
+    assert_eq!(small.productions, same.productions);
+    assert!(same.symbols() <= small.symbols() + 2, "{small:?} {same:?}");
+}
+
+#[test]
 fn a_helix_is_one_production() {
     let nodes: Vec<(i64, [f32; 3], f32)> = (0_u8..120)
         .map(|at| {

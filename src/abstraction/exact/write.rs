@@ -3,6 +3,7 @@
 use hashbrown::HashMap;
 
 use super::axiom::Axiom;
+use super::chains::Chains;
 use super::classes::{Classes, Entry, LEAF, Roll};
 use super::forms::{Beside, Form, Forms};
 use super::out::{Out, Size, name, plus, times};
@@ -14,6 +15,7 @@ pub(super) enum Rule {
     Plain(u32),
     Family(u32),
     Run(u32),
+    Chain(u32),
 }
 
 /// Which productions there are, and how often each is called.
@@ -31,11 +33,14 @@ pub(super) struct Writer<'a> {
     pub(super) forms: &'a Forms,
     /// Whether a class that is written plainly has a production of its own.
     pub(super) named: &'a [bool],
+    pub(super) chains: &'a Chains,
+    /// The class that a chain's own production has in place of what it calls one lower.
+    pub(super) next: Option<u32>,
     pub(super) one_radius: bool,
 }
 
 /// What stands at a branch.
-enum Target {
+pub(super) enum Target {
     /// A module of a rule, with its level.
     Call(Rule, Option<String>),
     /// What the class is made of.
@@ -57,15 +62,21 @@ impl Writer<'_> {
     pub(super) fn rule(&self, class: u32) -> Option<(Rule, Option<i64>)> {
         match self.forms.of[class as usize] {
             Form::Leaf => None,
-            Form::Plain => self.named[class as usize].then_some((Rule::Plain(class), None)),
+            Form::Plain => match self.chains.of(class) {
+                Some((chain, place)) => Some((Rule::Chain(chain), Some(i64::from(place)))),
+                None => self.named[class as usize].then_some((Rule::Plain(class), None)),
+            },
             Form::Level { family, level } => Some((Rule::Family(family), Some(i64::from(level)))),
             Form::Run { run, count } => Some((Rule::Run(run), Some(i64::from(count)))),
         }
     }
 
     /// What a class's module stands for.
-    fn target(&self, class: u32) -> Target {
+    pub(super) fn target(&self, class: u32) -> Target {
         match self.rule(class) {
+            Some((rule, Some(_))) if self.next == Some(class) => {
+                Target::Call(rule, Some("n-1".to_owned()))
+            }
             Some((rule, level)) => Target::Call(rule, level.map(|level| level.to_string())),
             None => Target::Inline(class),
         }
@@ -101,6 +112,10 @@ impl Writer<'_> {
             Rule::Plain(class) => class,
             Rule::Family(family) => self.forms.families[family as usize].top,
             Rule::Run(run) => self.forms.runs[run as usize].top,
+            Rule::Chain(chain) => {
+                let members = &self.chains.all[chain as usize];
+                members.last().copied().unwrap_or(LEAF)
+            }
         }
     }
 
@@ -113,6 +128,18 @@ impl Writer<'_> {
                 base.map(|(class, level)| (level, class))
             }
             Rule::Run(run) => Some((0, self.forms.runs[run as usize].tail)),
+            Rule::Chain(chain) => {
+                let members = &self.chains.all[chain as usize];
+                members.first().map(|last| (0, *last))
+            }
+        }
+    }
+
+    /// What stands at a rule's end: that of a chain is its own.
+    fn at_end(&self, rule: Rule, class: u32) -> Target {
+        match rule {
+            Rule::Chain(_) => Target::Inline(class),
+            _ => self.target(class),
         }
     }
 
@@ -146,7 +173,7 @@ impl Writer<'_> {
     fn walk(&self, rule: Rule, see: &mut dyn FnMut(&Target)) {
         let mut open = vec![(self.model(rule), Some(rule))];
         if let Some((_, class)) = self.end(rule) {
-            let end = self.target(class);
+            let end = self.at_end(rule, class);
             see(&end);
             if let Target::Inline(class) = end {
                 open.push((class, None));
@@ -250,9 +277,22 @@ impl Writer<'_> {
     pub(super) fn write(&self, plan: &Plan, shorten: bool) -> (String, Size) {
         let parts: Vec<u32> = plan.words.iter().filter_map(part_of).collect();
         let needed = self.needed(&parts);
+        let chains = Chains::new(self, &needed.rules);
+        if chains.all.is_empty() {
+            return self.written(plan, shorten, &parts, needed);
+        }
+        let chained = Writer {
+            chains: &chains,
+            ..*self
+        };
+        let needed = chained.needed(&parts);
+        chained.written(plan, shorten, &parts, needed)
+    }
+
+    fn written(&self, plan: &Plan, shorten: bool, parts: &[u32], needed: Needed) -> (String, Size) {
         let axiom = Axiom::new(plan, shorten, true);
         let by_steps = self
-            .counted_by_steps(&parts, &needed)
+            .counted_by_steps(parts, &needed)
             .filter(|_| axiom.rules.is_empty());
         let numbers = needed.rules.iter().copied().zip(0..);
         let mut text = Text {
@@ -261,7 +301,7 @@ impl Writer<'_> {
             names: numbers.collect(),
             with_levels: by_steps.is_none(),
         };
-        let steps = by_steps.unwrap_or_else(|| self.steps(&parts));
+        let steps = by_steps.unwrap_or_else(|| self.steps(parts));
         let mut part = |out: &mut Out, class, length: f64, width: f64| {
             if let Some((rule, level)) = self.rule(class) {
                 let level = level.map(|level| level.to_string());
@@ -335,11 +375,16 @@ impl Text<'_> {
         let condition = format!("n > {}", end.map_or(0, |(level, _)| level));
         self.out
             .head(&name, &parameters, leveled.then_some(condition.as_str()));
+        if let Rule::Chain(chain) = rule {
+            let members = &self.writer.chains.all[chain as usize];
+            self.writer.next = members.iter().rev().nth(1).copied();
+        }
         self.body(self.writer.model(rule), Some(rule));
+        self.writer.next = None;
         if let Some((level, class)) = end {
             self.out
                 .head(&name, &parameters, Some(&format!("n == {level}")));
-            match self.writer.target(class) {
+            match self.writer.at_end(rule, class) {
                 Target::Call(rule, level) => self.call(rule, level, [1.0, 1.0]),
                 Target::Inline(class) => self.body(class, None),
             }
