@@ -124,14 +124,14 @@ fn replaced(parts: &HashMap<u32, Vec<Part>>, class: u32, below: u32) -> Option<u
     }
     let mut third = None;
     for pair in upper.iter().zip(lower) {
-        match pair {
-            (Part::Class(upper), Part::Class(lower)) if *upper == below => {
-                if *third.get_or_insert(*lower) != *lower {
-                    return None;
-                }
+        let agree = match pair {
+            (Part::Class(called), Part::Class(instead)) if *called == below => {
+                *third.get_or_insert(*instead) == *instead
             }
-            (upper, lower) if upper != lower => return None,
-            _ => {}
+            (upper, lower) => upper == lower,
+        };
+        if !agree {
+            return None;
         }
     }
     third.filter(|third| parts.contains_key(third))
