@@ -74,7 +74,7 @@ const EVEN: [f64; 3] = [0.01, 0.94, 0.003];
 /// How alike parts are, radians.
 const APART: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 0.04, 0.12, 0.35];
 /// The same where there are more nodes than the first number, and than the second.
-const APART_OF_MANY: [f64; 3] = [1e-4, 1e-2, 0.12];
+const APART_OF_MANY: [f64; 2] = [1e-3, 0.12];
 const APART_OF_MOST: [f64; 1] = [1e-3];
 const MANY: [usize; 2] = [20_000, 300_000];
 /// How many of the smallest grammars have their axioms shortened.

@@ -10,7 +10,7 @@ use super::plan::{Plan, Word};
 
 /// Rounds at most, and looks at words in all of them.
 const ROUNDS: usize = 400;
-const LOOKS: usize = 20_000_000;
+const LOOKS: usize = 4_000_000;
 /// Pairs that are replaced in one round at most, where they have nothing in common, and save no less than a part of the most.
 const AT_ONCE: usize = 32;
 const OF_MOST: i64 = 4;

@@ -13,7 +13,7 @@ use super::number::{shortest, thickness};
 use super::shape::Shape;
 
 /// Segments that productions are tried on, for each segment of the tree: what bounds the time where many almost fit.
-const TRIED_PER_SEGMENT: usize = 64;
+const TRIED_PER_SEGMENT: usize = 16;
 /// Nodes between two looks at whether it was stopped.
 const LOOK_EVERY: usize = 1 << 12;
 /// The turtle's width before the first `!`, a diameter.
