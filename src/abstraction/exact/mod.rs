@@ -196,7 +196,7 @@ impl Search<'_> {
                 let (_, _, size) = self.written(setting)?;
                 progress(
                     done.fetch_add(1, Ordering::Relaxed) + 1,
-                    all.len() + all.len() / 3,
+                    all.len() + SHORTENED + SHARES.len(),
                 );
                 Ok((size.symbols(), setting))
             });
@@ -303,7 +303,8 @@ impl<'a> Way<'a> {
             rounding: rounding * tolerance,
             part: part * tolerance,
             radius: part * tolerance,
-            root: 0.5 * tolerance,
+            // The first segment's own radius may be off by the rest.
+            root: 0.9 * (1.0 - part) * tolerance,
         };
         let all = || shape.radius.iter().copied();
         let (least, most) = (
@@ -368,7 +369,8 @@ impl<'a> Way<'a> {
         let mut named: Vec<bool> = classes.all.iter().map(several).collect();
         let mut pays = vec![true; forms.families.len()];
         let planner = self.planner(Some(classes));
-        for round in 0.. {
+        let mut round = 0;
+        loop {
             let has = |class: u32| match forms.of[class as usize] {
                 Form::Leaf => false,
                 Form::Plain => named[class as usize],
@@ -385,10 +387,11 @@ impl<'a> Way<'a> {
                 one_radius,
             };
             let given_up = self.given_up(&writer, &plan);
-            if round >= ROUNDS || given_up.is_empty() {
+            if round == ROUNDS || given_up.is_empty() {
                 let (text, size) = writer.write(&plan, self.setting.shorten);
                 return Ok((text, plan.drawn, size));
             }
+            round += 1;
             for rule in given_up {
                 match rule {
                     Rule::Plain(class) => named[class as usize] = false,
@@ -397,7 +400,6 @@ impl<'a> Way<'a> {
                 }
             }
         }
-        Err(ExactError::Cancelled)
     }
 
     /// Which rules take more than they save.
