@@ -11,6 +11,7 @@
 
 mod difference;
 mod error;
+pub mod exact;
 mod fit;
 mod grammar;
 mod grow;

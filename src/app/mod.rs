@@ -37,6 +37,7 @@ pub mod studies;
 pub mod table;
 pub mod take_home;
 mod takeaway;
+pub mod tradeoff;
 pub mod trees;
 pub mod window;
 pub mod worker;

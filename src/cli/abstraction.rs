@@ -30,11 +30,19 @@ use crate::tree::file::write_atomically;
 use crate::tree::measure::Measures;
 use crate::tree::{Drawing, Organs};
 
+mod exact;
+
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
     /// The model, which is measured between ends that are found on it; or a table: a .json file that says "ramus-table/1", or what ramus analyze --json printed;
-    /// or a group of models: a folder, or a list (.csv) as ramus cohort takes them
+    /// or a group of models: a folder, or a list (.csv) as ramus cohort takes them; with --exact also a grammar (.lsys) or a project (.ramus)
     model: PathBuf,
+    /// Write the very tree as a compact grammar that draws it again, nowhere off by more than a length in the model's unit, or a part of its size such as 0.5%
+    #[arg(long, value_name = "TOLERANCE", value_parser = exact::tolerance, allow_hyphen_values = true, conflicts_with_all = ["candidates", "seed", "variants"])]
+    exact: Option<exact::Tolerance>,
+    /// Tell how large the grammar is for tolerances from 0.01 % to 5 %, and draw that as an .svg file where one is named
+    #[arg(long, value_name = "FILE", num_args = 0..=1, requires = "exact", value_parser = exact::curve_file())]
+    curve: Option<Option<PathBuf>>,
     /// How many trees to draw
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     candidates: u32,
@@ -84,6 +92,7 @@ pub(super) fn run(
     let outputs: Vec<PathBuf> = written
         .iter()
         .chain(&args.png)
+        .chain(args.curve.iter().flatten())
         .cloned()
         .chain(variants)
         .collect();
@@ -93,6 +102,9 @@ pub(super) fn run(
         None,
     )?;
     check_places(&outputs)?;
+    if let Some(tolerance) = args.exact {
+        return exact::run(args, tolerance);
+    }
     let name = args.model.display();
     let is = |wanted: &str| {
         let ending = args.model.extension();

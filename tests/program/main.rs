@@ -20,6 +20,7 @@ mod cohort;
 mod compared;
 mod disk;
 mod doctor;
+mod exact;
 mod explain;
 mod fmt;
 mod inspect;
