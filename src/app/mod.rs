@@ -31,6 +31,7 @@ pub(crate) mod scans;
 pub mod session;
 pub mod store;
 pub mod studies;
+pub mod study;
 pub mod table;
 pub mod take_home;
 mod takeaway;

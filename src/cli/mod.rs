@@ -30,6 +30,7 @@ mod moment;
 mod outputs;
 mod progress;
 mod replay;
+mod study;
 mod unwritten;
 mod workshop;
 
@@ -90,6 +91,8 @@ enum Command {
     Cohort(cohort::Args),
     /// Makes an L-system whose trees have a model's statistics.
     Abstract(abstraction::Args),
+    /// Runs a study with participants: what they answered, scored and compared.
+    Study(study::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
     Doctor,
 }
@@ -111,6 +114,7 @@ pub fn run() -> ExitCode {
         Some(Command::Analyze(args)) => analyze::run(&args, inspect::load),
         Some(Command::Cohort(args)) => cohort::run(&args),
         Some(Command::Abstract(args)) => abstraction::run(&args, inspect::load),
+        Some(Command::Study(args)) => study::run(&args),
         Some(Command::Doctor) => doctor::run(),
     };
     match result {

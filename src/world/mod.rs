@@ -47,6 +47,7 @@ mod signs;
 mod snap;
 pub mod stage;
 mod stroke;
+pub mod study;
 pub mod tools;
 mod tried;
 
