@@ -34,7 +34,7 @@ pub mod studies;
 pub mod study;
 pub mod table;
 pub mod take_home;
-mod takeaway;
+pub(crate) mod takeaway;
 pub mod window;
 pub mod worker;
 pub mod workshop;

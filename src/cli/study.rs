@@ -1,17 +1,20 @@
-//! `ramus study`: what a study with participants comes to.
+//! `ramus study`: a study with participants, held and scored.
 
 use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use clap::{Args as ClapArgs, Subcommand};
+use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 
 use super::outputs::not_over_each_other;
 use super::print_result;
+use super::workshop::{StudyArgs, Which, sit};
 use crate::app::study::report::report;
+use crate::app::study::sitting::Sitting;
 use crate::app::study::told::told;
 use crate::app::study::{Study, paper};
 use crate::tree::file::{check_place, write_atomically};
+use crate::ui::words::Language;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
@@ -21,8 +24,42 @@ pub(super) struct Args {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Holds the sitting of a participant, in a headset or a window: questions, tasks, questions.
+    Run(RunArgs),
     /// Prints the scores of a study and what they differ in.
     Report(ReportArgs),
+}
+
+#[derive(Debug, ClapArgs)]
+struct RunArgs {
+    /// The study's folder, which is made where there is none
+    folder: PathBuf,
+    /// The participant's code: letters, digits, - and _
+    #[arg(long, value_name = "CODE")]
+    participant: String,
+    /// What is worked with, where the study compares several things
+    #[arg(long, value_name = "NAME", default_value = "ramus")]
+    condition: String,
+    /// The tasks (ramus-study-tasks/1); without, three that Ramus brings along
+    #[arg(long, value_name = "FILE.json")]
+    tasks: Option<PathBuf>,
+    /// The language of the panels; without, the one that was set last on this machine
+    #[arg(long, value_name = "LANGUAGE")]
+    language: Option<Tongue>,
+    /// Which headset to use, or a window instead
+    #[arg(long, value_enum, default_value_t = Which::Auto, value_name = "WHICH")]
+    headset: Which,
+    /// How long to wait for a runtime that is lost in the middle of the work, which is saved first; 0: not at all
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(..=86_400))]
+    patience: u64,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Tongue {
+    /// English
+    English,
+    /// German
+    German,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -42,8 +79,22 @@ struct ReportArgs {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     match &args.command {
+        Command::Run(args) => hold(args),
         Command::Report(args) => print_report(args),
     }
+}
+
+fn hold(args: &RunArgs) -> Result<()> {
+    let tasks = args.tasks.as_deref();
+    sit(StudyArgs {
+        sitting: Sitting::of(&args.folder, &args.participant, &args.condition, tasks)?,
+        language: args.language.map(|tongue| match tongue {
+            Tongue::English => Language::English,
+            Tongue::German => Language::German,
+        }),
+        headset: args.headset,
+        patience: args.patience,
+    })
 }
 
 fn print_report(args: &ReportArgs) -> Result<()> {

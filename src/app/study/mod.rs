@@ -4,21 +4,24 @@
 //! folder: DIR/PARTICIPANT/CONDITION/answers.json ─┐
 //!                                                 ├─▶ sittings ─▶ report ─▶ told ─▶ screen
 //! table of raw answers (CSV) ─────────────────────┘       └──────────▶ table of all (CSV)
+//! plan: tasks and pictures ─▶ sitting: a session in the headset ─▶ answers.json
 //! ```
 //!
 //! (`app::studies` is another thing: what is worked out of models in the background.)
 
 pub mod answers;
 pub mod paper;
+pub mod plan;
 pub mod report;
+pub mod sitting;
 pub mod summary;
 pub mod told;
 
 use std::path::Path;
 
 use anyhow::{Result, anyhow, bail, ensure};
-use serde::{Deserialize, Serialize};
 
+pub use crate::world::study::flow::{Outcome, TaskResult};
 use crate::world::study::score::{OWN_ITEMS_MOST, Part};
 
 /// Sittings of a study at most.
@@ -37,44 +40,6 @@ pub enum Answer {
     Given(u8),
     /// Something that is no answer.
     Strange(String),
-}
-
-/// How a task ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Outcome {
-    /// The participant said that it is done.
-    Done,
-    /// The time was over.
-    TimeOver,
-    /// It was left without being done.
-    Left,
-}
-
-impl Outcome {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Done, Self::TimeOver, Self::Left];
-
-    /// Its name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Done => "done",
-            Self::TimeOver => "time-over",
-            Self::Left => "left",
-        }
-    }
-}
-
-/// What became of a task.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TaskResult {
-    /// Its name.
-    pub task: String,
-    /// How long it took, seconds.
-    pub seconds: f64,
-    /// How it ended.
-    pub outcome: Outcome,
 }
 
 /// A participant under a condition.

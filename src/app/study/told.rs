@@ -153,78 +153,94 @@ fn tested(test: &Test) -> String {
     .replace("Z -", "Z −")
 }
 
+/// A statement.
+struct Row<'a> {
+    name: String,
+    /// Under each condition.
+    means: Vec<Option<f64>>,
+    /// Where there is one pair of conditions.
+    paired: Option<&'a Paired>,
+}
+
 /// Statements of the SUS and own ones: their means, and p where two conditions are compared.
 fn statements(report: &Report) -> Vec<String> {
-    let sus: Vec<(String, Vec<Option<f64>>, Option<&Paired>)> = STATEMENTS
+    let sus: Vec<Row<'_>> = STATEMENTS
         .iter()
         .enumerate()
         .map(|(place, name)| {
             let of = |one: &Condition| one.sus.as_ref()?.items.get(place).copied().flatten();
-            row(report, place, (*name).to_owned(), &of, |pair| &pair.items)
+            row(report, place, name, &of, |pair| &pair.items)
         })
         .collect();
     let most = report.conditions.iter().map(|one| one.own.len()).max();
-    let own: Vec<_> = (0..most.unwrap_or(0))
+    let own: Vec<Row<'_>> = (0..most.unwrap_or(0))
         .map(|place| {
             let of = |one: &Condition| one.own.get(place).copied().flatten();
-            row(report, place, format!("own_{}", place + 1), &of, |pair| {
+            row(report, place, &format!("own_{}", place + 1), &of, |pair| {
                 &pair.own
             })
         })
         .collect();
-    let answered = |rows: &[(String, Vec<Option<f64>>, Option<&Paired>)]| {
-        rows.iter()
-            .any(|(_, means, _)| means.iter().any(Option::is_some))
+    let answered = |rows: &[Row<'_>]| {
+        let mut means = rows.iter().flat_map(|row| &row.means);
+        means.any(Option::is_some)
     };
     let mut lines = Vec::new();
     for rows in [sus, own].iter().filter(|rows| answered(rows)) {
-        let mut head = format!("  {:32}", "");
-        for one in &report.conditions {
-            head += &format!(
-                " {:>wide$}",
-                one.condition,
-                wide = one.condition.len().max(6)
-            );
-        }
-        if report.pairs.len() == 1 {
-            head += "       p  p (Holm)";
-        }
-        match lines.is_empty() {
-            true => lines
-                .push("Means of statements, 1 strongly disagree to 5 strongly agree".to_owned()),
-            false => lines.push(String::new()),
-        }
-        lines.push(head);
-        for (name, means, paired) in rows {
-            let mut line = format!("  {name:32}");
-            for (one, mean) in report.conditions.iter().zip(means) {
-                let wide = one.condition.len().max(6);
-                line += &format!(" {:>wide$}", maybe(*mean));
-            }
-            if let Some(test) = paired.and_then(|paired| paired.test) {
-                let holm = test.p_holm.map_or_else(String::new, three);
-                line += &format!(" {:>7}  {holm:>8}", three(test.p));
-            }
-            lines.push(line);
-        }
+        lines.push(match lines.is_empty() {
+            true => "Means of statements, 1 strongly disagree to 5 strongly agree".to_owned(),
+            false => String::new(),
+        });
+        lines.push(statements_head(report));
+        lines.extend(rows.iter().map(|row| statement(report, row)));
     }
     lines
 }
 
-/// A statement's name, its mean under each condition, and the comparison where there is one pair of conditions.
+/// The width of a condition's means.
+fn mean_width(condition: &Condition) -> usize {
+    condition.condition.len().max(6)
+}
+
+fn statements_head(report: &Report) -> String {
+    let mut head = format!("  {:32}", "");
+    for one in &report.conditions {
+        head += &format!(" {:>wide$}", one.condition, wide = mean_width(one));
+    }
+    if report.pairs.len() == 1 {
+        head += "       p  p (Holm)";
+    }
+    head
+}
+
+fn statement(report: &Report, row: &Row<'_>) -> String {
+    let mut line = format!("  {:32}", row.name);
+    for (one, mean) in report.conditions.iter().zip(&row.means) {
+        line += &format!(" {:>wide$}", maybe(*mean), wide = mean_width(one));
+    }
+    if let Some(test) = row.paired.and_then(|paired| paired.test) {
+        let holm = test.p_holm.map_or_else(String::new, three);
+        line += &format!(" {:>7}  {holm:>8}", three(test.p));
+    }
+    line
+}
+
 fn row<'a>(
     report: &'a Report,
     place: usize,
-    name: String,
+    name: &str,
     of: &dyn Fn(&Condition) -> Option<Summary>,
     paired: fn(&Pair) -> &Vec<Option<Paired>>,
-) -> (String, Vec<Option<f64>>, Option<&'a Paired>) {
+) -> Row<'a> {
     let means = report.conditions.iter().map(|one| Some(of(one)?.mean));
-    let compared = match report.pairs.as_slice() {
-        [pair] => paired(pair).get(place).and_then(Option::as_ref),
-        _ => None,
-    };
-    (format!("{:2} {name}", place + 1), means.collect(), compared)
+    Row {
+        name: format!("{:2} {name}", place + 1),
+        means: means.collect(),
+        paired: match report.pairs.as_slice() {
+            [pair] => paired(pair).get(place).and_then(Option::as_ref),
+            _ => None,
+        },
+    }
 }
 
 fn sickness(report: &Report) -> Vec<String> {
