@@ -12,7 +12,7 @@ STAGES ?=
 BENCH ?=
 FUZZ_SECONDS ?= 60
 SOAK_FRAMES ?= 324000
-FUZZ ?= grammar dialect format project session journal swc vtp mesh endpoints cohort table
+FUZZ ?= grammar dialect format project session journal swc vtp mesh endpoints cohort study table
 
 CARGO_TARGET_DIR ?= $(CURDIR)/target
 export CARGO_TARGET_DIR

@@ -17,6 +17,7 @@ mod panels {
     pub(crate) mod pictures;
     mod recorded;
     mod room;
+    mod study;
     mod textured;
     mod tools;
     pub(crate) mod visitor;

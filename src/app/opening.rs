@@ -12,11 +12,14 @@ use crate::app::workshop::Workshop;
 use crate::ui::Settings;
 use crate::world::document::Document;
 use crate::world::project::{self, ProjectError};
+use crate::world::study::flow::{Plan, Progress, Study};
 
 /// How the comment begins that says the settings.
 const SETTINGS: &str = "ramus: ";
 /// What a piece of the project stands between: comments are trimmed.
 const PIECE: [&str; 2] = ["project |", "|"];
+/// And a piece of the sitting.
+const STUDY_PIECE: [&str; 2] = ["study |", "|"];
 /// Longest piece, bytes: with its sign and the ends it fits into a line of a session.
 const PIECE_BYTES: usize = 480;
 /// Longest project that a recording holds, bytes: some 30,000 nodes.
@@ -38,6 +41,11 @@ pub enum OpeningError {
     /// All of it is there and is no project.
     #[error("the project that it began with cannot be read: {0}")]
     Project(#[from] ProjectError),
+    /// It was the sitting of a study, and somebody took pieces of that out.
+    #[error(
+        "it was the sitting of a study, and does not say all of what that began with: it cannot be replayed"
+    )]
+    Study,
 }
 
 /// The settings, and how much there is of the project.
@@ -49,6 +57,9 @@ struct Said {
     /// Bytes of the project, where it is not the empty one. Recordings before version 0.1.0 was out do not say it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     project: Option<usize>,
+    /// Bytes of the sitting of a study, where it is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    study: Option<usize>,
 }
 
 /// See the module.
@@ -56,6 +67,8 @@ struct Said {
 pub struct Opening {
     said: Option<Said>,
     document: Document,
+    /// The sitting of a study, where it is one.
+    study: Option<(Plan, Progress)>,
 }
 
 impl Opening {
@@ -63,14 +76,18 @@ impl Opening {
     #[must_use]
     pub fn of(workshop: &Workshop) -> Self {
         let document = workshop.document().clone();
+        let study = workshop.world().study();
+        let study = study.map(|study| (study.plan().clone(), study.progress().clone()));
         let said = Said {
             settings: workshop.settings(),
             teaching: workshop.world().lesson().map(|(number, _)| number),
             project: (document != Document::default()).then(|| text(&document).len()),
+            study: study.as_ref().map(|study| study_text(study).len()),
         };
         Self {
             said: Some(said),
             document,
+            study,
         }
     }
 
@@ -86,17 +103,20 @@ impl Opening {
         let said: Option<Said> = comments
             .iter()
             .find_map(|comment| serde_json::from_str(comment.strip_prefix(SETTINGS)?).ok());
+        let read = |length: usize| {
+            let text = joined(comments, STUDY_PIECE);
+            let whole = (text.len() == length).then(|| serde_json::from_str(&text).ok());
+            whole.flatten().ok_or(OpeningError::Study)
+        };
+        let study = said.and_then(|said| said.study).map(read).transpose()?;
         let Some(length) = said.and_then(|said| said.project) else {
             return Ok(Self {
                 said,
+                study,
                 ..Self::default()
             });
         };
-        let [before, after] = PIECE;
-        let pieces = comments
-            .iter()
-            .filter_map(|comment| comment.strip_prefix(before)?.strip_suffix(after));
-        let text: String = pieces.collect();
+        let text = joined(comments, PIECE);
         if text.len() != length {
             return Err(OpeningError::Missing {
                 said: length,
@@ -104,7 +124,11 @@ impl Opening {
             });
         }
         let document = project::from_bytes(text.as_bytes())?;
-        Ok(Self { said, document })
+        Ok(Self {
+            said,
+            document,
+            study,
+        })
     }
 
     /// The comments that say it.
@@ -115,10 +139,14 @@ impl Opening {
         };
         let settings = serde_json::to_string(&said).unwrap_or_default();
         let mut comments = vec![format!("{SETTINGS}{settings}")];
+        let mut hold = |[before, after]: [&str; 2], text: &str| {
+            comments.extend(pieces(text).map(|piece| format!("{before}{piece}{after}")));
+        };
         if said.project.is_some_and(|bytes| bytes <= MOST_BYTES) {
-            let [before, after] = PIECE;
-            let text = text(&self.document);
-            comments.extend(pieces(&text).map(|piece| format!("{before}{piece}{after}")));
+            hold(PIECE, &text(&self.document));
+        }
+        if let Some(study) = &self.study {
+            hold(STUDY_PIECE, &study_text(study));
         }
         comments
     }
@@ -136,7 +164,23 @@ impl Opening {
         if let Some(lesson) = said.teaching {
             workshop.teach(lesson);
         }
+        if let Some((plan, progress)) = self.study.clone() {
+            workshop.sit_unkept(Study::resume(plan, progress));
+        }
     }
+}
+
+/// A sitting as text in one line.
+fn study_text(study: &(Plan, Progress)) -> String {
+    serde_json::to_string(study).unwrap_or_default()
+}
+
+/// What stands in pieces in comments.
+fn joined(comments: &[String], [before, after]: [&str; 2]) -> String {
+    let pieces = comments
+        .iter()
+        .filter_map(|comment| comment.strip_prefix(before)?.strip_suffix(after));
+    pieces.collect()
 }
 
 /// A project's text in one line: between its lines is nothing but space, since strings have no line ends.
@@ -171,6 +215,7 @@ mod tests {
     use ramus_xr::record::Tape;
 
     use super::*;
+    use crate::app::study::plan::Told;
     use crate::ui::words::Language;
     use crate::world::{World, document::Edit, history::History};
 
@@ -240,6 +285,26 @@ mod tests {
     }
 
     #[test]
+    fn a_sitting_is_said_or_told_to_be_missing() {
+        let plan = Told::own().unwrap().plan;
+        let progress = Progress {
+            page: 2,
+            ..Progress::default()
+        };
+        let mut first = workshop(Document::default());
+        first.sit_unkept(Study::resume(plan, progress));
+        let opening = Opening::of(&first);
+        let comments = opening.comments();
+        let again = Opening::of_comments(&comments).unwrap();
+        assert_eq!(again, opening);
+        let mut second = workshop(Document::default());
+        again.apply(&mut second);
+        assert_eq!(second.world().study().unwrap().place()[0], 3);
+        let missing = Opening::of_comments(&comments[..comments.len() - 1]);
+        assert_eq!(missing.unwrap_err(), OpeningError::Study);
+    }
+
+    #[test]
     fn a_project_that_is_not_there_whole_is_told() {
         let document = drawn(40);
         let mut comments = Opening::of(&workshop(document)).comments();
@@ -259,6 +324,7 @@ mod tests {
                 ..said
             }),
             document: Document::default(),
+            study: None,
         };
         let comments = huge.comments();
         assert_eq!(comments.len(), 1);

@@ -129,6 +129,12 @@ impl Person {
         )
     }
 
+    /// What they have set.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        self.kept.settings
+    }
+
     /// Brings the person in: the workshop is as they set it, and who is new is shown around.
     pub fn enter(&mut self, workshop: &mut Workshop) {
         workshop.set(self.kept.settings);

@@ -108,7 +108,7 @@ impl Takeaway {
 }
 
 /// `name-1.ending`, `name-2.ending`, …: the first that no file has and that is not `taken`, so that nothing is written over.
-pub(super) fn free_name(name: &Path, ending: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
+pub(crate) fn free_name(name: &Path, ending: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
     let stem = name.file_name().unwrap_or_default().to_string_lossy();
     let numbered = |n: u32| name.with_file_name(format!("{stem}-{n}.{ending}"));
     let is_free = |path: &PathBuf| path.symlink_metadata().is_err() && !taken(path);

@@ -19,6 +19,7 @@ use crate::app::finding::Finding;
 use crate::app::scans::Scans;
 use crate::app::store::{Opened, Store, StoreError};
 use crate::app::studies::Studies;
+use crate::app::study::sitting::{Keeper, Sitting};
 use crate::app::takeaway::{Takeaway, Taken};
 use crate::app::worker::Worker;
 use crate::sketch::{Grower, Grown, Sketch};
@@ -29,6 +30,7 @@ use crate::world::board::Buttons;
 use crate::world::document::Document;
 use crate::world::panels::PanelId;
 use crate::world::scene::Scene;
+use crate::world::study::flow::Study;
 
 /// How the workshop works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +89,8 @@ pub struct Workshop {
     saved: u64,
     /// No other project is taken up: a recording holds one.
     stays: bool,
+    /// Brings the sitting of a study to the disk.
+    keeper: Option<Keeper>,
     /// Where models are, if not beside the project.
     models_in: Option<PathBuf>,
 }
@@ -152,6 +156,7 @@ impl Workshop {
             last: None,
             saved: 0,
             stays: false,
+            keeper: None,
             models_in: None,
         })
     }
@@ -183,6 +188,7 @@ impl Workshop {
         self.use_panels(frame.time);
         self.follow_scans();
         self.keep_journal();
+        self.keep_sitting();
         self.grow_tree();
         &self.pulses
     }
@@ -248,6 +254,7 @@ impl Workshop {
             Wish::Abstraction(wish) => self.do_with_abstraction(wish),
             Wish::StopReading => self.stop_reading(),
             Wish::Teach(lesson) => world.teach(lesson),
+            Wish::Study(event) => done = world.act_in_study(event),
         }
         if let Err(error) = done {
             self.world.show_message(error.to_string());
@@ -263,6 +270,38 @@ impl Workshop {
     /// Begins the tutorial with a lesson.
     pub fn teach(&mut self, lesson: usize) {
         self.world.teach(Some(lesson));
+    }
+
+    /// Begins the sitting of a study or goes on with it; what is answered is written as it is answered.
+    ///
+    /// # Errors
+    /// Where the system gives no thread for that.
+    pub fn sit(&mut self, sitting: Sitting) -> std::io::Result<()> {
+        self.world.begin_study(sitting.study());
+        self.panels.give_pictures(sitting.told.pictures.clone());
+        self.keeper = Some(Keeper::start(sitting)?);
+        Ok(())
+    }
+
+    /// Begins a sitting of which nothing is written, as a recording tells it.
+    pub fn sit_unkept(&mut self, study: Study) {
+        self.world.begin_study(study);
+    }
+
+    /// Ends a sitting: all of it is written.
+    ///
+    /// # Errors
+    /// Where the disk does not take it.
+    pub fn rise(&mut self) -> anyhow::Result<()> {
+        let keeper = self.keeper.take();
+        keeper.map_or(Ok(()), |keeper| keeper.finish(&self.world))
+    }
+
+    fn keep_sitting(&mut self) {
+        let keeper = self.keeper.as_mut();
+        if let Some(told) = keeper.and_then(|keeper| keeper.follow(&self.world)) {
+            self.world.show_message(told);
+        }
     }
 
     /// What the person has set.

@@ -31,6 +31,7 @@ mod moment;
 mod outputs;
 mod progress;
 mod replay;
+mod study;
 mod trees;
 mod unwritten;
 mod workshop;
@@ -95,6 +96,8 @@ enum Command {
     Compare(compare::Args),
     /// Makes an L-system whose trees have a model's statistics.
     Abstract(abstraction::Args),
+    /// Runs a study with participants: what they answered, scored and compared.
+    Study(study::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
     Doctor,
 }
@@ -117,6 +120,7 @@ pub fn run() -> ExitCode {
         Some(Command::Cohort(args)) => cohort::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Abstract(args)) => abstraction::run(&args, inspect::load),
+        Some(Command::Study(args)) => study::run(&args),
         Some(Command::Doctor) => doctor::run(),
     };
     match result {

@@ -24,8 +24,11 @@ use crate::app::person::Person;
 use crate::app::picture::Picture;
 use crate::app::session::{self, Nobody, SessionEnd};
 use crate::app::store::{Store, keep_older, older_one, read_project};
+use crate::app::study::sitting::Sitting;
+use crate::app::takeaway::free_name;
 use crate::app::workshop::{Workshop, WorkshopParams};
 use crate::app::{demonstration, portrait, take_home, window};
+use crate::ui::words::Language;
 use crate::world::World;
 
 #[derive(Debug, ClapArgs)]
@@ -51,7 +54,7 @@ pub(super) struct Args {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Which {
+pub(super) enum Which {
     /// The one behind the OpenXR runtime, else a window where there is a desktop, else the simulated one
     Auto,
     /// The one behind the OpenXR runtime, or an error
@@ -99,7 +102,7 @@ pub(super) fn record(args: RecordArgs) -> Result<()> {
 pub(super) fn run(args: &Args) -> Result<()> {
     keep_apart(args)?;
     if let Some(door) = door(args)? {
-        return at_work(door, args);
+        return at_work(door, args, None);
     }
     ensure!(
         args.model.is_empty(),
@@ -114,6 +117,44 @@ pub(super) fn run(args: &Args) -> Result<()> {
         Some(project) => look_at(project, &args.out),
         None => demonstrate(&args.out, args.record.as_deref()),
     }
+}
+
+/// The sitting of a study: a session in its folder, recorded there.
+#[derive(Debug)]
+pub(super) struct StudyArgs {
+    /// The sitting.
+    pub(super) sitting: Sitting,
+    /// In which language, where not in the person's who has set this machine up.
+    pub(super) language: Option<Language>,
+    /// Which headset to use, or a window instead.
+    pub(super) headset: Which,
+    /// How long a runtime is waited for that is lost, seconds.
+    pub(super) patience: u64,
+}
+
+/// The project and the recording of a sitting, in its folder.
+const PROJECT: &str = "project.ramus";
+const SESSION: &str = "session";
+
+pub(super) fn sit(study: StudyArgs) -> Result<()> {
+    let folder = &study.sitting.folder;
+    let args = Args {
+        project: Some(folder.join(PROJECT)),
+        model: Vec::new(),
+        out: folder.clone(),
+        record: Some(free_name(&folder.join(SESSION), "session", |_| false)),
+        headset: study.headset,
+        patience: study.patience,
+    };
+    // Before anything is written: without a door there is no sitting.
+    let door = door(&args)?;
+    let Some(door) = door else {
+        bail!(
+            "a study takes a headset or a window, and there is neither: `ramus doctor` says what is missing"
+        );
+    };
+    study.sitting.make_folder()?;
+    at_work(door, &args, Some(study))
 }
 
 /// Where a person works: in a headset or at a window.
@@ -203,7 +244,7 @@ fn make_folder(folder: &Path) -> Result<()> {
 }
 
 /// The workshop itself.
-fn at_work(door: Door, args: &Args) -> Result<()> {
+fn at_work(door: Door, args: &Args, study: Option<StudyArgs>) -> Result<()> {
     let project = worked_on(args);
     if args.project.is_none() {
         make_folder(&args.out)?;
@@ -224,7 +265,11 @@ fn at_work(door: Door, args: &Args) -> Result<()> {
     }
     let mut workshop = Workshop::new(store, WorkshopParams::default())?;
     let mut person = Person::here();
-    person.enter(&mut workshop);
+    let is_study = study.is_some();
+    match study {
+        None => person.enter(&mut workshop),
+        Some(study) => begin_sitting(study, &person, &mut workshop)?,
+    }
     workshop.offer_models();
     for model in &args.model {
         workshop.bring_model(model);
@@ -243,17 +288,34 @@ fn at_work(door: Door, args: &Args) -> Result<()> {
     };
     // However the session and its recording ended, the work is saved first.
     workshop.finish_tree();
+    let answered = workshop.rise();
     // Another one may have been taken up meanwhile.
     let project = workshop.project().map_or(project, Path::to_owned);
-    if let Err(problem) = person.leave(&workshop, &project) {
+    // What a participant set and made is the study's, and not of whoever set this machine up.
+    if !is_study && let Err(problem) = person.leave(&workshop, &project) {
         tell!("{problem}");
     }
-    let kept = take_home_all(workshop, &project);
+    let kept = both(answered, take_home_all(workshop, &project));
     let outcome = outcome.map_err(|error| match kept {
         Ok(()) => anyhow!("{error}; your work is saved in {}", project.display()),
         Err(_) => error.into(),
     });
     both(kept, both(outcome, recorded))
+}
+
+/// A participant sits down: the room is as it was set here, and the pages begin or go on.
+fn begin_sitting(study: StudyArgs, person: &Person, workshop: &mut Workshop) -> Result<()> {
+    let mut settings = person.settings();
+    settings.language = study.language.unwrap_or(settings.language);
+    workshop.set(settings);
+    let [page, pages] = study.sitting.study().place();
+    tell!(
+        "{} under {}, page {page} of {pages}; answers are kept in {}.",
+        study.sitting.participant,
+        study.sitting.condition,
+        study.sitting.folder.display()
+    );
+    Ok(workshop.sit(study.sitting)?)
 }
 
 /// Says what the recording begins with; it stays with that project.

@@ -21,6 +21,7 @@ mod plot;
 mod projects;
 mod rules;
 pub mod sheet;
+mod study;
 mod theme;
 pub mod words;
 

@@ -10,6 +10,7 @@ use super::{
     bench::Bench,
     keyboard::Keyboard,
     sheet::{Sheet, Tick},
+    study::Pictures,
     theme::{PAPER, TITLE},
     words::{Language, Words},
 };
@@ -26,6 +27,7 @@ use crate::{
         models::Looking,
         panels::{PanelId, PanelPointer},
         room::RoomSettings,
+        study::flow::{Event, Study},
     },
 };
 
@@ -142,6 +144,8 @@ pub enum Wish {
     FindModels,
     /// Go to a lesson of the tutorial, or end it.
     Teach(Option<usize>),
+    /// Do this in the sitting of a study.
+    Study(Event),
 }
 
 /// What the panels show.
@@ -261,13 +265,16 @@ impl Key {
 
 /// See the module.
 pub struct Panels {
-    sheets: [Sheet; 5],
+    sheets: [Sheet; 6],
     shown: Option<Key>,
     said: Option<(Option<Says>, Language)>,
     buttons: Option<Buttons>,
     /// Which panels were there when they were looked at last.
-    there: [bool; 5],
+    there: [bool; 6],
     bench: Bench,
+    /// What the sitting of a study showed last.
+    study: Option<u64>,
+    pictures: Pictures,
     keyboard: Keyboard,
     typed: Vec<egui::Event>,
     wishes: Vec<Wish>,
@@ -284,8 +291,10 @@ impl Panels {
             shown: None,
             said: None,
             buttons: None,
-            there: [false; 5],
+            there: [false; 6],
             bench: Bench::default(),
+            study: None,
+            pictures: Pictures::default(),
             keyboard: Keyboard::default(),
             typed: Vec::new(),
             wishes: Vec::new(),
@@ -304,7 +313,8 @@ impl Panels {
             .iter_mut()
             .for_each(|sheet| *sheet = sheet.anew());
         (self.shown, self.said, self.buttons) = (None, None, None);
-        self.there = [false; 5];
+        self.there = [false; 6];
+        self.pictures.load_anew();
         self.typed.clear();
     }
 
@@ -312,6 +322,12 @@ impl Panels {
     pub fn offer(&mut self, recent: Vec<Recent>) {
         self.bench.offer(recent);
         self.shown = None;
+    }
+
+    /// Gives the pictures of a study's tasks.
+    pub fn give_pictures(&mut self, pictures: Vec<Option<Thumbnail>>) {
+        self.pictures = Pictures::of(pictures);
+        self.study = None;
     }
 
     /// Offers models to be brought.
@@ -345,6 +361,8 @@ impl Panels {
             changed = true;
         }
         self.shown = Some(key);
+        let study = world.study().map(Study::seen);
+        let in_study = std::mem::replace(&mut self.study, study) != study;
         if !view.bench {
             // Nothing takes text that nobody sees.
             self.typed.clear();
@@ -357,7 +375,8 @@ impl Panels {
             let was_there = std::mem::replace(&mut self.there[id as usize], there);
             let came = there && !was_there;
             let pointer = world.pointer(id).filter(|_| there);
-            let other = changed || (id == PanelId::Bench && on_bench);
+            let other =
+                changed || (id == PanelId::Bench && on_bench) || (id == PanelId::Study && in_study);
             if there {
                 self.look_at(id, &view, pointer, seconds, other || came);
             }
@@ -374,7 +393,7 @@ impl Panels {
         changed: bool,
     ) {
         let words = view.settings.language.words();
-        let [bench, wrist, keyboard, label, lesson] = &mut self.sheets;
+        let [bench, wrist, keyboard, label, lesson, study] = &mut self.sheets;
         let wishes = &mut self.wishes;
         let looked = match id {
             PanelId::Bench => {
@@ -405,6 +424,9 @@ impl Panels {
             }
             PanelId::Lesson => lesson.look(pointer, seconds, changed, |ui| {
                 super::lesson::show(ui, view, wishes);
+            }),
+            PanelId::Study => study.look(pointer, seconds, changed, |ui| {
+                super::study::show(ui, view, &mut self.pictures, wishes);
             }),
         };
         self.ticks.extend(looked.tick);

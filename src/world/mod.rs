@@ -49,6 +49,7 @@ mod signs;
 mod snap;
 pub mod stage;
 mod stroke;
+pub mod study;
 pub mod tools;
 mod tried;
 
@@ -64,6 +65,7 @@ use play::Player;
 use room::{Rig, RoomParams, RoomSettings};
 use scene::{Ball, Controller, Rod, Scene};
 use stage::{Palette, StageParams};
+use study::flow::Study;
 use tools::{Hover, Tools};
 
 pub use grip::GripParams;
@@ -129,6 +131,8 @@ pub struct World {
     player: Player,
     rig: Rig,
     course: Course,
+    /// The sitting of a study, if this is one.
+    study: Option<Study>,
     /// The sketch as it was when its rules were looked at last.
     ruled: Arc<Sketch>,
     board: LiveBoard,
@@ -165,6 +169,7 @@ impl World {
             player: Player::new(&params.play),
             rig: Rig::new(params.room),
             course: Course::default(),
+            study: None,
             ruled,
             board: LiveBoard::default(),
             string: String::new(),
@@ -188,6 +193,9 @@ impl World {
         if !input.focused {
             // What is tried out becomes an edit then, and playback would make one of every step.
             self.player.playing = false;
+        } else if let Some(study) = &mut self.study {
+            // Nobody works while the system's menu is before their eyes.
+            study.pass(passed);
         }
         let on_panel = self
             .tools

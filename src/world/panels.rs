@@ -32,16 +32,19 @@ pub enum PanelId {
     Label,
     /// The tutorial.
     Lesson,
+    /// What a participant of a study is asked.
+    Study,
 }
 
 impl PanelId {
     /// All of them, in the order of their slots.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Bench,
         Self::Wrist,
         Self::Keyboard,
         Self::Label,
         Self::Lesson,
+        Self::Study,
     ];
 
     /// Which picture it shows ([`PlacedPanel::slot`]).
@@ -55,13 +58,15 @@ impl PanelId {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelParams {
     /// Width and height of each, metres, in the order of [`PanelId::ALL`].
-    pub sizes: [[f32; 2]; 5],
+    pub sizes: [[f32; 2]; 6],
     /// Where the bench stands at first, metres.
     pub bench: Vec3,
     /// Where the keyboard stands at first, metres.
     pub keyboard: Vec3,
     /// Where the tutorial stands at first, metres.
     pub lesson: Vec3,
+    /// Where the panel of a study stands at first, metres.
+    pub study: Vec3,
     /// The tip presses within this of a panel's face, metres in front of it.
     pub poke: f32,
     /// A tip that came through goes on pressing so far behind the face, metres.
@@ -83,12 +88,15 @@ impl Default for PanelParams {
                 [0.56, 0.3],
                 [0.26, 0.036],
                 [0.5, 0.36],
+                [0.7, 0.82],
             ],
             // Beside the platform as the board is, and nearer: hands reach it.
             bench: Vec3::new(-0.72, 1.05, -0.52),
             keyboard: Vec3::new(-0.5, 0.62, -0.3),
             // Above the sketch and beside the tree, where one looks anyway.
             lesson: Vec3::new(-0.38, 1.52, -1.05),
+            // Above the bench, and beside the tree: it is read between two strokes.
+            study: Vec3::new(-0.48, 1.72, -1.0),
             poke: 0.012,
             through: 0.06,
             facing: [0.75, 0.6],
@@ -121,9 +129,9 @@ struct Place {
 /// See the module.
 #[derive(Clone, Debug)]
 pub(super) struct Panels {
-    places: [Place; 5],
+    places: [Place; 6],
     /// The hand that has each panel.
-    owner: [Option<usize>; 5],
+    owner: [Option<usize>; 6],
     /// The hand whose back shows the wrist's panel.
     wrist: Option<usize>,
     params: PanelParams,
@@ -146,13 +154,14 @@ impl Panels {
             shown: false,
         };
         let mut panels = Self {
-            places: [facing(params.bench); 5],
-            owner: [None; 5],
+            places: [facing(params.bench); 6],
+            owner: [None; 6],
             wrist: None,
             params,
         };
         panels.places[PanelId::Keyboard as usize] = facing(params.keyboard);
         panels.places[PanelId::Lesson as usize] = facing(params.lesson);
+        panels.places[PanelId::Study as usize] = facing(params.study);
         panels.places[PanelId::Bench as usize].shown = true;
         panels
     }

@@ -177,7 +177,7 @@ pub struct Board {
 }
 
 /// How many panels a scene can show, the board among them.
-pub const MOST_PANELS: usize = 6;
+pub const MOST_PANELS: usize = 7;
 
 /// A panel that hands point at; `ui` lays it out and `render` keeps its picture by `slot`.
 #[derive(Clone, Copy, Debug, PartialEq)]

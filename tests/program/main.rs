@@ -32,6 +32,7 @@ mod opening;
 mod outputs;
 mod project;
 mod refusals;
+mod study;
 mod time;
 mod widths;
 

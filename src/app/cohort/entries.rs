@@ -79,7 +79,7 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
 }
 
 /// The text of a table, of which messages say `what` it is to be.
-pub(super) fn text_of(path: &Path, what: &str) -> Result<String> {
+pub(in crate::app) fn text_of(path: &Path, what: &str) -> Result<String> {
     let name = path.display();
     let unreadable = |error: std::io::Error| anyhow!("{name} cannot be read: {error}");
     // What is no plain file may never end, or never begin.

@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 mod de;
 mod en;
+mod study;
+
+pub use self::study::StudyWords;
 
 /// A language of the panels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
