@@ -117,6 +117,7 @@ impl Table {
                 trigger(ui, view, words, page.wishes);
                 self.table(ui, &mut page, look.by);
                 page.path(ui);
+                page.take(ui);
                 ui.separator();
                 coloured_by(ui, words, &mut look);
                 if lines.analysis.model.open_ends > 0 {
@@ -264,6 +265,22 @@ impl Page<'_> {
         ));
         let (path, within) = self.lines.path_through(facts.id);
         plot::line(ui, &path, &within, self.unit.symbol());
+    }
+
+    /// What is taken into the sketch: the branch that is lit, or all.
+    fn take(&mut self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            let mut button = |ui: &mut Ui, name: &str, branch: Option<usize>| {
+                if ui.button(name).clicked() {
+                    let wish = LineWish::Take(self.at, branch);
+                    self.wishes.push(Wish::Line(wish));
+                }
+            };
+            if let Some(lit) = self.lit {
+                button(ui, self.words.take_branch, Some(lit));
+            }
+            button(ui, self.words.take_tree, None);
+        });
     }
 
     fn counts(&self, ui: &mut Ui) {

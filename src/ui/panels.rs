@@ -74,6 +74,8 @@ pub enum LineWish {
     Stop,
     /// Write them beside the project as a file with this ending.
     Write(usize, &'static str),
+    /// Take a branch of them into the sketch, or with none all.
+    Take(usize, Option<usize>),
 }
 
 /// What a person wants with models as L-systems; models are told by their numbers.

@@ -5,15 +5,16 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3};
 
 use super::World;
-use super::document::Document;
+use super::document::{Document, EditError};
 use super::hover::{HoverParams, Pointer};
 use super::lines::{Lines, Shading};
 use super::marks::mark_radius;
-use super::model::{LoadedModel, Model};
+use super::model::{LoadedModel, Model, up};
 use super::models::{Models, Reading, Source, centerline_look, is_of};
 use super::scene::{Ball, Color, ModelLook, PlacedModel, Rod, Scene, SurfaceLook};
 use super::settings::DrawTool;
 use super::signs;
+use super::taken;
 use super::tools::{Hover, Tools};
 use crate::mesh::endpoints::Endpoint;
 use crate::mesh::unit::Rounded;
@@ -491,6 +492,42 @@ impl World {
             self.tools.models.lines.lit = branch.map(|branch| (key, branch));
             self.tools.models.changes += 1;
         }
+    }
+
+    /// Takes a branch of a model's centerlines into the sketch as a line from the selected node, or with none the whole tree; what the sketch has no room
+    /// for is told.
+    ///
+    /// # Errors
+    /// Where the sketch refuses it.
+    pub fn take_lines(&mut self, at: usize, which: Option<usize>) -> Result<(), EditError> {
+        let document = self.history.committed();
+        let Some((model, lines)) = document.models.get(at).and_then(|model| {
+            let lines = self.lines(model)?.ok()?;
+            Some((model, Arc::clone(lines)))
+        }) else {
+            return Ok(());
+        };
+        let (turn, tree) = (up(model.z_up), &lines.centerline.tree);
+        let to = document.sketch.position(document.selected);
+        let to = to.unwrap_or_default();
+        let strokes = match document.sketch.is_empty() {
+            true => 0,
+            false => document.sketch.strokes.len(),
+        };
+        let taken = match which {
+            Some(one) => taken::branch(tree, lines.nodes_of(one), turn, to).map(|edit| (edit, 0)),
+            None => taken::whole(tree, turn, to, taken::room(strokes)),
+        };
+        let Some((edit, left_out)) = taken else {
+            return Ok(());
+        };
+        self.apply(edit)?;
+        if left_out > 0 {
+            let told =
+                format!("{left_out} of its branches, the shortest, have no room in the sketch.");
+            self.show_message(told);
+        }
+        Ok(())
     }
 
     /// Says which file's centerlines are being found and how far that is, thousandths; panels show it in steps of five hundredths.

@@ -14,6 +14,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::model::{self, Model, ModelError};
+use super::taken::TakenLine;
 use crate::sketch::{
     BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Symmetry, Wrap, quantize,
 };
@@ -147,6 +148,11 @@ pub enum Edit {
         /// Where each segment ends.
         to: Vec<Vec3>,
     },
+    /// Takes lines of a model into the sketch, as one action. The first one's apex is selected.
+    TakeLines {
+        /// Each starts at the selected node or at one before it.
+        lines: Vec<TakenLine>,
+    },
     /// Draws a curve, as one action: a free-hand stroke, or segments with their symmetric copies. The new apex is
     /// selected.
     DrawCurve {
@@ -245,6 +251,10 @@ impl Edit {
             Self::AddStroke { to } | Self::DrawCurve { through: to, .. } => {
                 to.iter_mut().for_each(|to| *to = quantize::point(*to));
             }
+            Self::TakeLines { lines } => {
+                let places = lines.iter_mut().flat_map(|line| &mut line.to);
+                places.for_each(|to| *to = quantize::point(*to));
+            }
             Self::SetDivergence { degrees } => *degrees = quantize::angle_deg(*degrees),
             Self::SetPlatform { to } => *to = to.quantized(),
             Self::Arrange {
@@ -316,6 +326,9 @@ pub enum EditError {
     /// A model that no project has.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A line that is taken starts at one that is not before it.
+    #[error("a line that is taken must start at the selected node or at a line before it")]
+    NoLine,
     /// Nothing to draw.
     #[error("a stroke needs at least one segment")]
     EmptyStroke,
@@ -346,6 +359,11 @@ impl Document {
             Edit::AddStroke { to } if to.is_empty() => return Err(EditError::EmptyStroke),
             Edit::AddStroke { to } => {
                 let (sketch, apex) = sketch.add_segments(self.selected, &to)?;
+                next.selected = apex;
+                Some(sketch)
+            }
+            Edit::TakeLines { lines } => {
+                let (sketch, apex) = self.taken(&lines)?;
                 next.selected = apex;
                 Some(sketch)
             }
@@ -410,6 +428,36 @@ impl Document {
         }
         next.validate_settings()?;
         Ok(next)
+    }
+
+    /// The sketch with lines that are taken into it, none of which carries copies of itself, and the apex of the first.
+    fn taken(&self, lines: &[TakenLine]) -> Result<(Sketch, NodeRef), EditError> {
+        let mut sketch = Sketch {
+            self_similar_branches: false,
+            ..Sketch::clone(&self.sketch)
+        };
+        // Each line's letter, and where on that it begins: at an apex a line goes on.
+        let mut begun: Vec<(Letter, u32)> = Vec::with_capacity(lines.len());
+        let mut first = None;
+        for line in lines {
+            let from = match line.from {
+                None => self.selected,
+                Some([number, node]) => {
+                    let (letter, begins) = begun.get(number as usize).ok_or(EditError::NoLine)?;
+                    NodeRef::new(*letter, begins.saturating_add(node))
+                }
+            };
+            if line.to.is_empty() {
+                return Err(EditError::EmptyStroke);
+            }
+            let begins = if sketch.is_apex(from) { from.node } else { 0 };
+            let (next, apex) = sketch.add_segments(from, &line.to)?;
+            begun.push((apex.letter, begins));
+            first.get_or_insert(apex);
+            sketch = next;
+        }
+        sketch.self_similar_branches = self.sketch.self_similar_branches;
+        Ok((sketch, first.ok_or(EditError::EmptyStroke)?))
     }
 
     /// Checks everything, as a file from elsewhere needs it.

@@ -50,6 +50,7 @@ mod snap;
 pub mod stage;
 mod stroke;
 pub mod study;
+pub mod taken;
 pub mod tools;
 mod tried;
 

@@ -11,6 +11,7 @@ use ramus::app::portrait;
 use ramus::app::store::Store;
 use ramus::app::workshop::{Workshop, WorkshopParams};
 use ramus::lsystem::Grammar;
+use ramus::mesh::unit::Rounded;
 use ramus::world::abstracting::Search;
 use ramus::world::likeness::Likeness;
 use ramus::world::panels::PanelId;
@@ -219,4 +220,41 @@ fn a_tree_grows_on_and_back_and_by_itself() {
     assert_eq!(again.document().models, kept);
     again.finish_models();
     assert_eq!(again.scene().models.len(), 1);
+}
+
+#[test]
+fn a_model_becomes_a_sketch_and_its_branch_a_brush() {
+    let folder = tempfile::tempdir().unwrap();
+    vessel(folder.path());
+    let mut visitor = visitor(folder.path());
+    for text in ["Models", "vessel.obj", "Centerlines", "Find centerlines"] {
+        press(&mut visitor, text);
+    }
+    let edits = visitor.workshop.edits();
+    press(&mut visitor, "Make a sketch of it");
+    assert_eq!(visitor.workshop.edits(), edits + 1, "one action");
+    let sketch = visitor.document().sketch.clone();
+    assert_eq!(
+        sketch.strokes.len(),
+        2,
+        "a trunk that goes on, and a branch"
+    );
+    assert!(sketch.strokes[0].points.len() > 20);
+    let high = sketch.strokes[0].points.iter().map(|at| at.y);
+    let high = high.fold(0.0, f32::max);
+    assert!((1.5..2.1).contains(&high), "{high} m");
+
+    // A row lights its branch, which is then drawn with, from the selected node.
+    let model = visitor.document().models[0].clone();
+    let lines = visitor.workshop.world().lines(&model).unwrap().unwrap();
+    let row = Rounded(lines.analysis.branches[2].length).to_string();
+    press(&mut visitor, &row);
+    let points = |visitor: &Visitor| {
+        let strokes = visitor.document().sketch.strokes.clone();
+        strokes.iter().map(|one| one.points.len()).sum::<usize>()
+    };
+    let before = points(&visitor);
+    press(&mut visitor, "Draw with this branch");
+    assert!(points(&visitor) > before + 5);
+    assert_eq!(visitor.workshop.edits(), edits + 2);
 }

@@ -215,6 +215,11 @@ impl Workshop {
                 }
             }
             LineWish::Write(model, ending) => self.write_lines(model, ending),
+            LineWish::Take(model, branch) => {
+                if let Err(error) = self.world.take_lines(model, branch) {
+                    self.world.show_message(error.to_string());
+                }
+            }
         }
     }
 

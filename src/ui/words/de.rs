@@ -140,6 +140,8 @@ pub(super) const WORDS: Words = Words {
     no_intersections: "nichts wächst in den Baum hinein",
     within_ellipsoid: "nichts verlässt ein Ellipsoid",
     trees_of_numbers: "Bäume aus Zahlen allein",
+    take_branch: "Mit diesem Ast zeichnen",
+    take_tree: "Eine Skizze daraus machen",
     part_lines: "Mittellinien",
     find_lines: "Mittellinien finden",
     no_lines: "Mittellinien wegnehmen",
@@ -306,6 +308,10 @@ pub(super) const SAID: &[(&str, &str)] = &[
     (
         "There are {} measures: take some away on the bench first.",
         "Es gibt {} Maße: zuerst auf der Werkbank welche wegnehmen.",
+    ),
+    (
+        "{} of its branches, the shortest, have no room in the sketch.",
+        "{} seiner Äste, die kürzesten, haben in der Skizze keinen Platz.",
     ),
     (
         "No ends were found to propose: set them by hand.",

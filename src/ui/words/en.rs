@@ -140,6 +140,8 @@ pub(super) const WORDS: Words = Words {
     no_intersections: "nothing runs into the tree",
     within_ellipsoid: "nothing leaves an ellipsoid",
     trees_of_numbers: "Trees from numbers alone",
+    take_branch: "Draw with this branch",
+    take_tree: "Make a sketch of it",
     part_lines: "Centerlines",
     find_lines: "Find centerlines",
     no_lines: "Take the centerlines away",

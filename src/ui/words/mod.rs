@@ -108,6 +108,7 @@ macro_rules! words {
 }
 
 words! {
+    take_branch, take_tree,
     part_lsystem, lines_first, seed, abstract_this, another_one, trees_drawn, stand_beside, numbers_match, in_the_model, in_the_tree, by_rules, segments, iterations, no_intersections, within_ellipsoid, trees_of_numbers,
     part_lines, find_lines, no_lines, finding, waits, trigger_chooses, inscribed_balls, branch, branches, junctions, tips, length, tortuosity, torsion, taper, volume, area, order, strahler, horsfield, radius_here, mean_radius, mean, deviation, least, most, upwards, whole_way, stem, points, path_radius, summary, how_many, not_reached, write_lines, again, caps, bridge_gaps,
     reading, part_look, part_mend, part_places, the_trigger, trigger_draws, trigger_marks, trigger_measures, next_end, snap_ends, source, target, sources, targets, endpoints, no_endpoints, propose, take, take_all, refuse, refuse_all, open_end, tip, write_endpoints, read_endpoints,
