@@ -13,11 +13,11 @@ use crate::lsystem::Limits;
 use crate::tree::measure::Measures;
 
 /// Trees that are drawn for each that is kept.
-pub const DRAWS: usize = 10;
+pub const DRAWS: usize = 100;
 /// Modules of a tree at most: one that is larger is no individual of a kind that has been fitted.
 const MODULES_MOST: u64 = 4_000_000;
 
-/// So many trees of some parameters with other seeds, the nearest to a table of ten times as many that are drawn, the nearest first. Fewer where `cancel` is
+/// So many trees of some parameters with other seeds, the nearest to a table of a hundred times as many that are drawn, the nearest first. Fewer where `cancel` is
 /// set, or where most grow beyond bounds. How many tips a tree has is left to chance, as its parameters say.
 pub fn variants(of: &Params, target: &Table, count: usize, cancel: &AtomicBool) -> Vec<Candidate> {
     let limits = Limits {

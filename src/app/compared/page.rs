@@ -66,6 +66,14 @@ pub(super) fn curves(trees: &[Studied], sample: usize) -> Option<(Vec<Curve>, Ma
     for point in curves.iter_mut().flatten() {
         point[1] = (point[1] / top).min(1.0);
     }
+    // Down to the axis at both ends, so that the narrowest curve is seen.
+    for curve in &mut curves {
+        let ends = [curve.first(), curve.last()].map(|end| end.map(|[part, _]| [*part, 0.0]));
+        if let [Some(first), Some(last)] = ends {
+            curve.insert(0, first);
+            curve.push(last);
+        }
+    }
     Some((curves, axis.marks()))
 }
 
@@ -221,9 +229,8 @@ fn distribution(
             }
             for (place, curve) in curves.iter().enumerate() {
                 let spot = |[part, up]: &[f64; 2]| [x + part * wide, base - up * high];
-                if let (Some(first), Some(last)) = (curve.first(), curve.last()) {
-                    let ends = [[last[0], 0.0], [first[0], 0.0]];
-                    let points: Vec<[f64; 2]> = curve.iter().chain(&ends).map(spot).collect();
+                let points: Vec<[f64; 2]> = curve.iter().map(spot).collect();
+                if !points.is_empty() {
                     svg.area(&points, colour(place));
                 }
             }

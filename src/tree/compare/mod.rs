@@ -160,12 +160,12 @@ pub fn compare(
         bars::sliced(&barcodes, &scales)
     });
     let mut pairs = Vec::with_capacity(places.len());
-    for (number, places) in places.iter().enumerate() {
+    for (number, both) in places.iter().enumerate() {
         if cancel.load(Ordering::Relaxed) {
             return None;
         }
-        let two = places.map(|place| &all[place]);
-        pairs.push(pair(*places, two, [path[number], radial[number]]));
+        let two = both.map(|place| &all[place]);
+        pairs.push(pair(*both, two, [path[number], radial[number]]));
         progress(number + 1, places.len());
     }
     Some(pairs)

@@ -200,6 +200,16 @@ fn verdicts_are_what_a_person_would_say() {
 }
 
 #[test]
+fn progress_goes_to_the_last_pair() {
+    let all = [1, 2, 3].map(|seed| Studied::new(&plant(2, 0.8, 0.5, seed), DVec3::ZERO));
+    let mut told = Vec::new();
+    compare(&all, &AtomicBool::new(false), &mut |done, of| {
+        told.push((done, of))
+    });
+    assert_eq!(told, [(0, 3), (1, 3), (2, 3), (3, 3)]);
+}
+
+#[test]
 fn a_cancelled_comparison_gives_nothing() {
     let all = [1, 2].map(|seed| Studied::new(&plant(3, 0.8, 0.5, seed), DVec3::ZERO));
     assert!(compare(&all, &AtomicBool::new(true), &mut |_, _| {}).is_none());
