@@ -119,7 +119,9 @@ fn checked(tree: &Tree, tolerance: f64) -> Result<f64, ExactError> {
     let far = (low.as_dvec3() - root)
         .abs()
         .max((high.as_dvec3() - root).abs());
+    // A little more, in few digits.
     let least = far.length() * FINEST;
+    let least = number::shortest(1.05 * least, 0.05 * least);
     if tolerance < least {
         return Err(ExactError::Fine { tolerance, least });
     }
