@@ -235,6 +235,10 @@ fn stop_if(cancel: &AtomicBool) -> Result<(), ExactError> {
 fn settings(shapes: &[Shape]) -> Vec<Setting> {
     let mut settings = Vec::new();
     for (share, shape) in shapes.iter().enumerate() {
+        // The first share leaves the fewest nodes, and with so many nothing else is worth its time.
+        if share > 0 && shape.len() > MANY[1] {
+            continue;
+        }
         let apart: &[f64] = match MANY.map(|many| shape.len() > many) {
             [false, _] => &APART,
             [true, false] => &APART_OF_MANY,
