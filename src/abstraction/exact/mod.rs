@@ -119,7 +119,9 @@ fn checked(tree: &Tree, tolerance: f64) -> Result<f64, ExactError> {
     let far = (low.as_dvec3() - root)
         .abs()
         .max((high.as_dvec3() - root).abs());
+    // A little more, in few digits.
     let least = far.length() * FINEST;
+    let least = number::shortest(1.05 * least, 0.05 * least);
     if tolerance < least {
         return Err(ExactError::Fine { tolerance, least });
     }
@@ -233,6 +235,10 @@ fn stop_if(cancel: &AtomicBool) -> Result<(), ExactError> {
 fn settings(shapes: &[Shape]) -> Vec<Setting> {
     let mut settings = Vec::new();
     for (share, shape) in shapes.iter().enumerate() {
+        // The first share leaves the fewest nodes, and with so many nothing else is worth its time.
+        if share > 0 && shape.len() > MANY[1] {
+            continue;
+        }
         let apart: &[f64] = match MANY.map(|many| shape.len() > many) {
             [false, _] => &APART,
             [true, false] => &APART_OF_MANY,

@@ -1,3 +1,5 @@
+//! Exact grammars: trees that come back, what is shared, what is refused, and what holds of any tree.
+
 #![allow(
     clippy::unwrap_used,
     clippy::missing_assert_message,

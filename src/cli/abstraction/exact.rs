@@ -203,8 +203,7 @@ fn screen(
     };
     let [written, symbols] = [found.plain, found.size].map(|size| size.symbols());
     line(format!(
-        "{name}: a grammar of {symbols} modules and parameters, where its {} segments written out have {written} ({} times as many), found in {seconds:.1} s",
-        found.segments[0],
+        "{name}: a grammar of {symbols} modules and parameters, found in {seconds:.1} s; written out, segment by segment, the tree takes {written} ({} times as many)",
         Rounded(written as f64 / symbols.max(1) as f64)
     ));
     let Deviation { max, mean, radius } = found.error;
