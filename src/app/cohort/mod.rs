@@ -13,7 +13,7 @@ pub mod comparison;
 pub mod entries;
 pub mod groups;
 mod measures;
-mod picture;
+pub(in crate::app) mod picture;
 mod run;
 mod tables;
 pub mod told;

@@ -6,7 +6,7 @@
 //! the drawing crates would bring more than they save.
 
 mod axis;
-mod svg;
+pub(in crate::app) mod svg;
 
 use self::axis::Axis;
 use self::svg::{Anchor, Svg};

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 /// Where text stands towards its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub(in crate::app) enum Anchor {
     Start,
     Middle,
     End,
@@ -12,7 +12,7 @@ pub(super) enum Anchor {
 
 /// A drawing; lengths are in pixels of 1/96 inch, from the upper left corner.
 #[derive(Debug, Default)]
-pub(super) struct Svg {
+pub(in crate::app) struct Svg {
     text: String,
 }
 
@@ -35,7 +35,7 @@ fn escaped(text: &str) -> String {
 
 impl Svg {
     /// The whole file.
-    pub(super) fn finish(self, width: f64, height: f64) -> String {
+    pub(in crate::app) fn finish(self, width: f64, height: f64) -> String {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
              font-family=\"Helvetica, Arial, 'Liberation Sans', sans-serif\">\n\
@@ -49,14 +49,14 @@ impl Svg {
         let _ = writeln!(self.text, "{element}");
     }
 
-    pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2], colour: &str, width: f64) {
+    pub(in crate::app) fn line(&mut self, from: [f64; 2], to: [f64; 2], colour: &str, width: f64) {
         let ([x1, y1], [x2, y2]) = (from, to);
         self.add(format_args!(
             "<line x1=\"{x1:.2}\" y1=\"{y1:.2}\" x2=\"{x2:.2}\" y2=\"{y2:.2}\" stroke=\"{colour}\" stroke-width=\"{width}\"/>"
         ));
     }
 
-    pub(super) fn dot(&mut self, at: [f64; 2], radius: f64, colour: &str) {
+    pub(in crate::app) fn dot(&mut self, at: [f64; 2], radius: f64, colour: &str) {
         let [x, y] = at;
         self.add(format_args!(
             "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius}\" fill=\"{colour}\" fill-opacity=\"0.75\" stroke=\"#ffffff\" stroke-width=\"0.5\"/>"
@@ -64,7 +64,7 @@ impl Svg {
     }
 
     /// A closed area with a pale inside.
-    pub(super) fn area(&mut self, points: &[[f64; 2]], colour: &str) {
+    pub(in crate::app) fn area(&mut self, points: &[[f64; 2]], colour: &str) {
         let mut list = String::new();
         for [x, y] in points {
             let _ = write!(list, "{x:.2},{y:.2} ");
@@ -75,14 +75,14 @@ impl Svg {
         ));
     }
 
-    pub(super) fn square(&mut self, at: [f64; 2], size: f64, colour: &str) {
+    pub(in crate::app) fn square(&mut self, at: [f64; 2], size: f64, colour: &str) {
         let [x, y] = at;
         self.add(format_args!(
             "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{size}\" height=\"{size}\" fill=\"{colour}\"/>"
         ));
     }
 
-    pub(super) fn text(
+    pub(in crate::app) fn text(
         &mut self,
         at: [f64; 2],
         size: f64,
