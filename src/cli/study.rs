@@ -9,6 +9,8 @@ use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 use super::outputs::not_over_each_other;
 use super::print_result;
 use super::workshop::{StudyArgs, Which, sit};
+use crate::app::study::answers::ANSWERS;
+use crate::app::study::picture::picture;
 use crate::app::study::report::report;
 use crate::app::study::sitting::Sitting;
 use crate::app::study::told::told;
@@ -72,6 +74,9 @@ struct ReportArgs {
     /// Write all answers and scores as one table, which this command reads, too
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Draw usability by conditions, and sickness before and after
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
     /// In the table, answers to the SSQ are 1 none to 4 severe, not 0 to 3
     #[arg(long)]
     ssq_from_one: bool,
@@ -98,9 +103,15 @@ fn hold(args: &RunArgs) -> Result<()> {
 }
 
 fn print_report(args: &ReportArgs) -> Result<()> {
-    if let Some(csv) = &args.csv {
-        not_over_each_other(Some(&args.source), [csv.as_path()], None)?;
-        check_place(csv)?;
+    let outputs = || args.csv.iter().chain(&args.svg).map(PathBuf::as_path);
+    not_over_each_other(Some(&args.source), outputs(), None)?;
+    for output in outputs() {
+        ensure!(
+            output.file_name().is_none_or(|name| name != ANSWERS),
+            "{} would be written over a participant's answers: choose another name",
+            output.display()
+        );
+        check_place(output)?;
     }
     let study = Study::read(&args.source, args.ssq_from_one)?;
     for remark in study.failed.iter().chain(&study.remarks) {
@@ -116,6 +127,9 @@ fn print_report(args: &ReportArgs) -> Result<()> {
         write_atomically(csv, &paper::table(&study)?)?;
     }
     let report = report(&study);
+    if let Some(svg) = &args.svg {
+        write_atomically(svg, picture(&study, &report).as_bytes())?;
+    }
     let text = match args.json {
         true => serde_json::to_string_pretty(&report)? + "\n",
         false => told(&report),

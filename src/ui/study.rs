@@ -13,7 +13,7 @@ use crate::world::study::{
 };
 
 /// Width and height of a task's picture, points.
-const PICTURE: f32 = 280.0;
+const PICTURE: f32 = 250.0;
 /// Width of what can be answered to a symptom, and of what to a statement, points.
 const CELLS: [f32; 2] = [57.0, 78.0];
 /// Height of answers, points.

@@ -194,7 +194,9 @@ fn ways(tree: &Tree) -> Vec<Way> {
     // How far the farthest tip is, and which child leads there: parents stand before their children.
     let mut far = vec![0.0_f32; tree.len()];
     let mut next = vec![NO_PARENT; tree.len()];
-    for (node, number) in (0..tree.len()).zip(0_u32..).rev() {
+    let numbers: Vec<u32> = (0_u32..).take(tree.len()).collect();
+    for number in numbers.iter().rev() {
+        let node = *number as usize;
         let parent = tree.parent[node];
         if parent == NO_PARENT {
             continue;
@@ -202,11 +204,12 @@ fn ways(tree: &Tree) -> Vec<Way> {
         let reach = far[node] + step(node);
         if next[parent as usize] == NO_PARENT || reach >= far[parent as usize] {
             far[parent as usize] = reach;
-            next[parent as usize] = number;
+            next[parent as usize] = *number;
         }
     }
     let mut ways = Vec::new();
-    for (node, number) in (0..tree.len()).zip(0_u32..) {
+    for number in numbers {
+        let node = number as usize;
         let parent = tree.parent[node];
         let goes_on = parent != NO_PARENT && next[parent as usize] == number;
         if goes_on {

@@ -87,6 +87,60 @@ fn a_folder_gives_a_report_and_a_table_that_gives_the_same() {
     );
 }
 
+/// Each of the fourteen scores and of the seven people's lines is there, and the means as they are printed.
+#[test]
+fn the_report_is_drawn() {
+    let folder = folder();
+    let svg = folder.path().join("report.svg");
+    let mut command = report(Path::new(PUBLISHED));
+    succeed(command.arg("--ssq-from-one").arg("--svg").arg(&svg));
+    let drawn = fs::read_to_string(&svg).unwrap();
+    // Two columns of usability and eight of sickness: a person's dot in each, and a mean's.
+    assert_eq!(drawn.matches("r=\"3\"").count(), 10 * 7);
+    assert_eq!(drawn.matches("r=\"5.5\"").count(), 10);
+    for said in [
+        ">73.6<",
+        ">50.0<",
+        ">17.9<",
+        "SSQ disorientation, prototype",
+        "7 participants",
+    ] {
+        assert!(drawn.contains(said), "{said}");
+    }
+}
+
+/// The studies of this machine's window and headset: without either nothing is begun.
+#[test]
+fn a_sitting_without_a_headset_or_a_window_begins_nothing() {
+    let folder = folder();
+    let run = |code: &str, more: &[&str]| {
+        let mut command = ramus();
+        command
+            .args(["study", "run"])
+            .arg(folder.path().join("trial"));
+        command.args(["--participant", code]).args(more);
+        refused(&mut command)
+    };
+    for (code, more, expected) in [
+        (
+            "P1",
+            &[][..],
+            "a study takes a headset or a window, and there is neither",
+        ),
+        ("../P1", &[], "\"../P1\" is not of letters"),
+        ("P1", &["--condition", ""], "the condition has no name"),
+        (
+            "P1",
+            &["--tasks", "/nonexistent/t.json"],
+            "/nonexistent/t.json cannot be read",
+        ),
+    ] {
+        let said = run(code, more);
+        assert!(said.contains(expected), "{expected}: {said}");
+        assert!(!folder.path().join("trial").exists());
+    }
+}
+
 #[test]
 fn what_is_no_study_is_refused_in_a_sentence() {
     let folder = folder();

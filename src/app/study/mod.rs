@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! folder: DIR/PARTICIPANT/CONDITION/answers.json ─┐
-//!                                                 ├─▶ sittings ─▶ report ─▶ told ─▶ screen
+//!                                                 ├─▶ sittings ─▶ report ─▶ told ─▶ screen, picture (SVG)
 //! table of raw answers (CSV) ─────────────────────┘       └──────────▶ table of all (CSV)
 //! plan: tasks and pictures ─▶ sitting: a session in the headset ─▶ answers.json
 //! ```
@@ -11,6 +11,7 @@
 
 pub mod answers;
 pub mod paper;
+pub mod picture;
 pub mod plan;
 pub mod report;
 pub mod sitting;
@@ -19,13 +20,15 @@ pub mod told;
 
 use std::path::Path;
 
-use anyhow::{Result, anyhow, bail, ensure};
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
 
 pub use crate::world::study::flow::{Outcome, TaskResult};
 use crate::world::study::score::{OWN_ITEMS_MOST, Part};
 
 /// Sittings of a study at most.
 pub const SITTINGS_MOST: usize = 10_000;
+/// Conditions of a study at most: every two are compared.
+pub const CONDITIONS_MOST: usize = 24;
 /// Tasks of a sitting at most.
 pub const TASKS_MOST: usize = 50;
 /// Longest name of a participant, a condition or a task, in letters.
@@ -155,6 +158,7 @@ impl Study {
             self.sittings.len() <= SITTINGS_MOST,
             "{name} has more than {SITTINGS_MOST} sittings: split it"
         );
+        self.check_conditions().with_context(|| name.to_string())?;
         let key = |sitting: &Sitting| (sitting.participant.clone(), sitting.condition.clone());
         self.sittings.sort_by_key(key);
         for pair in self.sittings.windows(2) {
@@ -171,6 +175,15 @@ impl Study {
             }
         }
         Ok(self)
+    }
+
+    fn check_conditions(&self) -> Result<()> {
+        let conditions = self.conditions().len();
+        ensure!(
+            conditions <= CONDITIONS_MOST,
+            "there are {conditions} conditions, more than {CONDITIONS_MOST}: is something else in their place?"
+        );
+        Ok(())
     }
 
     /// The conditions, by name.

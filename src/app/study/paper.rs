@@ -149,6 +149,7 @@ pub fn from_text(text: &str, from_one: bool, name: &str) -> Result<Study> {
         );
     }
     ensure!(!study.sittings.is_empty(), "there are no answers in it");
+    study.check_conditions()?;
     study
         .remarks
         .extend(begins_with_one(&study, from_one).map(|remark| format!("{name}: {remark}")));

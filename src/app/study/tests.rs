@@ -328,6 +328,17 @@ fn what_is_wrong_with_a_table_is_told() {
 }
 
 #[test]
+fn what_is_no_condition_is_not_compared_with_everything() {
+    let rows: String = (0..25).map(|row| format!("P{row},c{row},3\n")).collect();
+    let text = format!("participant,condition,sus_1\n{rows}");
+    let told = sentence(&paper::from_text(&text, false, "t").unwrap_err());
+    assert!(
+        told.contains("there are 25 conditions, more than 24"),
+        "{told}"
+    );
+}
+
+#[test]
 fn who_is_there_twice_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let table = folder.path().join("t.csv");

@@ -6,8 +6,9 @@ use super::score::{OWN_ITEMS_MOST, Part};
 
 /// Symptoms on a page.
 const SSQ_ON_PAGE: usize = 8;
-/// Statements on a page.
-const STATEMENTS_ON_PAGE: usize = 5;
+/// Statements on a page, those of the SUS and own ones, which may be longer.
+const SUS_ON_PAGE: usize = 5;
+const OWN_ON_PAGE: usize = 4;
 /// Longest time between two frames that counts, seconds: what is longer, nobody was there.
 const LONGEST: f64 = 1.0;
 /// How often the time of a task that is under way is kept, seconds.
@@ -370,7 +371,8 @@ fn pages(plan: &Plan) -> Vec<Page> {
     let questions = |part: Part| {
         let on_page = match part {
             Part::SsqBefore | Part::SsqAfter => SSQ_ON_PAGE,
-            Part::Sus | Part::Own => STATEMENTS_ON_PAGE,
+            Part::Sus => SUS_ON_PAGE,
+            Part::Own => OWN_ON_PAGE,
         };
         let items = items(plan, part);
         (0..items)
@@ -449,8 +451,8 @@ mod tests {
             Page::Task(1),
             Page::Questions(Part::Sus, 0, 5),
             Page::Questions(Part::Sus, 5, 10),
-            Page::Questions(Part::Own, 0, 5),
-            Page::Questions(Part::Own, 5, 6),
+            Page::Questions(Part::Own, 0, 4),
+            Page::Questions(Part::Own, 4, 6),
             Page::Questions(Part::SsqAfter, 0, 8),
             Page::Questions(Part::SsqAfter, 8, 16),
         ];

@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn many_pairs_are_compared_by_the_normal_distribution() {
         let some = |count: u32| -> Vec<f64> {
-            let value = |at: u32| f64::from(at + 1) * if at % 3 == 0 { -1.0 } else { 1.0 };
+            let value = |at: u32| f64::from(at + 1) * if at.is_multiple_of(3) { -1.0 } else { 1.0 };
             (0..count).map(value).collect()
         };
         let [fifty, more] = [50, 51].map(|count| of(&some(count)).unwrap());
