@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
+use hashbrown::HashMap;
 use serde::{Deserialize, Serialize};
 
 use super::document::Edit;
@@ -14,8 +15,8 @@ use super::model::{Model, ModelError, SIDE_BOUNDS};
 use super::scene::SurfaceLook;
 use crate::abstraction::{AbstractionError, Grower, Params, blunt, steps};
 use crate::lsystem::Limits;
-use crate::tree::Tree;
 use crate::tree::growth;
+use crate::tree::{NO_PARENT, Tree};
 
 /// What a tree may hold: more than a person could look at.
 const LIMITS: Limits = Limits {
@@ -82,12 +83,14 @@ impl Likeness {
             return grower.tree(seed, &LIMITS, cancel);
         };
         let newest = moment.ceil() as u32;
-        let tree = grower.tree_at(newest, seed, &LIMITS, cancel)?;
+        let mut tree = grower.tree_at(newest, seed, &LIMITS, cancel)?;
         let part = (moment - moment.floor()) as f32;
-        Ok(match part {
-            0.0 => tree,
-            part => growth::grown(&tree, &[], newest, part),
-        })
+        if part == 0.0 {
+            return Ok(tree);
+        }
+        let before = grower.tree_at(newest - 1, seed, &LIMITS, cancel)?;
+        let radii = date(&mut tree, &before, newest);
+        Ok(growth::grown(&tree, &radii, newest, part))
     }
 
     /// The same as it is looked at: with blunt tips.
@@ -97,6 +100,36 @@ impl Likeness {
     pub fn shown(&self, cancel: &AtomicBool) -> Result<Tree, AbstractionError> {
         self.tree(cancel).map(|tree| blunt(&tree))
     }
+}
+
+/// Says of a tree's nodes which are not in that of the iteration before, and gives the radii that those which are had there. (Where radii grow with every
+/// iteration the grammar makes all segments anew, and says nothing of which are new.)
+fn date(tree: &mut Tree, before: &Tree, newest: u32) -> Vec<f32> {
+    let place = |at: Vec3| at.to_array().map(f32::to_bits);
+    let nodes = (0_u32..).zip(tree.parent.iter().zip(tree.position.iter()));
+    let there: HashMap<(u32, [u32; 3]), u32> = nodes
+        .map(|(node, (parent, at))| ((*parent, place(*at)), node))
+        .collect();
+    let mut radii = vec![0.0; tree.len()];
+    let mut births = vec![newest; tree.len()];
+    // Where each node of the tree before is now; parents stand before their children.
+    let mut now = vec![NO_PARENT; before.len()];
+    for node in 0..before.len() {
+        let parent = match before.parent[node] {
+            NO_PARENT => NO_PARENT,
+            parent if now[parent as usize] == NO_PARENT => continue,
+            parent => now[parent as usize],
+        };
+        if let Some(found) = there.get(&(parent, place(before.position[node]))) {
+            now[node] = *found;
+            radii[*found as usize] = before.radius[node];
+            births[*found as usize] = 0;
+        }
+    }
+    for (birth, dated) in tree.birth.iter_mut().zip(births) {
+        *birth = dated;
+    }
+    radii
 }
 
 /// The longest side of the box around a tree and its balls.
