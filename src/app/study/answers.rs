@@ -172,7 +172,17 @@ pub(super) fn in_folder(folder: &Path) -> Result<Study> {
                 folder.display()
             );
             match sitting_at(&file, [&participant, &condition]) {
-                Ok(sitting) => study.sittings.push(sitting),
+                Ok((sitting, page)) => {
+                    study.remarks.extend(page.map(|page| {
+                        let Sitting {
+                            participant,
+                            condition,
+                            ..
+                        } = &sitting;
+                        format!("{participant} under {condition} has not finished: it stands at page {}", page.saturating_add(1))
+                    }));
+                    study.sittings.push(sitting);
+                }
                 Err(error) => study.failed.push(sentence(&error)),
             }
         }
@@ -185,8 +195,8 @@ pub(super) fn in_folder(folder: &Path) -> Result<Study> {
     Ok(study)
 }
 
-/// A file's sitting, where it says that it is of the folders that it lies in.
-fn sitting_at(file: &Path, folders: [&Path; 2]) -> Result<Sitting> {
+/// A file's sitting, where it says that it is of the folders that it lies in, and its page, where that is not the last.
+fn sitting_at(file: &Path, folders: [&Path; 2]) -> Result<(Sitting, Option<usize>)> {
     let name = file.display();
     let form = read(file)?;
     let sitting = form.sitting(name.to_string());
@@ -203,7 +213,7 @@ fn sitting_at(file: &Path, folders: [&Path; 2]) -> Result<Sitting> {
             folder.display()
         );
     }
-    Ok(sitting)
+    Ok((sitting, form.page))
 }
 
 /// The folders in a folder, by name.

@@ -173,11 +173,21 @@ enum Job {
 /// Brings a sitting to the disk.
 pub(in crate::app) struct Keeper {
     sitting: Sitting,
-    queue: Queue<Job, Result<(), String>>,
+    queue: Queue<Job, Result<(), Unwritten>>,
     /// Which state was given to be written last.
     kept: u64,
     /// Tasks whose results are written.
     tasks: usize,
+    /// What was made in a task and could not be written.
+    lost: Option<String>,
+}
+
+/// Why something is not on the disk.
+enum Unwritten {
+    /// Answers, which are written again with the next page.
+    Answers(String),
+    /// What a task came to, which is not.
+    Made(String),
 }
 
 impl Keeper {
@@ -190,6 +200,7 @@ impl Keeper {
             queue: Queue::start("ramus-study", job)?,
             kept: 0,
             tasks: sitting.study().progress().tasks.len(),
+            lost: None,
             sitting,
         })
     }
@@ -208,35 +219,49 @@ impl Keeper {
             let made = Job::Made(result.task.clone(), Box::new(world.document().clone()));
             self.tasks += usize::from(self.queue.ask(made));
         }
-        self.queue.poll()?.err()
+        let failed = self.queue.poll()?.err()?;
+        Some(self.told(failed))
     }
 
-    /// Writes all that is not written yet.
-    pub(in crate::app) fn finish(mut self, world: &World) -> Result<()> {
-        let mut failed = self.follow(world);
-        while let Some(done) = self.queue.wait() {
-            failed = done.err().or(failed);
+    fn told(&mut self, failed: Unwritten) -> String {
+        match failed {
+            Unwritten::Answers(error) => {
+                format!("{error}. The answers are kept in memory and written with the next page.")
+            }
+            Unwritten::Made(error) => {
+                self.lost = Some(error.clone());
+                format!("{error}. What was made in the task is in the recording alone.")
+            }
         }
-        // The last state in any case: one of those before may have failed.
+    }
+
+    /// Writes all that is not written yet. That answers could not be written before does not matter if they can now.
+    pub(in crate::app) fn finish(mut self, world: &World) -> Result<()> {
+        self.follow(world);
+        while let Some(done) = self.queue.wait() {
+            if let Err(failed) = done {
+                self.told(failed);
+            }
+        }
         if let Some(study) = world.study() {
             let form = self.sitting.form(study);
             form.write(&self.sitting.folder.join(ANSWERS))?;
         }
-        failed.map_or(Ok(()), |failed| bail!(failed))
+        self.lost.map_or(Ok(()), |lost| bail!(lost))
     }
 }
 
-fn write(job: &Job, folder: &Path) -> Result<(), String> {
-    let written = match job {
-        Job::Answers(form) => form.write(&folder.join(ANSWERS)),
+fn write(job: &Job, folder: &Path) -> Result<(), Unwritten> {
+    match job {
+        Job::Answers(form) => form
+            .write(&folder.join(ANSWERS))
+            .map_err(|error| Unwritten::Answers(error.to_string())),
         Job::Made(task, document) => {
             let path = folder.join(format!("task-{task}.ramus"));
             write_atomically(&path, &project::to_bytes(document))
+                .map_err(|error| Unwritten::Made(error.to_string()))
         }
-    };
-    written.map_err(|error| {
-        format!("{error}. The answers are kept in memory and written with the next page.")
-    })
+    }
 }
 
 #[cfg(test)]
@@ -277,6 +302,31 @@ mod tests {
         assert_eq!(again.study().progress(), world.study().unwrap().progress());
         assert_eq!(again.study().answer(Part::SsqBefore, 2), Some(3));
         assert_eq!(again.study().place()[0], 3);
+    }
+
+    /// A disk that takes nothing for a while costs no answer.
+    #[test]
+    fn answers_that_could_not_be_written_are_written_later() {
+        let folder = tempfile::tempdir().unwrap();
+        let sitting = Sitting::of(folder.path(), "P1", "ramus", None).unwrap();
+        sitting.make_folder().unwrap();
+        let at = sitting.folder.clone();
+        let aside = at.with_extension("aside");
+        let mut world = World::new(History::default());
+        world.begin_study(sitting.study());
+        let mut keeper = Keeper::start(sitting).unwrap();
+        std::fs::rename(&at, &aside).unwrap();
+        world.act_in_study(Event::Next).unwrap();
+        let told = (0..1000).find_map(|_| {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+            keeper.follow(&world)
+        });
+        let told = told.unwrap();
+        assert!(told.ends_with("written with the next page."), "{told}");
+        std::fs::rename(&aside, &at).unwrap();
+        keeper.finish(&world).unwrap();
+        let again = Sitting::of(folder.path(), "P1", "ramus", None).unwrap();
+        assert_eq!(again.progress.page, 1);
     }
 
     #[test]

@@ -187,8 +187,13 @@ fn a_folder_and_its_table_come_to_the_same() {
     let mut odd = form("P3", "a");
     odd["sus"] = json!([3, 3, 3, 3, null, 3, 3, 3, 3]);
     odd["ssq_after"][0] = json!(7);
+    odd["page"] = json!(4);
     write(folder.path(), &odd);
     let study = Study::read(folder.path(), false).unwrap();
+    assert_eq!(
+        study.remarks,
+        ["P3 under a has not finished: it stands at page 5"]
+    );
     let of_folder = report(&study);
     let table = String::from_utf8(paper::table(&study).unwrap()).unwrap();
     let again = paper::from_text(&table, false, "all.csv").unwrap();
