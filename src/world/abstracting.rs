@@ -39,13 +39,15 @@ pub struct Search {
 
 /// Iterations a second of a tree that grows by itself.
 const SPEED: f64 = 2.5;
+/// Where it takes longer until that is seen, it grows by no more than in so many seconds.
+const LONGEST: f64 = 0.25;
 
 /// All searches that are known.
 #[derive(Debug, Default)]
 pub(super) struct Store {
     searches: Vec<(LineKey, Search)>,
-    /// The model that grows by itself.
-    grows: Option<usize>,
+    /// The model that grows by itself, and the seconds since it was seen to have grown.
+    grows: Option<(usize, f64)>,
 }
 
 impl Store {
@@ -180,13 +182,13 @@ impl World {
     /// Whether a tree grows by itself.
     #[must_use]
     pub fn grows_on(&self, at: usize) -> bool {
-        self.tools.models.abstractions.grows == Some(at)
+        matches!(self.tools.models.abstractions.grows, Some((model, _)) if model == at)
     }
 
     /// Lets a tree grow by itself from where it is, or from the beginning where it is whole; or not.
     pub fn grow_on(&mut self, at: usize, on: bool) {
         self.settle();
-        self.tools.models.abstractions.grows = on.then_some(at);
+        self.tools.models.abstractions.grows = on.then_some((at, 0.0));
         self.tools.models.changes += 1;
         let begins = on.then(|| self.with_moment(at, |_, moment| Some(moment.unwrap_or(0.0))));
         if let Some(edit) = begins.flatten() {
@@ -197,14 +199,18 @@ impl World {
 
     /// Goes on with the tree that grows by itself after so many seconds, once it is seen as it was.
     pub fn grow_likeness(&mut self, seconds: f64) {
-        let Some(at) = self.tools.models.abstractions.grows else {
+        let Some((at, since)) = self.tools.models.abstractions.grows else {
             return;
         };
-        if self.wanted_model().is_some() {
+        let since = (since + seconds).clamp(0.0, LONGEST);
+        let is_seen = self.wanted_model().is_none();
+        let rest = if is_seen { 0.0 } else { since };
+        self.tools.models.abstractions.grows = Some((at, rest));
+        if !is_seen {
             return;
         }
         let edit = self.with_moment(at, |likeness, moment| {
-            let next = moment? + SPEED * seconds.clamp(0.0, 1.0);
+            let next = moment? + SPEED * since;
             (next < f64::from(likeness.last())).then_some(next)
         });
         let goes_on = edit.is_some_and(|edit| {

@@ -132,14 +132,24 @@ fn date(tree: &mut Tree, before: &Tree, newest: u32) -> Vec<f32> {
     radii
 }
 
-/// The longest side of the box around a tree and its balls.
+/// The longest side of the box around a tree's tubes.
 #[must_use]
 pub fn side(tree: &Tree) -> f32 {
-    let balls = || tree.position.iter().zip(tree.radius.iter());
-    let low = balls().fold(Vec3::INFINITY, |low, (at, radius)| low.min(*at - *radius));
-    let high = balls().fold(Vec3::NEG_INFINITY, |high, (at, radius)| {
-        high.max(*at + *radius)
-    });
+    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for (node, parent) in tree.parent.iter().enumerate() {
+        if *parent == NO_PARENT {
+            continue;
+        }
+        let ends = [*parent as usize, node].map(|end| tree.position[end]);
+        let along = (ends[1] - ends[0]).normalize_or_zero();
+        // A ring about the segment reaches so far along each axis.
+        let across = (Vec3::ONE - along * along).max(Vec3::ZERO);
+        let reach = tree.radius[node] * across.map(f32::sqrt);
+        for end in ends {
+            low = low.min(end - reach);
+            high = high.max(end + reach);
+        }
+    }
     (high - low).max_element().max(0.0)
 }
 
@@ -160,7 +170,13 @@ pub(super) fn beside(
     model.place = of.place;
     model.place.scale = (of.place.scale * times).clamp(least, most);
     let apart = BESIDE * f32::midpoint(of.place.scale, model.place.scale);
-    model.place.position += Vec3::X * apart;
+    // Towards the middle of the room, where people look.
+    let aside = if of.place.position.x > 0.0 {
+        -apart
+    } else {
+        apart
+    };
+    model.place.position.x += aside;
     model.surface = Some(SurfaceLook::default());
     model.likeness = Some(Likeness::whole(params));
     models.push(model);

@@ -105,7 +105,7 @@ fn a_model_is_abstracted_and_the_tree_stands_beside_it() {
     let told = format!("numbers as the model has them: {matching} / {all}");
     visitor.scroll_to(RIGHT, PanelId::Bench, &told);
 
-    // It stands to the right, as large as the model is shown.
+    // It stands beside it, as large as the model is shown.
     let edits = visitor.workshop.edits();
     press(&mut visitor, "Stand it beside the model");
     assert_eq!(visitor.workshop.edits(), edits + 1);
@@ -114,7 +114,7 @@ fn a_model_is_abstracted_and_the_tree_stands_beside_it() {
     assert_eq!(likeness(&visitor, 1).params, best.params.clone().into());
     let apart = models[1].place.position - models[0].place.position;
     assert!(
-        apart.x > 0.2 && apart.y.abs() < 1e-6 && apart.z.abs() < 1e-6,
+        apart.x.abs() > 0.2 && apart.y.abs() < 1e-6 && apart.z.abs() < 1e-6,
         "{apart}"
     );
     let magnified = |visitor: &Visitor, at: usize| {
@@ -204,28 +204,20 @@ fn a_tree_grows_by_itself_which_is_one_edit() {
     let whole = parts(&visitor, 0);
     let edits = visitor.workshop.edits();
     touch(&mut visitor, "Play");
-    let (mut moments, mut segments) = (Vec::new(), Vec::new());
+    let mut moments = Vec::new();
     while visitor.workshop.world().grows_on(0) {
-        visitor.workshop.finish_models();
+        // A slow machine: five frames a second.
+        visitor.frame.time += 0.2;
         visitor.frame();
         visitor.frames.clear();
-        let shown = visitor.workshop.world().shown().models[0].clone();
-        moments.extend(shown.likeness.as_ref().unwrap().moment);
-        let loaded = visitor.workshop.world().loaded_model(&shown).unwrap();
-        segments.push(loaded.skeleton.as_ref().unwrap().segment_count());
+        let shown = visitor.workshop.world().shown().models[0].likeness.clone();
+        moments.extend(shown.unwrap().moment);
     }
     visitor.workshop.finish_models();
-    assert!(
-        moments.is_sorted() && moments.len() > 50,
-        "{}",
-        moments.len()
-    );
-    assert!(
-        moments.iter().any(|moment| moment.fract() > 0.3),
-        "between steps, too"
-    );
-    segments.dedup();
-    assert!(segments.is_sorted() && segments.len() > 5, "{segments:?}");
+    moments.dedup();
+    assert!(moments.is_sorted() && moments.len() > 5, "{moments:?}");
+    let between = moments.iter().filter(|moment| moment.fract() > 0.01);
+    assert!(between.count() > 3, "{moments:?}");
     assert_eq!(
         (likeness(&visitor, 0).moment, parts(&visitor, 0)),
         (None, whole)

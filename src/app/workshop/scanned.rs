@@ -312,12 +312,14 @@ impl Workshop {
     }
 
     fn take_scan(&mut self, (scan, read): Done) {
-        let document = self.world.document();
         let of = |model: &&Model| {
             let is_same = model.file == scan.file && model.mends == scan.mends;
             is_same && model.likeness == scan.likeness
         };
-        let stands = document.models.iter().find(of).cloned();
+        // As it is kept, or as it is tried out.
+        let documents = [self.world.document(), self.world.shown()];
+        let mut models = documents.into_iter().flat_map(|one| one.models.iter());
+        let stands = models.find(of).cloned();
         let read = match (read, stands) {
             (Ok(read), _) if scan.comes => return self.come(scan.file, read),
             (Err(why), _) if scan.comes => return self.world.show_message(why),
