@@ -317,9 +317,9 @@ impl Workshop {
             is_same && model.likeness == scan.likeness
         };
         // As it is kept, or as it is tried out.
-        let documents = [self.world.document(), self.world.shown()];
-        let mut models = documents.into_iter().flat_map(|one| one.models.iter());
-        let stands = models.find(of).cloned();
+        let stands = [self.world.document(), self.world.shown()]
+            .into_iter()
+            .find_map(|document| document.models.iter().find(of).cloned());
         let read = match (read, stands) {
             (Ok(read), _) if scan.comes => return self.come(scan.file, read),
             (Err(why), _) if scan.comes => return self.world.show_message(why),
