@@ -46,7 +46,7 @@ use self::route::Skeleton;
 use self::skin::Ball;
 use self::solids::Solids;
 use crate::mesh::endpoints::{Endpoint, Kind};
-use crate::mesh::mend::{Close, Mend, MendError, Weld, mend_all};
+use crate::mesh::mend::{Close, Mend, Weld, mend_all};
 use crate::mesh::report::NONE;
 use crate::mesh::surface::Surface;
 use crate::tree::{NO_PARENT, Node, Tree};
@@ -270,17 +270,17 @@ fn prepared<'a>(
     if is_closed(surface) {
         return Ok(Cow::Borrowed(surface));
     }
-    let mend = |mesh, mends: &[Mend]| match mend_all(mesh, mends, cancel, &mut |_, _, _| {}) {
-        Ok((mesh, _)) => Ok(mesh),
-        Err(MendError::Cancelled) => Err(CenterlineError::Cancelled),
-        Err(other) => Err(CenterlineError::from(other)),
-    };
+    let mends = [
+        Mend::Weld(Weld::default()),
+        Mend::Orient,
+        Mend::Close(Close::default()),
+    ];
     let mesh = surface.mesh().as_ref().clone();
-    let mesh = mend(mesh, &[Mend::Weld(Weld::default()), Mend::Orient])?;
-    // What follows these are lids.
-    let first = mesh.triangles.len();
-    let mesh = mend(mesh, &[Mend::Close(Close::default())])?;
-    let mesh = refine::with_finer_lids(mesh, first);
+    let (mesh, _) =
+        mend_all(mesh, &mends, cancel, &mut |_, _, _| {}).map_err(|error| match error {
+            crate::mesh::mend::MendError::Cancelled => CenterlineError::Cancelled,
+            other => other.into(),
+        })?;
     let closed = solids::surface_of(mesh, cancel).ok_or(CenterlineError::Cancelled)?;
     Ok(Cow::Owned(closed))
 }

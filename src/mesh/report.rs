@@ -20,7 +20,7 @@ mod fans;
 mod hollow;
 mod loops;
 mod turning;
-pub(crate) mod union;
+pub(in crate::mesh) mod union;
 pub(in crate::mesh) mod weld;
 
 use std::sync::atomic::{AtomicBool, Ordering};

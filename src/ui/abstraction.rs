@@ -336,8 +336,10 @@ struct Page<'a, 'v> {
     wishes: &'a mut Vec<Wish>,
 }
 
-/// How a number of the parameters is read and set.
-type Number = (&'static str, fn(&mut Params) -> &mut f64, [f64; 2]);
+/// Where a number of the parameters is.
+type Place<N> = fn(&mut Params) -> &mut N;
+/// A number by its name in the grammar, and its limits.
+type Number = (&'static str, Place<f64>, [f64; 2]);
 
 /// Numbers that have sliders, by their names in the grammar.
 const NUMBERS: [Number; 11] = [
@@ -375,7 +377,7 @@ const NUMBERS: [Number; 11] = [
 ];
 
 /// Lengths, which are dragged: they have no largest value.
-const LENGTHS: [(&str, fn(&mut Params) -> &mut f64); 4] = [
+const LENGTHS: [(&str, Place<f64>); 4] = [
     ("segment_length", |p| &mut p.segment_length),
     ("segment_length_std", |p| &mut p.segment_length_std),
     ("segment_radius", |p| &mut p.segment_radius),
@@ -383,7 +385,7 @@ const LENGTHS: [(&str, fn(&mut Params) -> &mut f64); 4] = [
 ];
 
 /// Whole numbers.
-const WHOLE: [(&str, fn(&mut Params) -> &mut u32, u32); 3] = [
+const WHOLE: [(&str, Place<u32>, u32); 3] = [
     ("stem_length", |p| &mut p.stem_length, 30),
     ("max_order", |p| &mut p.max_order, 12),
     ("roll_range", |p| &mut p.roll_range, 180),

@@ -3,20 +3,20 @@
 //! Path halving alone keeps the ways short enough (Tarjan and van Leeuwen 1984); ranks would cost memory.
 
 /// Sets of numbers.
-pub(crate) struct Sets {
+pub(in crate::mesh) struct Sets {
     parent: Vec<u32>,
 }
 
 impl Sets {
     /// Each number below `len` alone.
-    pub(crate) fn new(len: usize) -> Self {
+    pub(in crate::mesh) fn new(len: usize) -> Self {
         Self {
             parent: (0_u32..).take(len).collect(),
         }
     }
 
     /// The smallest number of the set.
-    pub(crate) fn find(&mut self, mut one: u32) -> u32 {
+    pub(in crate::mesh) fn find(&mut self, mut one: u32) -> u32 {
         loop {
             let parent = self.parent[one as usize];
             if parent == one {
@@ -28,7 +28,7 @@ impl Sets {
         }
     }
 
-    pub(crate) fn join(&mut self, one: u32, other: u32) {
+    pub(in crate::mesh) fn join(&mut self, one: u32, other: u32) {
         let (one, other) = (self.find(one), self.find(other));
         self.parent[one.max(other) as usize] = one.min(other);
     }
