@@ -1,6 +1,6 @@
 //! Abstractions of models on the stage: for which one is looked for, what was found so far, and the trees that stand beside their models.
 //!
-//! Nothing of it is kept in the project but the trees that a person stands there ([`Likeness`](super::likeness::Likeness)).
+//! Nothing of it is kept in the project but the trees that a person stands there ([`Likeness`]).
 
 use std::sync::Arc;
 
