@@ -22,6 +22,7 @@ pub mod growth;
 pub mod import;
 pub mod measure;
 pub mod mesh;
+pub(crate) mod nearest;
 pub mod organs;
 mod pages;
 pub mod radii;

@@ -78,8 +78,8 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
     ending.is_some_and(|ending| endings.iter().any(|one| one.eq_ignore_ascii_case(ending)))
 }
 
-/// The text of a table, of which messages say `what` it is to be.
-pub(in crate::app) fn text_of(path: &Path, what: &str) -> Result<String> {
+/// The bytes of a plain file of no more than so many; messages say `what` it is to be.
+pub(in crate::app) fn bytes_of(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
     let name = path.display();
     let unreadable = |error: std::io::Error| anyhow!("{name} cannot be read: {error}");
     // What is no plain file may never end, or never begin.
@@ -89,13 +89,20 @@ pub(in crate::app) fn text_of(path: &Path, what: &str) -> Result<String> {
     );
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
-    file.take(BYTES_MOST + 1)
+    file.take(most + 1)
         .read_to_end(&mut bytes)
         .map_err(unreadable)?;
     ensure!(
-        bytes.len() as u64 <= BYTES_MOST,
-        "{name} is longer than {BYTES_MOST} bytes, and no {what} is"
+        bytes.len() as u64 <= most,
+        "{name} is longer than {most} bytes, and no {what} is"
     );
+    Ok(bytes)
+}
+
+/// The text of a table, of which messages say `what` it is to be.
+pub(in crate::app) fn text_of(path: &Path, what: &str) -> Result<String> {
+    let name = path.display();
+    let bytes = bytes_of(path, BYTES_MOST, what)?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         anyhow!("{name} is no UTF-8 text (byte {at}): save the {what} as such")

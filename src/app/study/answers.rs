@@ -1,13 +1,12 @@
 //! The file of a sitting, `answers.json`, and the folder of a study, `DIR/PARTICIPANT/CONDITION/answers.json`.
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::{Answer, SITTINGS_MOST, Sitting, Study, TaskResult, check_sitting};
+use crate::app::cohort::entries::bytes_of;
 use crate::app::sentence;
 use crate::tree::TreeError;
 use crate::tree::file::write_atomically;
@@ -134,21 +133,7 @@ pub(super) fn answer(part: Part, given: Option<f64>) -> Answer {
 /// What is wrong with it.
 pub fn read(path: &Path) -> Result<Form> {
     let name = path.display();
-    let unreadable = |error: std::io::Error| anyhow!("{name} cannot be read: {error}");
-    // What is no plain file may never end, or never begin.
-    ensure!(
-        path.metadata().map_err(unreadable)?.is_file(),
-        "{name} is no file"
-    );
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(unreadable)?;
-    file.take(BYTES_MOST + 1)
-        .read_to_end(&mut bytes)
-        .map_err(unreadable)?;
-    ensure!(
-        bytes.len() as u64 <= BYTES_MOST,
-        "{name} is longer than {BYTES_MOST} bytes, and no file of answers is"
-    );
+    let bytes = bytes_of(path, BYTES_MOST, "file of answers")?;
     Form::from_bytes(&bytes).with_context(|| name.to_string())
 }
 

@@ -1,84 +1,24 @@
-//! The nearest point of a mesh, by a hierarchy of boxes (obvhs).
+//! The nearest point of a mesh.
 
 use glam::{DVec3, Vec3};
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 use crate::mesh::Mesh;
+use crate::tree::nearest;
 
 /// Finds nearest points of a mesh.
-pub(super) struct Nearest {
-    triangles: Vec<[Vec3; 3]>,
-    bvh: Bvh2,
-}
+pub(super) struct Nearest(nearest::Nearest<3>);
 
 impl Nearest {
     /// Over all triangles of a mesh that is clean.
     pub(super) fn new(mesh: &Mesh) -> Self {
         let corners = |face: &[u32; 3]| face.map(|vertex| mesh.positions[vertex as usize]);
         let triangles: Vec<[Vec3; 3]> = mesh.triangles.iter().map(corners).collect();
-        let boxes: Vec<Aabb> = triangles
-            .iter()
-            .map(|[a, b, c]| Aabb::new(a.min(*b).min(*c).into(), a.max(*b).max(*c).into()))
-            .collect();
-        let indices = (0_u32..).take(boxes.len()).collect();
-        let bvh = PlocBuilder::with_capacity(boxes.len()).build(
-            PlocSearchDistance::Low,
-            &boxes,
-            indices,
-            SortPrecision::U64,
-            0,
-        );
-        Self { triangles, bvh }
+        Self(nearest::Nearest::new(triangles))
     }
 
-    /// The nearest point to a point; of equally near ones that on the first triangle, so that the shape of the hierarchy does not matter. None where
-    /// there is no triangle.
+    /// The nearest point to a point, on the first of equally near triangles. None where there is no triangle.
     pub(super) fn point(&self, to: DVec3) -> Option<DVec3> {
-        let mut best: Option<(f64, u32, DVec3)> = None;
-        let mut open = vec![(0.0, 0_u32)];
-        while let Some((least, number)) = open.pop() {
-            if best.is_some_and(|(distance, ..)| least > distance) {
-                continue;
-            }
-            let Some(node) = self.bvh.nodes.get(number as usize) else {
-                continue;
-            };
-            if !node.is_leaf() {
-                let children = [node.first_index, node.first_index + 1];
-                let mut children = children.map(|child| (self.away(child, to), child));
-                // The nearer one is looked at first.
-                children.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
-                open.extend(children);
-                continue;
-            }
-            let first = node.first_index as usize;
-            let range = first..first + node.prim_count as usize;
-            for triangle in self.bvh.primitive_indices.get(range).unwrap_or_default() {
-                let Some(corners) = self.triangles.get(*triangle as usize) else {
-                    continue;
-                };
-                let point = on_triangle(corners.map(|corner| corner.as_dvec3()), to);
-                let distance = point.distance_squared(to);
-                let is_better =
-                    |(far, other, _): (f64, u32, DVec3)| (distance, *triangle) < (far, other);
-                if best.is_none_or(is_better) {
-                    best = Some((distance, *triangle, point));
-                }
-            }
-        }
-        best.map(|(_, _, point)| point)
-    }
-
-    /// The squared distance to a node's box.
-    fn away(&self, number: u32, to: DVec3) -> f64 {
-        let Some(node) = self.bvh.nodes.get(number as usize) else {
-            return f64::INFINITY;
-        };
-        let (min, max) = (node.aabb().min, node.aabb().max);
-        let (min, max) = (Vec3::from(min).as_dvec3(), Vec3::from(max).as_dvec3());
-        to.clamp(min, max).distance_squared(to)
+        self.0.point(to, on_triangle)
     }
 }
 
