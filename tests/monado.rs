@@ -13,8 +13,13 @@ mod monado {
     pub(crate) mod ends;
     pub(crate) mod robbed;
     pub(crate) mod sight;
+    pub(crate) mod study;
     pub(crate) mod tools;
 }
+
+#[allow(dead_code, reason = "tests of panels use all of it")]
+#[path = "panels/visitor.rs"]
+mod visitor;
 
 use std::{cell::RefCell, path::Path, rc::Rc};
 

@@ -9,6 +9,7 @@
 mod panels {
     mod abstraction;
     mod accidents;
+    mod compare;
     mod controllers;
     mod guide;
     mod lessons;

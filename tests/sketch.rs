@@ -477,6 +477,77 @@ fn radii_follow_da_vinci_and_steps_keep_what_was_there() {
 }
 
 #[test]
+fn radii_of_its_own_stay_and_become_thinner_where_a_line_goes_on() {
+    let to: Vec<Vec3> = (1..=4).map(|n| Vec3::Y * (0.1 * n as f32)).collect();
+    let radii = [0.08, 0.06, 0.05, 0.04];
+    let (sketch, _) = Sketch::default()
+        .add_thick_segments(NodeRef::ROOT, &to, &radii)
+        .unwrap();
+    sketch.validate().unwrap();
+    let scale = sketch.scale;
+    // Six steps: two segments beyond what was drawn, which end half as thick as they began.
+    let tree = grown(&sketch, 6).tree;
+    let expected = [0.08, 0.06, 0.05, 0.04, 0.04, 0.03].map(|radius| radius * scale);
+    for (found, expected) in tree.radius[1..].iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-5, "{found} {expected}");
+    }
+    // What grows from it is as thick as it is by itself, and what it is drawn on carries it.
+    let at = NodeRef::new(Letter::TRUNK, 2);
+    let branched = draw(&sketch, at, 2, 0.1);
+    let tree = grown(&branched, 4).tree;
+    let tip = tree.tips();
+    let thin = tip.iter().map(|node| tree.radius[*node as usize]);
+    assert!(
+        thin.clone().any(|radius| radius == sketch.tip_radius),
+        "{:?}",
+        thin.collect::<Vec<_>>()
+    );
+    assert!((tree.radius[2] - 0.06 * scale).abs() < 1e-5);
+    // What is drawn on has none, what is deleted takes its own along, and all can be forgotten.
+    let on = draw(&sketch, sketch.apex(Letter::TRUNK).unwrap(), 1, 0.0);
+    assert_eq!(on.strokes[0].radii[3..], [0.04, 0.0]);
+    let (less, _) = sketch.delete_node(NodeRef::new(Letter::TRUNK, 3)).unwrap();
+    assert_eq!(less.strokes[0].radii, radii[..2]);
+    let plain = sketch.without_radii(Letter::TRUNK).unwrap();
+    assert_eq!(
+        plain,
+        Sketch::default()
+            .add_segments(NodeRef::ROOT, &to)
+            .unwrap()
+            .0
+    );
+    // The text that a person saves has them.
+    let grammar = Grammar::parse(&sketch.grammar_text(), "thick.lsys").unwrap();
+    assert!(
+        sketch.grammar_text().contains(" 0.16)"),
+        "{}",
+        sketch.grammar_text()
+    );
+    let string = grammar
+        .derive(3, &Limits::default(), &AtomicBool::new(false))
+        .unwrap();
+    let turtle = ramus::lsystem::TurtleParams::default();
+    let drawn =
+        ramus::lsystem::interpret(&grammar, &string, &turtle, &AtomicBool::new(false)).unwrap();
+    assert!((drawn.radius[2] - 0.12).abs() < 1e-5, "{:?}", drawn.radius);
+    // One for each node, and each a radius.
+    for wrong in [
+        vec![0.1; 3],
+        vec![0.1; 5],
+        vec![0.1, 0.1, 0.1, f32::NAN],
+        vec![-0.1; 4],
+        vec![1e9; 4],
+    ] {
+        assert!(
+            Sketch::default()
+                .add_thick_segments(NodeRef::ROOT, &to, &wrong)
+                .is_err(),
+            "{wrong:?}"
+        );
+    }
+}
+
+#[test]
 fn step_0_and_an_empty_sketch_show_the_root_alone() {
     for (sketch, step) in [
         (one_branch(3, 1, 2), 0),
@@ -528,6 +599,7 @@ fn more_branches_than_letters_and_than_a_line_holds() {
             handles: vec![],
             attachment: Some(NodeRef::new(Letter::TRUNK, number as u32)),
             self_similar: (number.is_multiple_of(3)).then_some(limit),
+            radii: vec![],
         }));
     }
     sketch.validate().unwrap();

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::by_order::{ByOrder, OrderDifference};
 use super::table::{MeanStd, Table};
 
 /// A number of two tables.
@@ -20,7 +21,12 @@ pub struct Difference {
 }
 
 impl Difference {
-    fn new(name: &'static str, target: f64, got: f64, [tolerance, unit]: [f64; 2]) -> Self {
+    pub(super) fn new(
+        name: &'static str,
+        target: f64,
+        got: f64,
+        [tolerance, unit]: [f64; 2],
+    ) -> Self {
         Self {
             name,
             target,
@@ -118,15 +124,40 @@ pub fn differences(target: &Table, got: &Table) -> Vec<Difference> {
     all
 }
 
-/// One number for all: the root of the mean square of relative differences, those of standard deviations by half.
-pub fn distance(differences: &[Difference]) -> f64 {
-    let square = |one: &Difference| (one.relative * weight(one)).powi(2);
-    let sum: f64 = differences.iter().map(square).sum();
-    (sum / differences.len().max(1) as f64).sqrt()
+/// One number for all: the root of the mean square of relative differences, those of standard deviations and of orders by half. All orders together
+/// count as three numbers, a length, a radius and an angle, and what they are off by more than by a part of themselves counts the less. `misplaced` is the part of
+/// branches that are of other orders than the model's.
+pub fn distance(differences: &[Difference], by_order: &[OrderDifference], misplaced: f64) -> f64 {
+    let orders = if by_order.is_empty() {
+        0
+    } else {
+        ByOrder::ALL.len()
+    };
+    let sum: f64 = residuals(differences, by_order)
+        .map(|residual| residual.powi(2))
+        .sum();
+    let mean = sum / (differences.len() + orders).max(1) as f64;
+    mean.sqrt().hypot(OF_MISPLACED * misplaced)
+}
+
+/// How much branches of other orders count.
+const OF_MISPLACED: f64 = 0.1;
+
+/// Relative differences, each by how much it counts.
+pub(super) fn residuals(
+    differences: &[Difference],
+    by_order: &[OrderDifference],
+) -> impl Iterator<Item = f64> {
+    let of_order = |one: &OrderDifference| {
+        let relative = one.difference.relative;
+        relative / (1.0 + relative.abs()) * weight(&one.difference) * one.share.sqrt()
+    };
+    let whole = differences.iter().map(|one| one.relative * weight(one));
+    whole.chain(by_order.iter().map(of_order))
 }
 
 /// How much a difference counts.
-pub(super) fn weight(one: &Difference) -> f64 {
+fn weight(one: &Difference) -> f64 {
     if one.tolerance == OF_DEVIATIONS {
         OF_MEANS / OF_DEVIATIONS
     } else {

@@ -3,8 +3,8 @@
 //! Two kinds of parameters are found apart. How likely tips fork and how long they live decide, with the seed, what the tree is made of: how many tips and
 //! junctions it has, and of what degree. These are drawn and adapted (population Monte Carlo; Cappé, Guillin, Marin and Robert 2004): half of
 //! each round's candidates near those that were good, half anywhere. Lengths, radii and angles of the same seed change evenly with their
-//! parameters, since what is drawn stays the same: so for each candidate with the right number of tips they are solved for, by Gauss's and Newton's method,
-//! damped.
+//! parameters, since what is drawn stays the same: so for each candidate with the right number of tips they are solved for ([`super::solving`]). Where the model's
+//! branches are known by order, those that are the best in the end get lengths, radii and angles of each order.
 //!
 //! Rounds are worked out in parallel and looked at in order, so one seed gives one result for any number of threads.
 
@@ -12,16 +12,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::difference::{Difference, differences, distance, weight};
+use super::by_order::{self, ByOrder, OrderDifference};
+use super::difference::{Difference, differences, distance, residuals};
 use super::error::AbstractionError;
 use super::grow::{Grower, grow};
 use super::params::{ITERATIONS_MOST, Params};
 use super::rules;
+use super::solving::{OF_TREES, ORDERS, STEPS, of_orders, solved};
 use super::table::Table;
 use crate::lsystem::Limits;
 use crate::tree::Tree;
 use crate::tree::measure::Measures;
-use crate::tree::solve::solve;
 
 /// How a fit is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,8 +56,57 @@ pub struct Candidate {
     pub segments: usize,
     /// How each number differs from the model's.
     pub differences: Vec<Difference>,
+    /// How numbers of its orders differ, where the model's are known.
+    pub by_order: Vec<OrderDifference>,
+    /// Which part of its branches is of other orders than the model's.
+    pub misplaced: f64,
     /// One number for all of these.
     pub distance: f64,
+}
+
+impl Candidate {
+    /// Of a tree with so many segments and this table.
+    pub(super) fn new(params: Params, segments: usize, table: Table, target: &Table) -> Self {
+        let orders = [target, &table].map(|one| one.orders.centrifugal.as_slice());
+        let by_order = by_order::differences(orders);
+        Self::of(params, segments, by_order, table, target)
+    }
+
+    /// The same as a search has it that knows of orders only how many branches they have.
+    fn roughly(params: Params, segments: usize, table: Table, target: &Table) -> Self {
+        Self::of(params, segments, Vec::new(), table, target)
+    }
+
+    fn of(
+        params: Params,
+        segments: usize,
+        by_order: Vec<OrderDifference>,
+        table: Table,
+        target: &Table,
+    ) -> Self {
+        let differences = differences(target, &table);
+        let misplaced =
+            by_order::misplaced([target, &table].map(|one| one.orders.centrifugal.as_slice()));
+        Self {
+            params,
+            segments,
+            distance: distance(&differences, &by_order, misplaced),
+            differences,
+            by_order,
+            misplaced,
+            table,
+        }
+    }
+
+    /// How many of its numbers match.
+    pub fn matching(&self) -> usize {
+        self.differences.iter().filter(|one| one.matches()).count()
+    }
+
+    /// What is to become zero.
+    pub(super) fn residuals(&self) -> impl Iterator<Item = f64> {
+        residuals(&self.differences, &self.by_order)
+    }
 }
 
 /// What came of a fit.
@@ -82,66 +132,10 @@ const SOLVED: usize = 24;
 const ELITE: usize = 24;
 /// Draws of the source's rules, of which the one in the middle is told.
 const RULED: u64 = 101;
-/// Steps of solving at most, and what they are damped by.
-const STEPS: usize = 8;
-const DAMPING: [f64; 3] = [0.01, 0.3, 10.0];
-/// What a number is changed by to see what follows, and by how much one step may change it.
-const NUDGE: f64 = 0.02;
-const STRIDE: f64 = 0.5;
 /// Centerlines of a model at most.
 const TIPS_MOST: usize = 10_000;
 /// How many more modules than branches a string may have.
 const MODULES: u64 = 100;
-
-/// What is solved for: how it is read and written, and its limits. Lengths, radii and ratios by their logarithms, angles in radians.
-type Number = (fn(&Params) -> f64, fn(&mut Params, f64), [f64; 2]);
-
-const NUMBERS: [Number; 8] = [
-    (
-        |p| p.segment_length.ln(),
-        |p, x| {
-            let part = p.segment_length_std / p.segment_length;
-            p.segment_length = x.exp();
-            p.segment_length_std = part * p.segment_length;
-        },
-        [-40.0, 20.0],
-    ),
-    (
-        |p| (p.segment_length_std / p.segment_length).max(0.02).ln(),
-        |p, x| p.segment_length_std = x.exp() * p.segment_length,
-        [-3.9, 0.7],
-    ),
-    (
-        |p| p.length_ratio.ln(),
-        |p, x| p.length_ratio = x.exp(),
-        [-0.7, 0.7],
-    ),
-    (
-        |p| p.segment_radius.ln(),
-        |p, x| p.segment_radius = x.exp(),
-        [-40.0, 20.0],
-    ),
-    (
-        |p| p.radius_ratio.ln(),
-        |p, x| p.radius_ratio = x.exp(),
-        [-1.2, 0.4],
-    ),
-    (
-        |p| p.bifurcation_angle.to_radians(),
-        |p, x| p.bifurcation_angle = x.to_degrees(),
-        [0.0, 1.57],
-    ),
-    (
-        |p| p.bifurcation_angle_std.to_radians(),
-        |p, x| p.bifurcation_angle_std = x.to_degrees(),
-        [0.0, 1.2],
-    ),
-    (
-        |p| p.upwards_angle_std.to_radians(),
-        |p, x| p.upwards_angle_std = x.to_degrees(),
-        [0.0, 0.6],
-    ),
-];
 
 /// Finds trees with a model's table. `progress` gets how many candidates are done, of how many, and the best so far, the nearest first.
 ///
@@ -170,18 +164,14 @@ pub fn fit(
         drawn.truncate(SOLVED);
         let solved: Vec<Candidate> = drawn
             .into_par_iter()
-            .filter_map(|(_, params)| search.solved(params, cancel))
+            .filter_map(|(_, params)| search.solved(&params, cancel))
             .collect();
         if cancel.load(Ordering::Relaxed) && !ranked.is_empty() {
             break;
         }
         done = round.end;
         ranked.extend(solved);
-        ranked.sort_by(|a, b| {
-            a.distance
-                .total_cmp(&b.distance)
-                .then(a.params.seed.cmp(&b.params.seed))
-        });
+        sort(&mut ranked);
         ranked.truncate(params.ranked.max(ELITE));
         elite = ranked
             .iter()
@@ -190,6 +180,11 @@ pub fn fit(
             .collect();
         progress(done, params.candidates, &ranked);
     }
+    ranked = ranked
+        .into_par_iter()
+        .map(|one| search.by_order(one, cancel))
+        .collect();
+    sort(&mut ranked);
     ranked.truncate(params.ranked);
     for one in ranked.iter_mut().chain(&mut by_rules) {
         search.measure(one, cancel);
@@ -211,6 +206,14 @@ pub fn fit(
         candidates: done,
         stopped: done < params.candidates,
     })
+}
+
+/// The nearest first.
+pub(super) fn sort(candidates: &mut [Candidate]) {
+    candidates.sort_by(|a, b| {
+        let by_seed = a.params.seed.cmp(&b.params.seed);
+        a.distance.total_cmp(&b.distance).then(by_seed)
+    });
 }
 
 /// What decides of what a tree is made.
@@ -293,32 +296,33 @@ impl<'a> Search<'a> {
                 seed,
                 ..self.rules.clone()
             };
-            Some(self.candidate(params, &tree))
+            let segments = tree.segment_count();
+            Some(Candidate::new(params, segments, brief(&tree), self.target))
         };
         let mut all: Vec<Candidate> = (0..RULED)
             .into_par_iter()
             .map_init(|| grower.clone(), ruled)
             .flatten()
             .collect();
-        all.sort_by(|a, b| {
-            let by_seed = a.params.seed.cmp(&b.params.seed);
-            a.distance.total_cmp(&b.distance).then(by_seed)
-        });
+        sort(&mut all);
         let middle = all.len() / 2;
         (!all.is_empty()).then(|| all.swap_remove(middle))
     }
 
     fn candidate(&self, params: Params, tree: &Tree) -> Candidate {
-        // How branches bend is not compared.
-        let table = Table::of(&Measures::brief(tree));
-        let differences = differences(self.target, &table);
-        Candidate {
-            params,
-            segments: tree.segment_count(),
-            distance: distance(&differences),
-            differences,
-            table,
-        }
+        Candidate::roughly(params, tree.segment_count(), brief(tree), self.target)
+    }
+
+    /// The candidate with what its orders are like.
+    fn with_orders(&self, params: &Params, cancel: &AtomicBool) -> Option<Candidate> {
+        let tree = grow(params, &self.limits, cancel).ok()?;
+        let segments = tree.segment_count();
+        Some(Candidate::new(
+            params.clone(),
+            segments,
+            brief(&tree),
+            self.target,
+        ))
     }
 
     /// Measures what else its table has.
@@ -354,7 +358,8 @@ impl<'a> Search<'a> {
             .find(|one| one.name == "junctions");
         let shape = far(|one| Some(one.centerline_length?.mean / one.branch_length?.mean))
             + far(|one| Some(one.centerline_length?.std? / one.branch_length?.mean))
-            + junctions.map_or(0.0, |one| (4.0 * one.relative).powi(2));
+            + junctions.map_or(0.0, |one| (4.0 * one.relative).powi(2))
+            + candidate.misplaced.powi(2);
         Some((shape, candidate.params))
     }
 
@@ -415,74 +420,51 @@ impl<'a> Search<'a> {
     }
 
     /// A candidate whose lengths, radii and angles are solved for.
-    fn solved(&self, params: Params, cancel: &AtomicBool) -> Option<Candidate> {
-        let grown = |params: &Params| {
+    fn solved(&self, params: &Params, cancel: &AtomicBool) -> Option<Candidate> {
+        solved(params, &OF_TREES, STEPS[0], |params| {
             let tree = grow(params, &self.limits, cancel).ok()?;
             Some(self.candidate(params.clone(), &tree))
+        })
+    }
+
+    /// The same candidate, and with numbers of its own for each order that the model has where that brings it nearer.
+    fn by_order(&self, one: Candidate, cancel: &AtomicBool) -> Candidate {
+        let orders = self.target.orders.centrifugal.len().min(ORDERS);
+        if orders == 0 {
+            return one;
+        }
+        let mut params = one.params.clone();
+        let ratios = [
+            (ByOrder::Length, params.length_ratio),
+            (ByOrder::Radius, params.radius_ratio),
+            (ByOrder::Angle, 1.0),
+        ];
+        for (of, ratio) in ratios {
+            // The stem is as the first order behind it.
+            let factors = (0..orders).map(|order| ratio.powf(order.saturating_sub(1) as f64));
+            *of.factors_mut(&mut params) = factors.collect();
+        }
+        (params.length_ratio, params.radius_ratio) = (1.0, 1.0);
+        let Some(one) = self.with_orders(&one.params, cancel) else {
+            return one;
         };
-        let mut best = grown(&params)?;
-        for _ in 0..STEPS {
-            let from = residuals(&best);
-            let mut slopes = Vec::with_capacity(NUMBERS.len());
-            for (get, set, limits) in NUMBERS {
-                let mut nudged = best.params.clone();
-                let at = get(&nudged);
-                let by = if at + NUDGE > limits[1] {
-                    -NUDGE
-                } else {
-                    NUDGE
-                };
-                set(&mut nudged, at + by);
-                let to = residuals(&grown(&nudged)?);
-                slopes.push(
-                    from.iter()
-                        .zip(to)
-                        .map(|(from, to)| (to - from) / by)
-                        .collect::<Vec<f64>>(),
-                );
+        let unknowns = of_orders(orders);
+        match solved(&params, &unknowns, STEPS[1], |params| {
+            self.with_orders(params, cancel)
+        }) {
+            Some(better)
+                if better.distance < one.distance && better.matching() >= one.matching() =>
+            {
+                better
             }
-            let better = DAMPING.into_iter().find_map(|damping| {
-                let moved = stepped(&best.params, &from, &slopes, damping)?;
-                grown(&moved).filter(|moved| moved.distance < best.distance)
-            });
-            let Some(better) = better else {
-                break;
-            };
-            let gained = best.distance - better.distance;
-            best = better;
-            if gained < 1e-3 * best.distance {
-                break;
-            }
+            _ => one,
         }
-        Some(best)
     }
 }
 
-/// What is to become zero.
-fn residuals(candidate: &Candidate) -> Vec<f64> {
-    let all = candidate.differences.iter();
-    all.map(|one| one.relative * weight(one)).collect()
-}
-
-/// Parameters one step of Gauss's and Newton's method on.
-fn stepped(params: &Params, from: &[f64], slopes: &[Vec<f64>], damping: f64) -> Option<Params> {
-    const N: usize = NUMBERS.len();
-    let mut matrix = [[0.0; N]; N];
-    let mut right = [0.0; N];
-    for i in 0..N {
-        for j in 0..N {
-            matrix[i][j] = slopes[i].iter().zip(&slopes[j]).map(|(a, b)| a * b).sum();
-        }
-        right[i] = -slopes[i].iter().zip(from).map(|(a, b)| a * b).sum::<f64>();
-        matrix[i][i] += damping * matrix[i][i] + 1e-6;
-    }
-    let step = solve(matrix, right)?;
-    let mut moved = params.clone();
-    for ((get, set, limits), step) in NUMBERS.into_iter().zip(step) {
-        let to = get(&moved) + step.clamp(-STRIDE, STRIDE);
-        set(&mut moved, to.clamp(limits[0], limits[1]));
-    }
-    Some(moved)
+/// What is compared of a tree: not how branches bend.
+fn brief(tree: &Tree) -> Table {
+    Table::of(&Measures::brief(tree))
 }
 
 /// Seeds are told in files: numbers that all programs read exactly.

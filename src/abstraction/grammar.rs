@@ -9,6 +9,7 @@
 
 use std::fmt::Write as _;
 
+use super::by_order::ByOrder;
 use super::error::AbstractionError;
 use super::params::Params;
 use crate::lsystem::Grammar;
@@ -85,17 +86,29 @@ fn write_text(text: &mut String, params: &Params) -> std::fmt::Result {
         params.trifurcation_probability
     )?;
     text.push_str("const never = 1e9\n\naxiom ");
+    let of_stem = |of: ByOrder| match of.factors(params).first() {
+        Some(factor) => format!(" * {factor}"),
+        None => String::new(),
+    };
+    let [long, thick] = [ByOrder::Length, ByOrder::Radius].map(of_stem);
     for _ in 0..stem {
-        text.push_str("I(segment_length, segment_radius, 0, 0) ");
+        write!(
+            text,
+            "I(segment_length{long}, segment_radius{thick}, 0, 0) "
+        )?;
     }
     text.push_str("S\n");
     if params.radial_increment != 0.0 {
         text.push_str("I(l, r, i, c) -> I(l, r + radial_increment, i, c)\n");
     }
-    text.push_str(
+    let [long, thick] = [ByOrder::Length, ByOrder::Radius].map(|of| of_order(params, of));
+    writeln!(
+        text,
         "B(t, o, i, c, m, n) : i > m -> D(c)\n\
-         B(t, o, i, c, m, n) : t < floor(max_order / (o + 1)) + 1 -> ^(normal(upwards_angle, upwards_angle_std)) I(lognormal(segment_length * length_ratio^o, segment_length_std * length_ratio^o), segment_radius * radius_ratio^o, i + 1, c) B(t + 1, o, i + 1, c, m, n)\n\
-         B(t, o, i, c, m, n) : i - 1 > n -> [ /(integer(-roll_range, roll_range)) B(0, o + 1, i + 1, c, m, never) ]\n",
+         B(t, o, i, c, m, n) : t < floor(max_order / (o + 1)) + 1 -> ^(normal(upwards_angle, upwards_angle_std)) I(lognormal(segment_length, segment_length_std) * length_ratio^o{long}, segment_radius * radius_ratio^o{thick}, i + 1, c) B(t + 1, o, i + 1, c, m, n)"
+    )?;
+    text.push_str(
+        "B(t, o, i, c, m, n) : i - 1 > n -> [ /(integer(-roll_range, roll_range)) B(0, o + 1, i + 1, c, m, never) ]\n",
     );
     let [two, three] = forks(params);
     if params.bifurcation_probability < 1.0 {
@@ -133,6 +146,16 @@ fn write_text(text: &mut String, params: &Params) -> std::fmt::Result {
     Ok(())
 }
 
+/// What multiplies a number by the order of a branch: `o` counts from the first fork, factors from the stem.
+fn of_order(params: &Params, of: ByOrder) -> String {
+    let factors = of.factors(params);
+    if factors.is_empty() {
+        return String::new();
+    }
+    let all: Vec<String> = factors.iter().map(f64::to_string).collect();
+    format!(" * pick(o + 1, {})", all.join(", "))
+}
+
 /// How likely a fork has two and three branches.
 fn forks(params: &Params) -> [f64; 2] {
     let three = params.bifurcation_probability * params.trifurcation_probability;
@@ -156,8 +179,9 @@ fn branch(
         0.0 => "integer(-roll_range, roll_range)".to_owned(),
         turned => format!("{turned} + integer(-roll_range, roll_range)"),
     };
+    let pitch = of_order(params, ByOrder::Angle);
     write!(
         text,
-        " [ /({roll}) &(normal(bifurcation_angle, bifurcation_angle_std)) B(0, o, i, {centerline}, {longest}, {other}) ]"
+        " [ /({roll}) &(normal(bifurcation_angle{pitch}, bifurcation_angle_std)) B(0, o, i, {centerline}, {longest}, {other}) ]"
     )
 }

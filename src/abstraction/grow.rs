@@ -68,7 +68,23 @@ impl Grower {
         Ok(tree.unwrap_or_default())
     }
 
-    /// The same, and none as soon as there are more tips than so many.
+    /// The iteration after which no tip of a seed's tree lives: it thickens at most from there on. None where that is beyond `limits` or `cancel` is set.
+    pub fn ends(&mut self, seed: u64, limits: &Limits, cancel: &AtomicBool) -> Option<u32> {
+        self.grammar.set_seed(seed);
+        let mut string = self.grammar.derive(0, limits, cancel).ok()?;
+        let last = steps(&self.params);
+        for step in 0..last {
+            let [live, _] = self.tips(&string);
+            if live == 0 {
+                return Some(step);
+            }
+            let next = self.grammar.derive_next(&string, step + 1, limits, cancel);
+            string = next.ok()?;
+        }
+        Some(last)
+    }
+
+    /// As [`Self::tree_at`], and none as soon as there are more tips than so many.
     pub(super) fn up_to(
         &mut self,
         [iterations, tips]: [usize; 2],

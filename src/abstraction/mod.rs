@@ -9,6 +9,7 @@
 //! Source: van Nielen, Verbeek and Cao, "Visualizing, Analyzing and Constructing L-system from Arborized 3D Model Using a Web
 //! Application": Algorithm 1 is [`grammar`], Algorithm 2 [`pruned`]. `docs/src/abstraction.md` is the user's page.
 
+mod by_order;
 mod difference;
 mod error;
 pub mod exact;
@@ -20,22 +21,26 @@ mod pooled;
 mod presets;
 mod prune;
 pub mod rules;
+mod solving;
 mod table;
 mod told;
 mod variants;
 
+pub use by_order::{ByOrder, OfOrder, OrderDifference};
 pub use difference::{Difference, OF_DEVIATIONS, OF_MEANS, differences, distance};
 pub use error::AbstractionError;
 pub use fit::{Candidate, Fit, FitParams, fit};
 pub use grammar::{grammar, steps, text};
 pub use grow::{Grower, blunt, grow};
-pub use params::{ITERATIONS_MOST, Params, STEM_MOST};
+pub use params::{ITERATIONS_MOST, ORDERS_MOST, Params, STEM_MOST};
 pub use pooled::{Part, pooled};
 pub use presets::{Preset, presets};
 pub use prune::pruned;
-pub use table::{Counts, FORMAT, MeanStd, Quantities, Table};
+pub use table::{Counts, FORMAT, MeanStd, Orders, Quantities, Table};
 pub use told::Told;
 pub use variants::{DRAWS, variants};
 
+#[cfg(test)]
+mod by_order_tests;
 #[cfg(test)]
 mod tests;

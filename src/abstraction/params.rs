@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::by_order::ByOrder;
 use super::error::AbstractionError;
 
 /// Parameters of Algorithm 1 (van Nielen, Verbeek and Cao, Table 2), and some that it lacks, which change nothing as they are by default.
@@ -35,6 +36,16 @@ pub struct Params {
     pub length_ratio: f64,
     /// The same of radii. Not of the source.
     pub radius_ratio: f64,
+    /// Of each order from the stem's, which is 0, on: what lengths of its segments are multiplied by; the last holds for those beyond. Empty: by nothing. Not of
+    /// the source.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub length_by_order: Vec<f64>,
+    /// The same of radii.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub radius_by_order: Vec<f64>,
+    /// The same of how much branches are pitched at their fork; the stem's means nothing.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub angle_by_order: Vec<f64>,
     /// How much a segment is pitched up, degrees, in the mean.
     pub upwards_angle: f64,
     /// Its standard deviation.
@@ -75,6 +86,9 @@ impl Default for Params {
             segment_length_std: 0.0,
             length_ratio: 1.0,
             radius_ratio: 1.0,
+            length_by_order: Vec::new(),
+            radius_by_order: Vec::new(),
+            angle_by_order: Vec::new(),
             upwards_angle: 5.0,
             upwards_angle_std: 2.0,
             bifurcation_angle: 17.5,
@@ -98,6 +112,10 @@ const LENGTH_LEAST: f64 = 1e-9;
 /// Most of what is a length, and of what is one over another.
 const LENGTH_MOST: f64 = 1e9;
 const RATIO_MOST: f64 = 10.0;
+/// Most of a factor of an order.
+const FACTOR_MOST: f64 = 1000.0;
+/// Orders that have factors at most.
+pub const ORDERS_MOST: usize = 64;
 
 impl Params {
     /// Whether each number is within its limits.
@@ -169,7 +187,25 @@ impl Params {
             f64::from(self.stem_length),
             [0.0, f64::from(STEM_MOST)],
         );
-        let all = numbers.into_iter().chain(radii).chain([stem]);
+        let factors = ByOrder::ALL.into_iter().flat_map(|of| {
+            let all = of.factors(self).iter();
+            all.map(move |factor| (of.name(), *factor, [1.0 / FACTOR_MOST, FACTOR_MOST]))
+        });
+        for of in ByOrder::ALL {
+            let orders = of.factors(self).len();
+            if orders > ORDERS_MOST {
+                return Err(AbstractionError::Parameter {
+                    name: of.name(),
+                    value: orders as f64,
+                    limits: [0.0, ORDERS_MOST as f64],
+                });
+            }
+        }
+        let all = numbers
+            .into_iter()
+            .chain(radii)
+            .chain([stem])
+            .chain(factors);
         for (name, value, limits) in all {
             if !(limits[0]..=limits[1]).contains(&value) {
                 return Err(AbstractionError::Parameter {

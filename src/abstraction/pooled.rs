@@ -4,12 +4,13 @@
 //! radii by how long its branches are together. Counts and the stem are means of the models', counts rounded. What follows from the rest (iterations)
 //! follows from the pooled numbers. So a deviation holds what differs within models and what differs between them.
 
+use super::by_order::OfOrder;
 use super::error::AbstractionError;
-use super::table::{Counts, FORMAT, MeanStd, Quantities, Table};
+use super::table::{Counts, FORMAT, MeanStd, Orders, Quantities, Table};
 use crate::tree::measure::Spread;
 
 /// What is taken of a model. Lengths are in its unit, which is to be that of all; angles in degrees.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
     /// Ways from the root to tips.
     pub centerlines: usize,
@@ -31,6 +32,8 @@ pub struct Part {
     pub bifurcation_angle_deg: Spread,
     /// How branches bend; of as many as there are branches.
     pub upwards_angle_deg: Spread,
+    /// What branches are like by order, from 0.
+    pub by_order: Vec<OfOrder>,
 }
 
 /// The table of models together.
@@ -84,6 +87,9 @@ pub fn pooled(parts: &[Part]) -> Result<Table, AbstractionError> {
             bifurcation_angle_deg: by_count(|part| part.bifurcation_angle_deg),
             upwards_angle_deg: by_count(|part| part.upwards_angle_deg),
         },
+        orders: Orders {
+            centrifugal: by_order(&parts),
+        },
     })
 }
 
@@ -94,6 +100,41 @@ pub fn pooled(parts: &[Part]) -> Result<Table, AbstractionError> {
 )]
 fn whole(mean: f64) -> usize {
     mean.round() as usize
+}
+
+/// What branches of all models are like by order: lengths and angles count by how many branches a model has of it, radii by how long they are together.
+/// Models count alike for how many branches there are, but none of an order that a model has is nothing.
+fn by_order(parts: &[&Part]) -> Vec<OfOrder> {
+    let most = parts.iter().map(|part| part.by_order.len()).max();
+    let of = |place: usize| {
+        let rows = || {
+            parts
+                .iter()
+                .filter_map(move |part| part.by_order.get(place))
+        };
+        let branches = rows().fold(0, |all: usize, row| all.saturating_add(row.branches));
+        let spread = |of: Option<MeanStd>, n: usize| Spread {
+            n: if of.is_some() { n } else { 0 },
+            mean: of.map_or(0.0, |of| of.mean),
+            std: of.and_then(|of| of.std).unwrap_or(0.0),
+            ..Spread::default()
+        };
+        let counted = |of: fn(&OfOrder) -> Option<MeanStd>| {
+            together(rows().map(|row| (spread(of(row), row.branches), row.branches as f64)))
+        };
+        let long =
+            |row: &OfOrder| row.branch_length.map_or(0.0, |of| of.mean) * row.branches as f64;
+        let radius =
+            together(rows().map(|row| (spread(row.point_radius, row.branches), long(row))));
+        OfOrder {
+            order: u32::try_from(place).unwrap_or(u32::MAX),
+            branches: whole(branches as f64 / parts.len() as f64).max(1),
+            branch_length: counted(|row| row.branch_length),
+            point_radius: radius.map(|of| MeanStd { std: None, ..of }),
+            bifurcation_angle_deg: counted(|row| row.bifurcation_angle_deg),
+        }
+    };
+    (0..most.unwrap_or(0)).map(of).collect()
 }
 
 /// Mean and deviation of what spreads are of, each with how much it counts. None of nothing.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::by_order::OfOrder;
 use super::error::AbstractionError;
 use crate::tree::measure::{Measures, Spread};
 
@@ -67,6 +68,20 @@ pub struct Quantities {
     pub upwards_angle_deg: Option<MeanStd>,
 }
 
+/// What branches are like by order.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Orders {
+    /// By centrifugal order, from 0 on; empty where it is not known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub centrifugal: Vec<OfOrder>,
+}
+
+impl Orders {
+    fn is_empty(&self) -> bool {
+        self.centrifugal.is_empty()
+    }
+}
+
 /// The table of a model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Table {
@@ -77,6 +92,9 @@ pub struct Table {
     pub counts: Counts,
     /// How its quantities are spread.
     pub table: Quantities,
+    /// What its branches are like by order.
+    #[serde(default, skip_serializing_if = "Orders::is_empty")]
+    pub orders: Orders,
 }
 
 impl Table {
@@ -106,6 +124,9 @@ impl Table {
                 }),
                 bifurcation_angle_deg: Some(degrees(table.bifurcation_angle)),
                 upwards_angle_deg: Some(degrees(table.upwards_angle)),
+            },
+            orders: Orders {
+                centrifugal: measures.by_order.iter().map(OfOrder::of).collect(),
             },
         }
     }
@@ -165,6 +186,25 @@ impl Table {
                 return wrong(format!(
                     "the standard deviation of {name} must be 0 or more"
                 ));
+            }
+        }
+        for (place, row) in (0..).zip(&self.orders.centrifugal) {
+            if row.order != place {
+                return wrong(format!(
+                    "row {place} of orders.centrifugal is of order {}: its rows must be of orders 0, 1, 2 and so on",
+                    row.order
+                ));
+            }
+            for (name, of) in [
+                ("branch_length", row.branch_length),
+                ("point_radius", row.point_radius),
+                ("bifurcation_angle_deg", row.bifurcation_angle_deg),
+            ] {
+                if of.is_some_and(|of| !(of.mean.is_finite() && of.mean >= 0.0)) {
+                    return wrong(format!(
+                        "the mean of {name} of order {place} must be 0 or more"
+                    ));
+                }
             }
         }
         if stem_iterations.is_some_and(|stem| !(stem.is_finite() && stem >= 0.0)) {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::by_order::OrderDifference;
 use super::difference::Difference;
 use super::fit::{Candidate, Fit};
 use super::params::Params;
@@ -44,6 +45,8 @@ struct Best<'a> {
     table: Quantities,
     distance: f64,
     differences: BTreeMap<&'static str, &'a Difference>,
+    #[serde(skip_serializing_if = "<[OrderDifference]>::is_empty")]
+    by_order: &'a [OrderDifference],
 }
 
 #[derive(Debug, Serialize)]
@@ -68,6 +71,7 @@ impl<'a> Told<'a> {
             table: one.table.table,
             distance: one.distance,
             differences: by_name(one),
+            by_order: &one.by_order,
         };
         let ruled = fit.by_rules.as_ref();
         Self {

@@ -4,8 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::difference::{differences, distance};
-use super::fit::Candidate;
+use super::fit::{Candidate, sort};
 use super::grow::grow;
 use super::params::Params;
 use super::table::Table;
@@ -35,20 +34,10 @@ pub fn variants(of: &Params, target: &Table, count: usize, cancel: &AtomicBool) 
             return None;
         }
         let table = Table::of(&Measures::whole(&tree));
-        let differences = differences(target, &table);
-        Some(Candidate {
-            params,
-            segments: tree.segment_count(),
-            distance: distance(&differences),
-            differences,
-            table,
-        })
+        Some(Candidate::new(params, tree.segment_count(), table, target))
     };
     let mut all: Vec<Candidate> = (1..=draws).into_par_iter().filter_map(drawn).collect();
-    all.sort_by(|a, b| {
-        let by_seed = a.params.seed.cmp(&b.params.seed);
-        a.distance.total_cmp(&b.distance).then(by_seed)
-    });
+    sort(&mut all);
     all.truncate(count);
     all
 }

@@ -13,7 +13,9 @@ use crate::tree::file::write_atomically;
 /// In one sentence: what is wrong, where, and how to mend it.
 pub fn read(path: &Path) -> Result<Vec<Endpoint>, String> {
     let name = path.display();
-    let unreadable = |error: std::io::Error| format!("{name} cannot be read: {error}");
+    let unreadable = |error: std::io::Error| {
+        format!("{name} cannot be read ({error}): check that it is there and may be read")
+    };
     // What is no plain file may never end, or never begin.
     if !path.metadata().map_err(unreadable)?.is_file() {
         return Err(format!(

@@ -12,6 +12,7 @@ pub mod analysis;
 pub mod centerlines;
 pub mod cohort;
 pub mod compared;
+mod comparing;
 pub mod convert;
 pub mod demonstration;
 pub mod doctor;

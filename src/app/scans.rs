@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use crate::abstraction::blunt;
 use crate::app::queue::Queue;
 use crate::centerline::analysis::ModelFacts;
 use crate::mesh::colour::{by_parts, by_problems};
@@ -205,11 +206,18 @@ fn look(scan: &Scan, progress: &Progress, cancel: &AtomicBool) -> Result<Read, S
 /// A tree that grows, as the skeleton that it would be in a file.
 fn grown(likeness: &Likeness, cancel: &AtomicBool) -> Result<mesh::Model, String> {
     let wrong = |why: &dyn std::fmt::Display| format!("the tree cannot grow: {why}");
-    let tree = likeness.shown(cancel).map_err(|error| wrong(&error))?;
+    let mut tree = likeness.tree(cancel).map_err(|error| wrong(&error))?;
     let mut file = Vec::new();
-    let skeleton = Swc::new(&tree).map_err(|error| wrong(&error))?;
+    let shown = blunt(&tree);
+    let skeleton = Swc::new(&shown).map_err(|error| wrong(&error))?;
     skeleton.write(&mut file).map_err(|error| wrong(&error))?;
-    read_bytes(&file, &ReadLimits::default(), cancel).map_err(|error| wrong(&error))
+    let mut model =
+        read_bytes(&file, &ReadLimits::default(), cancel).map_err(|error| wrong(&error))?;
+    // It is counted and measured as it grew.
+    let origin = model.mesh.origin.as_vec3();
+    tree.position.iter_mut().for_each(|at| *at -= origin);
+    model.skeleton = Some(tree);
+    Ok(model)
 }
 
 /// A model with the colours of its file; what is not shown of them is told.

@@ -1,7 +1,5 @@
 //! The tree of whatever a file holds: a surface's centerlines, a skeleton, a grammar grown, a project's sketch grown.
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -9,6 +7,7 @@ use anyhow::{Context as _, Result, anyhow, ensure};
 use glam::DVec3;
 
 use super::analysis::{Wanted, checked, endpoints, found, prepared};
+use super::cohort::entries::bytes_of;
 use super::memory;
 use super::store::read_project;
 use crate::centerline::Centerline;
@@ -81,16 +80,7 @@ pub fn of_surface(mesh: &Mesh) -> Result<Centerline> {
 pub fn of_swc(path: &Path) -> Result<Held> {
     let name = path.display();
     let cannot = || format!("cannot read {name}");
-    let mut bytes = Vec::new();
-    let file = File::open(path).with_context(cannot)?;
-    let most = ReadLimits::default().bytes;
-    file.take(most + 1)
-        .read_to_end(&mut bytes)
-        .with_context(cannot)?;
-    ensure!(
-        bytes.len() as u64 <= most,
-        "{name} is longer than {most} bytes, which is more than is read"
-    );
+    let bytes = bytes_of(path, ReadLimits::default().bytes, "skeleton")?;
     Ok(Held {
         tree: import::swc(&bytes).with_context(cannot)?,
         origin: DVec3::ZERO,

@@ -14,6 +14,7 @@ use ramus_xr::profiles::Profile;
 use ramus_xr::{Frame, Hand, Pulse, View};
 
 use crate::app::abstracting::Abstracting;
+use crate::app::comparing::Comparing;
 use crate::app::convert::{buttons, input_from_frame};
 use crate::app::finding::Finding;
 use crate::app::scans::Scans;
@@ -24,7 +25,7 @@ use crate::app::takeaway::{Takeaway, Taken};
 use crate::app::worker::Worker;
 use crate::sketch::{Grower, Grown, Sketch};
 use crate::ui::sheet::Tick;
-use crate::ui::{Painted, Panels, Recent, Settings, Wish};
+use crate::ui::{CompareWish, Painted, Panels, Recent, Settings, Wish};
 use crate::world::World;
 use crate::world::board::Buttons;
 use crate::world::document::Document;
@@ -68,6 +69,7 @@ pub struct Workshop {
     studies: Studies,
     finding: Finding,
     abstracting: Abstracting,
+    comparing: Comparing,
     /// Time of the last frame.
     clock: Option<f64>,
     store: Option<Store>,
@@ -142,6 +144,7 @@ impl Workshop {
             studies: Studies::start()?,
             finding: Finding::start()?,
             abstracting: Abstracting::start()?,
+            comparing: Comparing::start()?,
             clock: None,
             world,
             store,
@@ -252,6 +255,8 @@ impl Workshop {
             }
             Wish::Line(wish) => self.do_with_lines(wish),
             Wish::Abstraction(wish) => self.do_with_abstraction(wish),
+            Wish::Compare(CompareWish::With(at, with)) => world.compare(at, with),
+            Wish::Compare(CompareWish::LayOver(how)) => world.lay_over(how),
             Wish::StopReading => self.stop_reading(),
             Wish::Teach(lesson) => world.teach(lesson),
             Wish::Study(event) => done = world.act_in_study(event),
@@ -356,6 +361,7 @@ impl Workshop {
         // Trees that are on their way belong to this world, and the next one's wishes have the same numbers.
         let (worker, scans, studies) = (grow_worker()?, Scans::start()?, Studies::start()?);
         let (finding, abstracting) = (Finding::start()?, Abstracting::start()?);
+        let comparing = Comparing::start()?;
         let opened = Store::open(project)?;
         if let Some(store) = self.store.replace(opened.store) {
             // Everything is in the file already; what is left is the journal's end.
@@ -368,6 +374,7 @@ impl Workshop {
         self.world = world;
         (self.worker, self.scans, self.studies) = (worker, scans, studies);
         (self.finding, self.abstracting) = (finding, abstracting);
+        self.comparing = comparing;
         self.growing = None;
         (self.grower, self.saved) = (Grower::default(), self.edits);
         self.offer_models();

@@ -17,7 +17,7 @@ use crate::mesh::endpoints::Kind;
 use crate::mesh::report::Report;
 use crate::mesh::unit::Scale;
 use crate::tree::measure::{
-    Branch, Direction, Frame, Junction, Measures, Order, RadiusAlong, Spread, Table,
+    Branch, Direction, Frame, Junction, Measures, OfOrder, Order, RadiusAlong, Spread, Table,
 };
 use crate::tree::{NO_PARENT, Tree};
 
@@ -183,12 +183,36 @@ pub struct MeanStd {
 pub struct OrderFacts {
     /// Of each of Strahler's orders.
     pub strahler: Vec<Order>,
+    /// Of each centrifugal order, from the stem's on.
+    pub centrifugal: Vec<CentrifugalFacts>,
     /// Branches of an order to those of the next.
     pub branching_ratio: Option<f64>,
     /// Length of an order to that of the one before.
     pub length_ratio: Option<f64>,
     /// Radius of an order to that of the one before.
     pub radius_ratio: Option<f64>,
+}
+
+/// The branches of a centrifugal order.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct CentrifugalFacts {
+    /// Which: 0 is the stem's, and each junction begins one more.
+    pub order: u32,
+    /// How many branches it has.
+    pub branches: usize,
+    /// Their lengths.
+    pub branch_length: MeanStd,
+    /// Radii along them.
+    pub point_radius: Mean,
+    /// Between those that leave the same junction; null of the stem.
+    pub bifurcation_angle_deg: Option<MeanStd>,
+}
+
+/// One number.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Mean {
+    /// The mean.
+    pub mean: f64,
 }
 
 /// A branch.
@@ -438,9 +462,24 @@ fn table(table: &Table, definition: &'static str) -> TableFacts {
 fn orders(measures: &Measures) -> OrderFacts {
     OrderFacts {
         strahler: measures.orders.clone(),
+        centrifugal: measures.by_order.iter().map(centrifugal).collect(),
         branching_ratio: measures.ratios.branching,
         length_ratio: measures.ratios.length,
         radius_ratio: measures.ratios.radius,
+    }
+}
+
+fn centrifugal(of: &OfOrder) -> CentrifugalFacts {
+    let mean_std = |spread: Spread| MeanStd {
+        mean: spread.mean,
+        std: spread.std,
+    };
+    CentrifugalFacts {
+        order: of.order,
+        branches: of.length.n,
+        branch_length: mean_std(of.length),
+        point_radius: Mean { mean: of.radius },
+        bifurcation_angle_deg: (of.angle.n > 0).then(|| mean_std(degrees(of.angle))),
     }
 }
 

@@ -1,8 +1,7 @@
 //! `ramus abstract`: a measured model as an L-system whose trees have the same statistics.
 
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{Read as _, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -21,7 +20,7 @@ use crate::abstraction::{
     variants as variants_of,
 };
 use crate::app::cohort::cohort;
-use crate::app::cohort::entries::entries;
+use crate::app::cohort::entries::{entries, text_of};
 use crate::app::cohort::pooled::parts;
 use crate::app::{export, portrait};
 use crate::lsystem::Limits;
@@ -75,9 +74,6 @@ fn grammar_file() -> impl TypedValueParser<Value = PathBuf> {
         _ => Err(format!("{}: grammars are written as .lsys", path.display())),
     })
 }
-
-/// Larger files are no tables.
-const TABLE_BYTES: u64 = 256 << 20;
 
 /// Abstracts a model that `read` reads.
 pub(super) fn run(
@@ -230,14 +226,14 @@ fn called(name: &str, models: Option<usize>) -> String {
 fn ranked(variants: &[Candidate]) -> String {
     let mut text = String::new();
     for (place, one) in variants.iter().enumerate() {
-        let matches = one.differences.iter().filter(|one| one.matches()).count();
         // Writing into a string cannot fail.
         let _ = writeln!(
             text,
-            "variant {}: seed {}, {} centerlines, {matches} of {} numbers (distance {:.4})",
+            "variant {}: seed {}, {} centerlines, {} of {} numbers (distance {:.4})",
             place + 1,
             one.params.seed,
             one.table.counts.centerlines.unwrap_or(0),
+            one.matching(),
             one.differences.len(),
             one.distance
         );
@@ -247,16 +243,8 @@ fn ranked(variants: &[Candidate]) -> String {
 
 /// Reads a table.
 fn table(path: &Path) -> Result<Table> {
-    let name = path.display();
-    let mut text = String::new();
-    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-    file.take(TABLE_BYTES + 1)
-        .read_to_string(&mut text)
-        .with_context(|| format!("cannot read {name}"))?;
-    if text.len() as u64 > TABLE_BYTES {
-        bail!("{name} is longer than {TABLE_BYTES} bytes, and no table is");
-    }
-    Table::read(&text).with_context(|| format!("cannot take {name} for a table"))
+    let text = text_of(path, "table")?;
+    Table::read(&text).with_context(|| format!("cannot take {} for a table", path.display()))
 }
 
 /// The table of a model between ends that are found on it; of a skeleton as it is.
@@ -272,8 +260,7 @@ fn screen(name: &str, fit: &Fit, seconds: f64) -> String {
     let Some(best) = fit.ranked.first() else {
         return text;
     };
-    let matching = |one: &Candidate| one.differences.iter().filter(|one| one.matches()).count();
-    let (matches, of) = (matching(best), best.differences.len());
+    let (matches, of) = (best.matching(), best.differences.len());
     let mut line = |said: String| {
         let _ = writeln!(text, "{said}"); // Writing into a string cannot fail.
     };
@@ -285,7 +272,7 @@ fn screen(name: &str, fit: &Fit, seconds: f64) -> String {
     line(match ruled {
         Some(ruled) => format!(
             "the source's own rules have {} of them, in the middle one of their trees (distance {:.4})\n",
-            matching(ruled),
+            ruled.matching(),
             ruled.distance
         ),
         None => "the source's own rules make trees without bounds of it\n".to_owned(),
@@ -307,5 +294,29 @@ fn screen(name: &str, fit: &Fit, seconds: f64) -> String {
         ));
     }
     line(format!("{:<30}{:>11}{:>11}", "segments", "", best.segments));
+    by_order(&mut text, best);
     text
+}
+
+/// What branches are like by order, where the model's are known.
+fn by_order(text: &mut String, best: &Candidate) {
+    for rows in best.by_order.chunk_by(|a, b| a.order == b.order) {
+        for (place, one) in rows.iter().enumerate() {
+            let difference = &one.difference;
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{:<8}{:<22}{:>11}{:>11}{:>8.1}% {}",
+                match place {
+                    0 => format!("order {}", one.order),
+                    _ => String::new(),
+                },
+                difference.name,
+                Rounded(difference.target).to_string(),
+                Rounded(difference.got).to_string(),
+                100.0 * difference.relative,
+                if difference.matches() { "" } else { "!" },
+            );
+        }
+    }
 }

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{Read, stdin};
 use std::path::Path;
 
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail};
 
 /// Larger files are no grammars.
 const MAX_GRAMMAR_BYTES: u64 = 64 << 20;
@@ -12,7 +12,7 @@ const MAX_GRAMMAR_BYTES: u64 = 64 << 20;
 /// The text of a grammar file.
 pub(super) fn grammar_text(path: &Path) -> Result<String> {
     let name = path.display().to_string();
-    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    let file = File::open(path).map_err(|error| unreadable(&name, &error))?;
     text_of(file, &name)
 }
 
@@ -21,12 +21,16 @@ pub(super) fn standard_input(name: &str) -> Result<String> {
     text_of(stdin().lock(), name)
 }
 
+fn unreadable(name: &str, error: &std::io::Error) -> anyhow::Error {
+    anyhow!("cannot read {name} ({error}): check that it is there and may be read")
+}
+
 fn text_of(input: impl Read, name: &str) -> Result<String> {
     let mut bytes = Vec::new();
     input
         .take(MAX_GRAMMAR_BYTES + 1)
         .read_to_end(&mut bytes)
-        .with_context(|| format!("cannot read {name}"))?;
+        .map_err(|error| unreadable(name, &error))?;
     if bytes.len() as u64 > MAX_GRAMMAR_BYTES {
         bail!("{name} is longer than {MAX_GRAMMAR_BYTES} bytes, and no grammar is");
     }

@@ -41,6 +41,9 @@ pub(crate) enum Function {
     Chance,
 }
 
+/// The function that takes any number of arguments: a place, and the values of which it is one.
+pub(super) const PICK: &str = "pick";
+
 /// Name, function and number of arguments: the one place that says it.
 pub(super) const FUNCTIONS: [(&str, Function, usize); 24] = [
     ("sin", Fun::Sin, 1),
@@ -110,6 +113,8 @@ pub(crate) enum Op {
     /// Any true value becomes 1.
     Truth,
     Call(Function),
+    /// Of so many values at the top, the one at the place that the value below them says.
+    Pick(u16),
 }
 
 impl Op {
@@ -126,6 +131,7 @@ impl Op {
                 | Self::Or(_)
                 | Self::Truth
                 | Self::Call(_)
+                | Self::Pick(_)
         )
     }
 }
@@ -175,6 +181,17 @@ pub(super) fn binary_value(op: Op, a: f64, b: f64) -> Result<f64, ValueProblem> 
     } else {
         Ok(value)
     }
+}
+
+/// Which of so many values, at least one, a place means: from 0, the first below it and the last beyond.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "what is no place becomes the first or the last"
+)]
+#[inline]
+pub(super) fn picked(place: f64, count: usize) -> usize {
+    (place as usize).min(count.saturating_sub(1))
 }
 
 impl Function {
@@ -345,6 +362,12 @@ fn run<const N: usize>(code: &[Op], bound: &[f64], draws: &mut Draws) -> Result<
                 let mut arguments = [0.0; 3];
                 arguments[..arity].copy_from_slice(&stack[first..first + arity]);
                 stack[first] = function.value(arguments, draws)?;
+                top = first + 1;
+            }
+            Op::Pick(count) => {
+                let count = usize::from(count).min(N - 1);
+                let first = top.saturating_sub(count + 1).min(N - 1 - count);
+                stack[first] = stack[first + 1 + picked(stack[first], count)];
                 top = first + 1;
             }
             binary => {

@@ -3,7 +3,7 @@
 //! The parser is precedence climbing and emits code as it goes, folding what is constant; its recursion is bounded by
 //! [`MAX_DEPTH`], the code's stack by [`MAX_STACK`]. `&&` and `||` jump, so `x != 0 && 1/x > 2` never divides by zero.
 
-use super::code::{Expression, FUNCTIONS, MAX_STACK, Op, binary_value};
+use super::code::{Expression, FUNCTIONS, MAX_STACK, Op, PICK, binary_value};
 use super::error::{GrammarError, GrammarErrors, nearest};
 use super::source::Cursor;
 
@@ -269,7 +269,7 @@ impl Parser<'_, '_, '_> {
             .iter()
             .chain(self.scope.constants.keys())
             .map(String::as_str);
-        let message = if FUNCTIONS.iter().any(|f| f.0 == name) {
+        let message = if name == PICK || FUNCTIONS.iter().any(|f| f.0 == name) {
             format!("found `{name}` without its arguments; expected `{name}(…)`")
         } else {
             let hint = nearest(name, known).map_or(String::new(), |n| {
@@ -282,8 +282,12 @@ impl Parser<'_, '_, '_> {
     }
 
     fn call(&mut self, name: &str, start: usize) -> Result<(), GrammarError> {
+        if name == PICK {
+            return self.pick(start);
+        }
         let Some((_, function, arity)) = FUNCTIONS.iter().find(|f| f.0 == name).copied() else {
-            let hint = nearest(name, FUNCTIONS.iter().map(|f| f.0))
+            let known = FUNCTIONS.iter().map(|f| f.0).chain([PICK]);
+            let hint = nearest(name, known)
                 .map_or(String::new(), |n| format!("; the nearest known is `{n}`"));
             return Err(self
                 .cursor
@@ -295,22 +299,7 @@ impl Parser<'_, '_, '_> {
                 format!("`{name}` draws at random, which only a successor's parameters may; found it elsewhere"),
             ));
         }
-        let mut count = 0;
-        if !self.cursor.take(")") {
-            loop {
-                self.binary(0)?;
-                count += 1;
-                if self.cursor.take(")") {
-                    break;
-                }
-                if !self.cursor.take(",") {
-                    return Err(self.cursor.expected("`,` or `)`"));
-                }
-                if count > arity {
-                    break;
-                }
-            }
-        }
+        let count = self.arguments(arity)?;
         if count != arity {
             let s = if arity == 1 { "" } else { "s" };
             return Err(self.cursor.error_at(
@@ -320,6 +309,42 @@ impl Parser<'_, '_, '_> {
         }
         self.stack -= arity - 1;
         self.code.push(Op::Call(function));
+        Ok(())
+    }
+
+    /// Reads arguments up to the closing parenthesis, or one more than there may be; how many.
+    fn arguments(&mut self, most: usize) -> Result<usize, GrammarError> {
+        let mut count = 0;
+        if self.cursor.take(")") {
+            return Ok(count);
+        }
+        while count <= most {
+            self.binary(0)?;
+            count += 1;
+            if self.cursor.take(")") {
+                break;
+            }
+            if !self.cursor.take(",") {
+                return Err(self.cursor.expected("`,` or `)`"));
+            }
+        }
+        Ok(count)
+    }
+
+    /// `pick(i, a, b, …)`, which takes as many as the stack holds.
+    fn pick(&mut self, start: usize) -> Result<(), GrammarError> {
+        let count = self.arguments(MAX_STACK)?;
+        let values = match u16::try_from(count.saturating_sub(1)) {
+            Ok(values) if values > 0 => values,
+            _ => {
+                return Err(self.cursor.error_at(
+                    start,
+                    format!("`{PICK}` takes a place and the values to pick from, as in `{PICK}(i, 1, 0.8)`; found {count} arguments"),
+                ));
+            }
+        };
+        self.stack -= usize::from(values);
+        self.code.push(Op::Pick(values));
         Ok(())
     }
 
@@ -454,6 +479,10 @@ mod tests {
             ("sign(y) + sign(0)", -1.0),
             ("clamp(9, 0, x)", 3.0),
             ("mix(x, y, 0.5)", 0.5),
+            ("pick(0, 7, 8, 9) + pick(1.9, 7, 8, 9) * 10", 87.0),
+            ("pick(y, 7, 8, 9) + pick(x * 1e300, 7, 8, 9)", 16.0),
+            ("pick(x, 5)", 5.0),
+            ("2 * pick(1, x, pick(0, y, x))", -4.0),
             ("min(x, y) + max(x, y)", 1.0),
             ("log(exp(1))", 1.0),
             ("abs(y) * sqrt(16)", 8.0),
@@ -486,6 +515,10 @@ mod tests {
             ("sin", "without its arguments"),
             ("min(1)", "takes 2 arguments; found 1"),
             ("sin(1,2)", "takes 1 argument; found 2"),
+            ("pick(1)", "values to pick from"),
+            ("pick()", "found 0 arguments"),
+            ("pick", "without its arguments"),
+            ("pik(1, 2)", "nearest known is `pick`"),
             ("1 = 2", "`==`"),
             ("1 < 2 < 3", "join two"),
             ("(1", "expected `)`"),
@@ -505,6 +538,7 @@ mod tests {
             ("sqrt(y)", "not a number"),
             ("max(sqrt(y), 1)", "not a number"),
             ("log(-1)", "not a number"),
+            ("pick(0, 1, sqrt(y))", "not a number"),
             ("y ^ 0.5", "not a number"),
             ("uniform(2, 1)", "impossible"),
             ("normal(0, -1)", "impossible"),
@@ -530,6 +564,7 @@ mod tests {
             "!".repeat(100_000),
             "2^".repeat(100_000),
             "min(1,".repeat(100_000),
+            "pick(1,".repeat(100_000),
         ] {
             assert!(
                 compile(&text).unwrap_err().contains("nests deeper"),

@@ -6,7 +6,7 @@
 //! finished column says whether anything went wrong. Of `a && b` and `a || b` both sides are computed, and an error on the right
 //! counts where the left leaves it to the right, as ever.
 
-use super::code::{Expression, MAX_STACK, Op, truth};
+use super::code::{Expression, MAX_STACK, Op, picked, truth};
 use super::random::Draws;
 
 /// Modules in a column.
@@ -162,6 +162,13 @@ impl Values {
                     });
                     top = first + 1;
                 }
+                Op::Pick(count) => {
+                    let first = top.saturating_sub(usize::from(count) + 1);
+                    if let Some(columns) = self.stack.get_mut(first..top) {
+                        pick(columns, lanes);
+                    }
+                    top = first + 1;
+                }
                 Op::Negate | Op::Not | Op::Truth => {
                     if let Some(values) = last(&mut self.stack, top, lanes) {
                         unary(*op, values);
@@ -247,6 +254,20 @@ fn unary(op: Op, values: &mut [f64]) {
         _ => values
             .iter_mut()
             .for_each(|v| *v = keep(*v, truth(*v != 0.0))),
+    }
+}
+
+/// Of the columns behind the first, in each lane the value whose place the first says, into the first.
+fn pick(columns: &mut [Column], lanes: usize) {
+    let Some((places, values)) = columns.split_first_mut() else {
+        return;
+    };
+    for (lane, place) in places.iter_mut().enumerate().take(lanes) {
+        let wrong = place.is_nan() || values.iter().any(|column| column[lane].is_nan());
+        *place = match values.get(picked(*place, values.len())) {
+            Some(column) if !wrong => column[lane],
+            _ => f64::NAN,
+        };
     }
 }
 
@@ -357,6 +378,10 @@ mod tests {
                 1 => (inner.clone(), unary).prop_map(|(a, op)| [a, vec![op]].concat()),
                 1 => (inner.clone(), inner.clone(), drawn)
                     .prop_map(|(a, b, f)| [a, b, vec![Op::Call(f)]].concat()),
+                1 => prop::collection::vec(inner.clone(), 2..5).prop_map(|values| {
+                    let count = u16::try_from(values.len() - 1).unwrap();
+                    [values.concat(), vec![Op::Pick(count)]].concat()
+                }),
                 2 => (inner.clone(), inner, any::<bool>()).prop_map(|(a, b, is_or)| {
                     // Targets are counted from this operation until the code is whole.
                     let past = u32::try_from(b.len()).unwrap() + 2;

@@ -17,7 +17,7 @@ pub mod pick;
 pub mod problem;
 mod read;
 pub mod report;
-mod srgb;
+pub mod srgb;
 pub mod surface;
 pub mod textured;
 #[cfg(test)]

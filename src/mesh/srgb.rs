@@ -23,6 +23,13 @@ pub(super) fn byte(light: u16) -> u8 {
     BYTES.get(usize::from(light)).copied().unwrap_or_default()
 }
 
+/// A colour's bytes as linear light, opaque.
+pub fn light(bytes: [u8; 3]) -> [f32; 4] {
+    #[expect(clippy::cast_possible_truncation, reason = "0 to 1")]
+    let [red, green, blue] = bytes.map(|byte| linear(f64::from(byte) / 255.0) as f32);
+    [red, green, blue, 1.0]
+}
+
 /// What a part of sRGB is in linear light.
 pub(super) fn linear(part: f64) -> f64 {
     if part <= 0.040_45 {

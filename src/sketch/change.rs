@@ -53,6 +53,41 @@ impl Sketch {
         Ok((next, apex))
     }
 
+    /// The same with radii of its own for each of them, metres as large as the sketch; 0: by da Vinci's rule.
+    ///
+    /// # Errors
+    /// As for [`Self::add_segment`], and where there is not one radius for each, or one is out of bounds.
+    pub fn add_thick_segments(
+        &self,
+        from: NodeRef,
+        to: &[Vec3],
+        radii: &[f32],
+    ) -> Result<(Self, NodeRef), SketchError> {
+        let (mut next, apex) = self.add_segments(from, to)?;
+        if radii.len() != to.len() {
+            return Err(SketchError::Radii(apex.letter, radii.len(), to.len()));
+        }
+        next.edit_stroke(apex.letter, |stroke| {
+            let before = stroke.points.len() - to.len();
+            stroke.radii.resize(before, 0.0);
+            stroke
+                .radii
+                .extend(radii.iter().copied().map(quantize::radius));
+        })?;
+        next.validate()?;
+        Ok((next, apex))
+    }
+
+    /// The sketch with a letter as thick as what grows from it makes it, whatever radii it had.
+    ///
+    /// # Errors
+    /// Where the letter does not exist.
+    pub fn without_radii(&self, letter: Letter) -> Result<Self, SketchError> {
+        let mut next = self.clone();
+        next.edit_stroke(letter, |stroke| stroke.radii = Vec::new())?;
+        Ok(next)
+    }
+
     /// Draws a curve from `from` through places of the sketch, its handles, with so many segments on the
     /// way to each; at an apex the stroke grows, elsewhere a new branch starts. With a symmetry, a
     /// new branch is drawn with its copies, and one that goes on, with those that are images of it. Gives
@@ -114,6 +149,7 @@ impl Sketch {
             handles: Vec::new(),
             attachment: Some(from),
             self_similar: self.self_similar_branches.then_some(own_rate),
+            radii: Vec::new(),
         }));
         Ok((letter, true))
     }
@@ -390,6 +426,14 @@ impl Stroke {
         }
         if !self.handles_are_sound() {
             return Err(SketchError::Handles(self.letter));
+        }
+        if ![0, self.points.len()].contains(&self.radii.len()) {
+            let (radii, nodes) = (self.radii.len(), self.points.len());
+            return Err(SketchError::Radii(self.letter, radii, nodes));
+        }
+        let [least, most] = BOUNDS.radius.map(f64::from);
+        for radius in self.radii.iter().filter(|radius| **radius != 0.0) {
+            within("a radius in metres", (*radius).into(), [least, most])?;
         }
         let most = f64::from(BOUNDS.coordinate);
         let shortest = f64::from(BOUNDS.segment) - GRID_SLACK;

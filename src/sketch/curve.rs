@@ -148,6 +148,7 @@ impl Stroke {
             (before, from) = (Some(from), to);
         }
         self.tidy_handles();
+        self.go_on_without_radii();
     }
 
     /// Adds plain segments; on a curve, each of their nodes is a handle.
@@ -157,6 +158,14 @@ impl Stroke {
             if self.is_curve() {
                 self.handles.push(self.segments());
             }
+        }
+        self.go_on_without_radii();
+    }
+
+    /// Nodes that are drawn behind those that have radii have none.
+    fn go_on_without_radii(&mut self) {
+        if !self.radii.is_empty() {
+            self.radii.resize(self.points.len(), 0.0);
         }
     }
 
@@ -217,6 +226,7 @@ impl Stroke {
     /// Cuts the stroke behind its first `nodes` nodes; the last one left is a handle.
     pub(super) fn truncate(&mut self, nodes: usize) {
         self.points.truncate(nodes);
+        self.radii.truncate(nodes);
         let apex = self.segments();
         let was_curve = self.is_curve();
         self.handles.retain(|&handle| handle < apex);

@@ -22,6 +22,7 @@ use super::{
     Letter, Sketch, Stroke, Wrap,
     dictionary::{Dictionary, number},
     own_rules::with_own,
+    quantize,
 };
 
 /// Displacements on one line of a shape.
@@ -175,7 +176,11 @@ impl Sketch {
     /// The drawn lines, behind [`Self::rules_text`].
     pub(super) fn push_shapes(&self, text: &mut String) {
         text.push_str("\n# The strokes: one displacement (x y z) a segment; a branch is given in its parent segment's frame.\n");
+        if self.strokes.iter().any(|one| !one.radii.is_empty()) {
+            text.push_str("# The fourth number is the radius, where a stroke has its own.\n");
+        }
         for (letter, displacements) in Dictionary::of(self).iter() {
+            let radii = self.stroke(letter).map_or(&[][..], |one| &one.radii);
             let _ = write!(text, "shape {letter} = [");
             for (index, [x, y, z]) in displacements.iter().map(DVec3::to_array).enumerate() {
                 let gap = if index == 0 {
@@ -185,7 +190,14 @@ impl Sketch {
                 } else {
                     " "
                 };
-                let _ = write!(text, "{gap}({} {} {})", number(x), number(y), number(z));
+                let _ = write!(text, "{gap}({} {} {}", number(x), number(y), number(z));
+                match radii.get(index).filter(|radius| **radius > 0.0) {
+                    Some(radius) => {
+                        let thick = quantize::exact_radius(*radius) * f64::from(self.scale);
+                        let _ = write!(text, " {})", number(thick));
+                    }
+                    None => text.push(')'),
+                }
             }
             text.push_str("]\n");
         }

@@ -16,7 +16,7 @@ use crate::{
     lsystem::{Grammar, History, Limits, TurtleParams, interpret},
     tree::{
         NO_PARENT, Tree,
-        radii::{RadiusParams, da_vinci},
+        radii::{RadiusParams, da_vinci, da_vinci_given},
     },
 };
 
@@ -185,7 +185,11 @@ impl Grower {
         if grown.count() as u64 > most {
             return Err(SketchError::TooLarge { step, most });
         }
-        let radius_before = da_vinci(&mut tree, &radius_params(sketch), step);
+        let params = radius_params(sketch);
+        let radius_before = match given_radii(sketch, &tree) {
+            Some(given) => da_vinci_given(&mut tree, &params, step, &given),
+            None => da_vinci(&mut tree, &params, step),
+        };
         Ok(Grown {
             tree,
             radius_before,
@@ -218,6 +222,49 @@ fn limits(sketch: &Sketch, segments: u64) -> Limits {
         modules,
         ..defaults
     }
+}
+
+/// How thick nodes are whose letters have radii of their own, metres at full size, 0 for the others; none where no letter has any. A line that is longer than
+/// its stroke goes on as thick as that ends, and becomes thinner as it did.
+fn given_radii(sketch: &Sketch, tree: &Tree) -> Option<Vec<f32>> {
+    let thick = || sketch.strokes.iter().filter(|one| !one.radii.is_empty());
+    thick().next()?;
+    let names: Vec<(String, &[f32])> = thick()
+        .map(|one| (one.letter.to_string(), one.radii.as_slice()))
+        .collect();
+    let radii_of = |name: &String| {
+        let found = names.iter().find(|(known, _)| known == name);
+        found.map(|(_, radii)| *radii)
+    };
+    let of_letter: Vec<Option<&[f32]>> = tree.letters.iter().map(radii_of).collect();
+    // Which segment of its line each node ends, from 0.
+    let mut along = vec![0_usize; tree.len()];
+    let mut given = vec![0.0; tree.len()];
+    for node in 0..tree.len() {
+        let parent = tree.parent[node];
+        if parent == NO_PARENT {
+            continue;
+        }
+        let below = parent as usize;
+        let of = |node: usize| (tree.letter[node], tree.order[node]);
+        if tree.parent[below] != NO_PARENT && of(below) == of(node) {
+            along[node] = along[below] + 1;
+        }
+        let radii = of_letter.get(usize::from(tree.letter[node])).copied();
+        if let Some(radii) = radii.flatten() {
+            given[node] = sketch.scale * radius_at(radii, along[node]);
+        }
+    }
+    Some(given)
+}
+
+/// The radius behind so many segments of a line.
+fn radius_at(radii: &[f32], segment: usize) -> f32 {
+    let mut known = radii.iter().copied().filter(|radius| *radius > 0.0);
+    let first = known.next().unwrap_or(1.0);
+    let thinner = (known.next_back().unwrap_or(first) / first).min(1.0);
+    let times = i32::try_from(segment / radii.len()).unwrap_or(i32::MAX);
+    radii[segment % radii.len()] * thinner.powi(times)
 }
 
 fn radius_params(sketch: &Sketch) -> RadiusParams {

@@ -36,7 +36,7 @@ pub use grow::{GROW, GrowParams, Grower, Grown, MAX_SEGMENTS, grow};
 pub use letter::{Letter, UnknownLetter};
 pub use own_rules::{OwnRules, Production};
 pub use predict::{Predictor, predict_segments_within};
-pub use quantize::{angle_deg, coordinate, point};
+pub use quantize::{angle_deg, coordinate, point, radius};
 pub use symmetry::Symmetry;
 
 /// The golden angle 180°·(3 − √5), in whole thousandths of a degree: the default divergence.
@@ -65,6 +65,8 @@ pub struct Bounds {
     pub tip_radius: [f32; 2],
     /// Smallest and largest exponent of da Vinci's rule.
     pub radius_exponent: [f32; 2],
+    /// Smallest and largest radius of a stroke that has its own, metres.
+    pub radius: [f32; 2],
 }
 
 /// The bounds every sketch keeps.
@@ -79,6 +81,7 @@ pub const BOUNDS: Bounds = Bounds {
     scale: [0.01, 1000.0],
     tip_radius: [0.0001, 1.0],
     radius_exponent: [1.0, 4.0],
+    radius: [0.000_001, 100.0],
 };
 
 /// A node of a stroke: node 0 is the stroke's start, the last one its apex.
@@ -126,6 +129,9 @@ pub struct Stroke {
     pub attachment: Option<NodeRef>,
     /// Whether the letter also branches from itself.
     pub self_similar: Option<SelfSimilar>,
+    /// How thick it is at nodes 1, 2, …: radii in metres, as large as the sketch; 0: as thick as what grows from there makes it (da Vinci's rule). Empty: all of
+    /// it is.
+    pub radii: Vec<f32>,
 }
 
 impl Stroke {
@@ -160,7 +166,7 @@ pub enum Wrap {
 ///
 /// Invariants, which [`Sketch::validate`] checks and every change keeps: the first stroke is the
 /// trunk, the only one that may be empty; letters differ; an attachment names an earlier stroke's
-/// existing node ≥ 1; handles rise and end at the apex; everything is finite, on the grid of [`quantize`] and within [`BOUNDS`].
+/// existing node ≥ 1; radii are none or one a node; handles rise and end at the apex; everything is finite, on the grid of [`quantize`] and within [`BOUNDS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sketch {
     /// The strokes in the order drawn; the trunk is the first.
@@ -190,6 +196,7 @@ impl Default for Sketch {
             handles: Vec::new(),
             attachment: None,
             self_similar: None,
+            radii: Vec::new(),
         };
         Self {
             strokes: vec![Arc::new(trunk)],
@@ -393,6 +400,11 @@ pub enum SketchError {
         "a curve needs places to go through, and for each the number of segments, 1 or more, that lead to it"
     )]
     Spans,
+    /// Radii that are not one for each node.
+    #[error(
+        "stroke `{0}` has {1} radii and {2} nodes: it needs one for each node behind its start, or none"
+    )]
+    Radii(Letter, usize, usize),
     /// A branch without segments.
     #[error("branch `{0}` has no segments: only the trunk may be empty")]
     EmptyBranch(Letter),

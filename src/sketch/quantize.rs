@@ -8,6 +8,8 @@ use glam::{DVec3, Vec3};
 
 /// Steps of the grid in a metre.
 const PER_METRE: f64 = 1e4;
+/// Steps of the grid of radii in a metre.
+const RADII_PER_METRE: f64 = 1e6;
 /// Steps of the grid in a degree.
 const PER_DEGREE: f64 = 1e3;
 
@@ -35,6 +37,22 @@ pub fn point(metres: Vec3) -> Vec3 {
 #[must_use]
 pub fn exact(metres: Vec3) -> DVec3 {
     (metres.as_dvec3() * PER_METRE).round() / PER_METRE
+}
+
+/// A radius in metres on a finer grid, of a thousandth of a millimetre: twigs are thin.
+#[must_use]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is meant"
+)]
+pub fn radius(metres: f32) -> f32 {
+    ((f64::from(metres) * RADII_PER_METRE).round() / RADII_PER_METRE) as f32 + 0.0
+}
+
+/// A radius of the grid in f64, as [`exact`].
+#[must_use]
+pub fn exact_radius(metres: f32) -> f64 {
+    (f64::from(metres) * RADII_PER_METRE).round() / RADII_PER_METRE
 }
 
 /// An angle in degrees on the grid of 0.001°.
@@ -77,6 +95,8 @@ mod tests {
             let once = coordinate(x);
             prop_assert_eq!(coordinate(once).to_bits(), once.to_bits());
             prop_assert!((once - x).abs() <= 1.3e-4);
+            let thin = radius(x);
+            prop_assert_eq!(radius(thin).to_bits(), thin.to_bits());
             prop_assert_eq!(angle_deg(angle_deg(a)).to_bits(), angle_deg(a).to_bits());
         }
     }

@@ -99,6 +99,7 @@ impl Image {
             handles: stroke.handles.clone(),
             attachment: stroke.attachment,
             self_similar: stroke.self_similar,
+            radii: stroke.radii.clone(),
         }
     }
 

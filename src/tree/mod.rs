@@ -155,6 +155,16 @@ impl Tree {
             .collect()
     }
 
+    /// How many nodes have two children or more.
+    pub fn junctions(&self) -> usize {
+        let mut children = vec![0_u8; self.len()];
+        for &parent in self.parent.iter().filter(|&&parent| parent != NO_PARENT) {
+            let of = &mut children[parent as usize];
+            *of = of.saturating_add(1);
+        }
+        children.into_iter().filter(|count| *count > 1).count()
+    }
+
     /// Smallest and largest corner of the nodes' positions (without radii), or `None` for an empty tree.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let first = *self.position.first()?;

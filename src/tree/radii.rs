@@ -141,6 +141,56 @@ pub fn da_vinci_into(tree: &mut Tree, params: &RadiusParams, newest: u32, before
     }
 }
 
+/// The same where some nodes are as thick as is `given` of them, 0 of the others: what stands below them carries their cross-section.
+///
+/// Radii add up as floating numbers here, always in the same order.
+pub fn da_vinci_given(
+    tree: &mut Tree,
+    params: &RadiusParams,
+    newest: u32,
+    given: &[f32],
+) -> Vec<f32> {
+    let params = params.clamped();
+    let exponent = f64::from(params.exponent);
+    let power = |radius: f32| f64::from(radius).powf(exponent);
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rounded to f32 once, at the end"
+    )]
+    let root = |sum: f64| sum.powf(exponent.recip()) as f32;
+    let bases = growth::bases(tree, newest);
+    let mut before = vec![0.0; tree.len()];
+    // What is above each node, by the exponent, now and one step earlier.
+    let mut above = vec![[0.0_f64; 2]; tree.len()];
+    tree.radius.resize(tree.len(), 0.0);
+    for node in (0..tree.len()).rev() {
+        let parent = tree.parent[node];
+        let own = given.get(node).copied().filter(|radius| *radius > 0.0);
+        let thick = |sum: f64| match own {
+            Some(radius) => (radius, power(radius)),
+            None if sum > 0.0 => (root(sum), sum),
+            None => (params.tip_radius, power(params.tip_radius)),
+        };
+        let [now, old] = above[node];
+        let was_there = match parent {
+            NO_PARENT => old > 0.0,
+            _ => bases[node] as usize == node,
+        };
+        let (radius, now) = thick(now);
+        tree.radius[node] = radius;
+        let mut earlier = 0.0;
+        if was_there {
+            (before[node], earlier) = thick(old);
+        }
+        if parent != NO_PARENT {
+            let below = &mut above[parent as usize];
+            below[0] += now;
+            below[1] += earlier;
+        }
+    }
+    before
+}
+
 /// When widths count as relative, and what they are brought to; both as parts of the tree's largest extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitParams {

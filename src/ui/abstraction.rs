@@ -14,7 +14,7 @@ use super::{
     theme::{INK, MESSAGE, SMALLEST, TITLE},
     words::Words,
 };
-use crate::abstraction::{Candidate, Difference, Params, presets};
+use crate::abstraction::{ByOrder, Candidate, Difference, ORDERS_MOST, Params, presets};
 use crate::mesh::unit::Rounded;
 use crate::tree::{NO_PARENT, Tree};
 use crate::world::abstracting::{Abstraction, Search};
@@ -63,11 +63,7 @@ impl Abstractions {
         // As it is kept: a hand that carries an endpoint changes nothing yet.
         let kept = view.world.document().models.get(at);
         if !kept.is_some_and(|kept| matches!(view.world.lines(kept), Some(Ok(_)))) {
-            ui.label(words.lines_first);
-            if model.lines.is_none() && ui.button(words.find_lines).clicked() {
-                model.lines = Some(LineLook::default());
-            }
-            return;
+            return lines_first(ui, words, model);
         }
         let search = kept.and_then(|kept| view.world.abstraction(kept));
         match search {
@@ -169,10 +165,27 @@ fn drawing(ui: &mut Ui, words: &Words, (at, search): (usize, &Search), wishes: &
     });
 }
 
-/// What a number of the table is called.
-fn name(of: &str, words: &Words) -> String {
-    let (of, is_std) = match of.rsplit_once('.') {
-        Some((of, what)) => (of, Some(what == "std")),
+/// Says that centerlines are needed, and has them found.
+pub(super) fn lines_first(ui: &mut Ui, words: &Words, model: &mut Model) {
+    ui.label(words.lines_first);
+    if model.lines.is_none() && ui.button(words.find_lines).clicked() {
+        model.lines = Some(LineLook::default());
+    }
+}
+
+/// What a number of a table is called: `of.mean` or `of_mean`, or what has neither.
+pub(super) fn name(of: &str, words: &Words) -> String {
+    let endings = [
+        (".mean", false),
+        ("_mean", false),
+        (".std", true),
+        ("_std", true),
+    ];
+    let of_ending = endings
+        .into_iter()
+        .find_map(|(ending, is_std)| Some((of.strip_suffix(ending)?, is_std)));
+    let (of, is_std) = match of_ending {
+        Some((of, is_std)) => (of, Some(is_std)),
         None => (of, None),
     };
     let of = match of {
@@ -211,10 +224,23 @@ fn numbers(ui: &mut Ui, words: &Words, candidate: &Candidate, by_rules: Option<&
         let numbers = [short(one.target), short(one.got), ruled];
         cells(ui, &name(one.name, words), numbers, ink);
     }
+    for one in &candidate.by_order {
+        let difference = &one.difference;
+        let short = |number: f64| Rounded(number).to_string();
+        let ink = if difference.matches() { INK } else { MESSAGE };
+        let numbers = [
+            short(difference.target),
+            short(difference.got),
+            "-".to_owned(),
+        ];
+        let of = name(difference.name, words);
+        let said = format!("{} {}: {of}", words.order, one.order);
+        cells(ui, &said, numbers, ink);
+    }
 }
 
 /// A row of a table: what it is, and three numbers.
-fn cells(ui: &mut Ui, name: &str, numbers: [String; 3], ink: Color32) {
+pub(super) fn cells(ui: &mut Ui, name: &str, numbers: [String; 3], ink: Color32) {
     let size = vec2(ui.available_width(), ui.spacing().interact_size.y - 4.0);
     let (place, _) = ui.allocate_exact_size(size, Sense::hover());
     let font = egui::TextStyle::Body.resolve(ui.style());
@@ -291,10 +317,15 @@ fn tree(
     let loaded = view.world.loaded_model(model);
     if let Some(skeleton) = loaded.and_then(|loaded| loaded.skeleton.as_ref()) {
         let (segments, tips) = (skeleton.segment_count(), skeleton.tips().len());
-        ui.label(format!(
-            "{}: {segments}, {}: {tips}",
-            words.segments, words.tips
-        ));
+        ui.horizontal_wrapped(|ui| {
+            for (name, count) in [
+                (words.segments, segments),
+                (words.tips, tips),
+                (words.junctions, skeleton.junctions()),
+            ] {
+                ui.label(format!("{name}: {count}"));
+            }
+        });
     }
     let mut page = Page {
         view,
@@ -467,6 +498,48 @@ impl Page<'_, '_> {
         self.try_out(&answer, to);
     }
 
+    /// What lengths, radii and angles of each order are multiplied by.
+    fn by_order(&mut self, ui: &mut Ui) {
+        let params = Arc::clone(&self.likeness.params);
+        let words = self.view.settings.language.words();
+        let orders = ByOrder::ALL.map(|of| of.factors(&params).len());
+        let orders = orders.into_iter().max().unwrap_or(0);
+        ui.horizontal_wrapped(|ui| {
+            ui.label(words.by_order);
+            let more = ui.add_enabled(orders < ORDERS_MOST, Button::new(words.one_more));
+            let less = ui.add_enabled(orders > 0, Button::new(words.one_less));
+            let to = orders + usize::from(more.clicked()) - usize::from(less.clicked());
+            if to != orders {
+                self.change(|params| {
+                    for of in ByOrder::ALL {
+                        let factors = of.factors_mut(params);
+                        // A new order begins as the one before it.
+                        let last = factors.last().copied().unwrap_or(1.0);
+                        factors.resize(to, last);
+                    }
+                });
+            }
+        });
+        for order in 0..orders {
+            ui.horizontal(|ui| {
+                ui.label(order.to_string());
+                for of in ByOrder::ALL {
+                    // The stem leaves no fork.
+                    let Some(factor) = of.factors(&params).get(order).copied() else {
+                        continue;
+                    };
+                    if order == 0 && of == ByOrder::Angle {
+                        continue;
+                    }
+                    let mut to = factor;
+                    let value = DragValue::new(&mut to).range(0.01..=100.0).speed(0.01);
+                    let answer = ui.add(value.max_decimals(2));
+                    self.number(&answer, |params| of.factors_mut(params)[order] = to);
+                }
+            });
+        }
+    }
+
     fn sliders(&mut self, ui: &mut Ui) {
         let mut params = Params::clone(&self.likeness.params);
         for (name, of, [least, most]) in NUMBERS {
@@ -507,6 +580,7 @@ impl Page<'_, '_> {
                 self.number(&answer, |params| *of(params) = to);
             });
         }
+        self.by_order(ui);
         let mut around = params.around;
         if ui.checkbox(&mut around, "around").changed() {
             self.change(|params| params.around = around);

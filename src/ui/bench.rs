@@ -388,6 +388,12 @@ impl Page<'_> {
             Some(at) => format!("{} {} {}", at.letter, words.branch_at, at.node),
         };
         ui.label(RichText::new(format!("{} {letter} · {place}", words.letter)).color(TITLE));
+        if !stroke.radii.is_empty() {
+            let mut thick = true;
+            if ui.checkbox(&mut thick, words.own_radii).clicked() {
+                self.wishes.push(Wish::Edit(Edit::ForgetRadii { letter }));
+            }
+        }
         let mut on = stroke.self_similar.is_some();
         if ui.checkbox(&mut on, words.self_similar).clicked() {
             let rate = stroke.attachment.map_or(1, |at| at.node.max(1));

@@ -11,13 +11,14 @@ use egui::epaint::{ClippedPrimitive, textures::TexturesDelta};
 mod abstraction;
 mod bench;
 pub mod board;
+mod compare;
 mod keyboard;
 mod lesson;
 mod lines;
 mod marks;
 mod models;
 mod panels;
-mod plot;
+pub(crate) mod plot;
 mod projects;
 mod rules;
 pub mod sheet;
@@ -26,7 +27,9 @@ mod theme;
 pub mod words;
 
 pub use board::BoardUi;
-pub use panels::{AbstractionWish, LineWish, Panels, Recent, Settings, Thumbnail, View, Wish};
+pub use panels::{
+    AbstractionWish, CompareWish, LineWish, Panels, Recent, Settings, Thumbnail, View, Wish,
+};
 
 /// How densely boards are laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]

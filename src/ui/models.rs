@@ -4,6 +4,7 @@ use egui::{Button, RichText, Ui};
 
 use super::{
     abstraction::{self, Abstractions},
+    compare::Comparisons,
     lines::Table,
     marks::{Marks, legend},
     panels::{View, Wish},
@@ -28,6 +29,7 @@ pub(super) struct Models {
     marks: Marks,
     lines: Table,
     abstractions: Abstractions,
+    comparisons: Comparisons,
 }
 
 /// Parts of a model's page.
@@ -44,6 +46,8 @@ enum Part {
     Lines,
     /// As an L-system.
     LSystem,
+    /// Beside others.
+    Compare,
 }
 
 /// Size of headings.
@@ -112,17 +116,24 @@ impl Models {
             return !ui.button(words.take_away).clicked();
         };
         facts(ui, words, loaded, model);
-        ui.horizontal(|ui| {
-            for (part, name) in [
+        for row in [
+            [
                 (Part::Look, words.part_look),
                 (Part::Mend, words.part_mend),
                 (Part::Places, words.part_places),
+            ],
+            [
                 (Part::Lines, words.part_lines),
                 (Part::LSystem, words.part_lsystem),
-            ] {
-                ui.selectable_value(&mut self.part, part, name);
-            }
-        });
+                (Part::Compare, words.part_compare),
+            ],
+        ] {
+            ui.horizontal(|ui| {
+                for (part, name) in row {
+                    ui.selectable_value(&mut self.part, part, name);
+                }
+            });
+        }
         ui.separator();
         match self.part {
             Part::Look => {
@@ -149,6 +160,10 @@ impl Models {
                 let on = (self.chosen, &mut *model);
                 self.abstractions.show(ui, view, words, on, wishes);
             }
+            Part::Compare => {
+                let on = (self.chosen, &mut *model);
+                self.comparisons.show(ui, view, words, on, wishes);
+            }
         }
         ui.separator();
         !ui.button(words.take_away).clicked()
@@ -158,13 +173,8 @@ impl Models {
         self.chosen = self.chosen.min(document.models.len().saturating_sub(1));
         ui.horizontal_wrapped(|ui| {
             for (at, model) in document.models.iter().enumerate() {
-                let name = match &model.likeness {
-                    None => file_name(&model.file).to_owned(),
-                    Some(likeness) => {
-                        format!("{} * {}", file_name(&model.file), likeness.params.seed)
-                    }
-                };
-                if ui.selectable_label(self.chosen == at, name).clicked() {
+                let label = name_of(model);
+                if ui.selectable_label(self.chosen == at, label).clicked() {
                     self.chosen = at;
                 }
             }
@@ -200,12 +210,21 @@ pub(super) fn arrange(document: &Document, models: Vec<Model>, linked: bool) -> 
     }
 }
 
+/// What a model is called: by its file, a tree that grows by its seed, too.
+pub(super) fn name_of(model: &Model) -> String {
+    let name = file_name(&model.file);
+    match &model.likeness {
+        None => name.to_owned(),
+        Some(likeness) => format!("{name} * {}", likeness.params.seed),
+    }
+}
+
 fn file_name(file: &str) -> &str {
     file.rsplit(['/', '\\']).next().unwrap_or(file)
 }
 
 /// Whether all turn together.
-fn linked(ui: &mut Ui, view: &View<'_>, words: &Words, wishes: &mut Vec<Wish>) {
+pub(super) fn linked(ui: &mut Ui, view: &View<'_>, words: &Words, wishes: &mut Vec<Wish>) {
     let document = view.document;
     let mut linked = document.linked;
     if ui.checkbox(&mut linked, words.linked).changed() {

@@ -19,6 +19,7 @@ use crate::{
     world::{
         DrawSettings, World,
         board::Buttons,
+        comparing::{Overlay, Subject},
         document::{Document, Edit},
         handles::Says,
         lesson::Lesson,
@@ -95,6 +96,15 @@ pub enum AbstractionWish {
     Write(usize, &'static str),
 }
 
+/// What a person wants with trees that are compared; models are told by their numbers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CompareWish {
+    /// Compare a model with these; with none not at all.
+    With(usize, Vec<Subject>),
+    /// Lay the others over it so.
+    LayOver(Overlay),
+}
+
 /// What a person wants; the application carries it out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
@@ -140,6 +150,8 @@ pub enum Wish {
     Line(LineWish),
     /// Do this with models as L-systems.
     Abstraction(AbstractionWish),
+    /// Do this with trees that are compared.
+    Compare(CompareWish),
     /// Stop the reading of a model.
     StopReading,
     /// Look again which models lie beside the project, and try again those that could not be read.

@@ -2,12 +2,13 @@
 
 use std::ops::Range;
 
-use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
 
 use super::theme::{INK, SMALLEST};
 use crate::mesh::colour::Ramp;
 use crate::mesh::unit::Rounded;
 use crate::world::branches::LIT;
+use crate::world::comparing::Plot;
 
 /// Height of a plot without its numbers, points.
 const HEIGHT: f32 = 90.0;
@@ -182,6 +183,52 @@ pub(super) fn line(ui: &mut Ui, places: &[[f64; 2]], lit: &Range<usize>, unit: &
     let top = format!("{} {unit}", Rounded(most));
     write(ui, ground.left_top(), Align2::LEFT_BOTTOM, top);
     ends(ui, ground, [0.0, far], unit);
+}
+
+/// How a quantity is spread in some trees, one curve over the other in their inks, with marks below in the ink of letters; `size`: of letters, points.
+pub(crate) fn spread(
+    painter: &Painter,
+    plot: Rect,
+    size: f32,
+    shown: &Plot,
+    (inks, letters): (&[Color32], Color32),
+) {
+    #[expect(clippy::cast_possible_truncation, reason = "what is drawn")]
+    let spot = |[part, up]: [f64; 2]| {
+        let [x, y] = [part as f32 * plot.width(), up as f32 * plot.height()];
+        plot.left_bottom() + vec2(x, -y)
+    };
+    let step = shown.marks.len().div_ceil(4).max(1);
+    for (part, said) in shown.marks.iter().step_by(step) {
+        let at = spot([*part, 0.0]);
+        let tick = [at, at + vec2(0.0, size * 0.25)];
+        painter.line_segment(tick, Stroke::new(1.0, letters));
+        let (below, font) = (
+            at + vec2(0.0, size * 0.35),
+            FontId::proportional(size * 0.8),
+        );
+        painter.text(below, Align2::CENTER_TOP, said, font, letters);
+    }
+    for (curve, ink) in shown.curves.iter().zip(inks) {
+        let pale = Color32::from_rgba_unmultiplied(ink.r(), ink.g(), ink.b(), 46);
+        for pair in curve.windows(2) {
+            let foot = |at: [f64; 2]| spot([at[0], 0.0]);
+            let corners = [spot(pair[0]), spot(pair[1]), foot(pair[1]), foot(pair[0])];
+            let mut piece = egui::Mesh::default();
+            for (number, corner) in (0_u32..).zip(corners) {
+                piece.colored_vertex(corner, pale);
+                if number > 1 {
+                    piece.add_triangle(0, number - 1, number);
+                }
+            }
+            painter.add(piece);
+        }
+        let line: Vec<Pos2> = curve.iter().map(|at| spot(*at)).collect();
+        let stroke = Stroke::new((size * 0.12).max(1.0), *ink);
+        painter.add(egui::Shape::line(line, stroke));
+    }
+    let base = [plot.left_bottom(), plot.right_bottom()];
+    painter.line_segment(base, Stroke::new(1.0, letters));
 }
 
 /// The colour in which a branch is lit.

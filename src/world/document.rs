@@ -213,6 +213,11 @@ pub enum Edit {
         /// Rate and depth limit, or none: off.
         to: Option<SelfSimilar>,
     },
+    /// Lets a letter be as thick as what grows from it makes it, whatever radii a scan gave it.
+    ForgetRadii {
+        /// The letter.
+        letter: Letter,
+    },
     /// Decides whether branches drawn from now on carry copies of themselves.
     SetSelfSimilarBranches {
         /// On or off.
@@ -254,6 +259,8 @@ impl Edit {
             Self::TakeLines { lines } => {
                 let places = lines.iter_mut().flat_map(|line| &mut line.to);
                 places.for_each(|to| *to = quantize::point(*to));
+                let radii = lines.iter_mut().flat_map(|line| &mut line.radii);
+                radii.for_each(|radius| *radius = quantize::radius(*radius));
             }
             Self::SetDivergence { degrees } => *degrees = quantize::angle_deg(*degrees),
             Self::SetPlatform { to } => *to = to.quantized(),
@@ -279,6 +286,7 @@ impl Edit {
             | Self::Clear
             | Self::SetStep { .. }
             | Self::SetSelfSimilar { .. }
+            | Self::ForgetRadii { .. }
             | Self::SetSelfSimilarBranches { .. }
             | Self::SetRule { .. }
             | Self::SetWrap { .. } => {}
@@ -299,6 +307,7 @@ impl Edit {
                 | Self::Arrange { .. }
                 | Self::SetDivergence { .. }
                 | Self::SetSizes { .. }
+                | Self::ForgetRadii { .. }
                 | Self::SetWrap { .. }
         )
     }
@@ -407,6 +416,7 @@ impl Document {
                 None
             }
             Edit::SetSelfSimilar { letter, to } => Some(sketch.with_self_similar(letter, to)?),
+            Edit::ForgetRadii { letter } => Some(sketch.without_radii(letter)?),
             Edit::SetSelfSimilarBranches { on } => Some(Sketch {
                 self_similar_branches: on,
                 ..sketch.clone()
@@ -451,7 +461,10 @@ impl Document {
                 return Err(EditError::EmptyStroke);
             }
             let begins = if sketch.is_apex(from) { from.node } else { 0 };
-            let (next, apex) = sketch.add_segments(from, &line.to)?;
+            let (next, apex) = match line.radii.as_slice() {
+                [] => sketch.add_segments(from, &line.to)?,
+                radii => sketch.add_thick_segments(from, &line.to, radii)?,
+            };
             begun.push((apex.letter, begins));
             first.get_or_insert(apex);
             sketch = next;

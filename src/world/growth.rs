@@ -256,6 +256,11 @@ impl Growth {
         tree.map_or(0, |shown| shown.tree.parent.len().saturating_sub(1))
     }
 
+    /// The tree that is shown, in its whole last state.
+    pub(super) fn tree(&self) -> Option<&Arc<Tree>> {
+        self.shown.as_ref().map(|shown| &shown.tree)
+    }
+
     /// The tree as it stands now.
     pub(super) fn placed(&self, world_from_tree: Affine3A) -> Option<PlacedTree> {
         let shown = self.shown.as_ref()?;

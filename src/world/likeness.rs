@@ -23,6 +23,11 @@ const LIMITS: Limits = Limits {
     modules: 2_000_000,
     bytes: 1 << 30,
 };
+/// What is derived to see when a tree ends: panels ask in every frame.
+const SOON: Limits = Limits {
+    modules: 4000,
+    bytes: 1 << 24,
+};
 /// How far beside its model it stands, in the model's longest side.
 const BESIDE: f32 = 1.1;
 
@@ -54,17 +59,23 @@ impl Likeness {
             AbstractionError::Parameter { name, .. } => ModelError::Likeness(name),
             _ => ModelError::Likeness("parameters"),
         })?;
-        let most = f64::from(self.last());
+        let most = f64::from(steps(&self.params));
         let fits = self
             .moment
             .is_none_or(|moment| (0.0..=most).contains(&moment));
         fits.then_some(()).ok_or(ModelError::Likeness("moment"))
     }
 
-    /// The iteration after which nothing grows any more.
+    /// The iteration after which nothing grows any more; of a large tree one after which that is as good as sure.
     #[must_use]
     pub fn last(&self) -> u32 {
-        steps(&self.params)
+        let most = steps(&self.params);
+        if self.params.radial_increment != 0.0 {
+            return most;
+        }
+        let (seed, never) = (self.params.seed, AtomicBool::new(false));
+        let ends = Grower::new(&self.params).map(|mut grower| grower.ends(seed, &SOON, &never));
+        ends.ok().flatten().unwrap_or(most)
     }
 
     /// The tree as far as it has grown: that of the iteration before, and what is new of this one by a part.

@@ -16,6 +16,7 @@ use crate::sketch::{Grown, Sketch};
 pub mod abstracting;
 pub mod board;
 pub mod branches;
+pub mod comparing;
 pub mod document;
 #[cfg(test)]
 mod document_tests;
@@ -546,6 +547,7 @@ impl World {
         let both = [document, self.history.committed()];
         let branches = [0, 1].map(|hand| self.tools.branch_meant(hand));
         models.draw_lines(both, branches, head, scene);
+        models.draw_overlay(document, scene);
         let highlights = self.tools.hands.map(|hand| match (hand.hold, hand.hover) {
             (tools::Hold::Node(at), _) | (_, Hover::Node { at, .. }) => Some(at),
             _ => None,

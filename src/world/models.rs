@@ -9,6 +9,7 @@ use glam::{Affine3A, Vec3, Vec4};
 
 use super::abstracting;
 use super::branches;
+use super::comparing;
 use super::document::{Document, Edit, Placement};
 use super::grip::{GripParams, PlatformGrip};
 use super::history::History;
@@ -17,7 +18,7 @@ use super::input::Pose;
 use super::likeness::Likeness;
 use super::marks::Marks;
 use super::model::{Colouring, LoadedModel, Model, SIDE_BOUNDS};
-use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene};
+use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene, SurfaceLook};
 use super::signs;
 use super::stage::{Palette, StageParams, furniture, rim};
 use super::tools::{Hand, Hold, Hover, Tools};
@@ -152,6 +153,7 @@ pub(super) struct Models {
     pub(super) marks: Marks,
     pub(super) lines: branches::Store,
     pub(super) abstractions: abstracting::Store,
+    pub(super) comparing: comparing::Store,
     /// Colours by numbers that were worked out.
     painted: Vec<(Source, Colouring, Painting)>,
     grip: Option<(usize, PlatformGrip)>,
@@ -216,6 +218,7 @@ impl Models {
         self.marks.keep(committed);
         self.lines.keep(committed);
         self.abstractions.keep(committed);
+        self.comparing.keep(committed);
         self.painted.retain(|(source, by, _)| {
             let mut models = committed.models.iter();
             models.any(|model| is_of(source, model) && model.colouring == *by)
@@ -255,6 +258,7 @@ impl Models {
         scene: &mut Scene,
     ) {
         let pedestal = pedestal(stage);
+        let laid_over = self.laid_over();
         for (at, model) in document.models.iter().enumerate() {
             let place = &model.place;
             furniture(place, meant(at), &pedestal, palette, &mut scene.plates);
@@ -277,6 +281,10 @@ impl Models {
                 let symbol = model.unit.symbol();
                 signs::write(format_args!("{length} {symbol}"), at, head, scene);
             }
+            let mut look = model.look();
+            if laid_over == Some(at) {
+                look.surface = look.surface.and(Some(SurfaceLook::XRay));
+            }
             scene.models.push(PlacedModel {
                 display: Arc::clone(display),
                 revision,
@@ -284,7 +292,7 @@ impl Models {
                 look: ModelLook {
                     cut: self.plane,
                     lamp: self.lamp,
-                    ..model.look()
+                    ..look
                 },
             });
         }

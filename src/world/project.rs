@@ -24,7 +24,9 @@ use crate::sketch::{
 const FORMAT: &str = "ramus-project";
 /// The newest version this program reads, all older ones too. It writes the oldest that says all: a project
 /// without curves and rules of one's own can be read by a program that knows none.
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
+/// The first version in which strokes have radii.
+const RADII: u64 = 4;
 /// The first version with scanned models.
 const MODELS: u64 = 3;
 /// The first version in which strokes have handles and a person has rules.
@@ -115,6 +117,9 @@ struct FileStroke {
     /// Since version [`HANDLES`].
     #[serde(default)]
     handles: Option<Vec<u32>>,
+    /// Since version [`RADII`].
+    #[serde(default)]
+    radii: Option<Vec<f32>>,
     points: Vec<Vec3>,
 }
 
@@ -126,7 +131,10 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     field(&mut text, 1, "format", &FORMAT);
     let curved = sketch.strokes.iter().any(|stroke| stroke.is_curve());
     let has_models = !document.models.is_empty() || document.linked;
-    let version = if has_models {
+    let thick = sketch.strokes.iter().any(|stroke| !stroke.radii.is_empty());
+    let version = if thick {
+        RADII
+    } else if has_models {
         MODELS
     } else if curved || !sketch.own_rules.is_empty() {
         HANDLES
@@ -170,6 +178,9 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
         field(&mut text, 3, "self_similar", &stroke.self_similar);
         if stroke.is_curve() {
             field(&mut text, 3, "handles", &stroke.handles);
+        }
+        if !stroke.radii.is_empty() {
+            field(&mut text, 3, "radii", &stroke.radii);
         }
         text.push_str("      \"points\": [");
         for (number, point) in (0..).zip(&stroke.points) {
@@ -242,6 +253,12 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
             head.version
         )));
     }
+    if head.version < RADII && file.strokes.iter().any(|stroke| stroke.radii.is_some()) {
+        return Err(ProjectError::Malformed(format!(
+            "version {} has no field `radii`",
+            head.version
+        )));
+    }
     if head.version < MODELS && (file.linked || !file.models.is_empty()) {
         return Err(ProjectError::Malformed(format!(
             "version {} has no models",
@@ -271,12 +288,14 @@ fn malformed(error: &serde_json::Error) -> ProjectError {
 /// The document a file describes, on the grid but not yet checked.
 fn document_from_file(file: File) -> Document {
     let strokes = file.strokes.into_iter().map(|stroke| {
+        let radii = stroke.radii.unwrap_or_default();
         Arc::new(Stroke {
             letter: stroke.letter,
             points: stroke.points.into_iter().map(quantize::point).collect(),
             attachment: stroke.attachment,
             self_similar: stroke.self_similar,
             handles: stroke.handles.unwrap_or_default(),
+            radii: radii.into_iter().map(quantize::radius).collect(),
         })
     });
     let sketch = Sketch {

@@ -1,7 +1,7 @@
 //! Centerlines as lines of the sketch: a branch of a scanned model as a brush, or the whole tree to be edited.
 //!
 //! A line goes on where the way to the farthest tip does; every other branch is a line of its own that starts there. Longer lines come first, so that
-//! what a sketch has no room for is what is shortest. Radii are not taken: in a sketch they follow from what grows.
+//! what a sketch has no room for is what is shortest. Radii are taken with them; a person can have them follow from what grows instead, as in any sketch.
 
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,9 @@ pub struct TakenLine {
     pub from: Option<[u32; 2]>,
     /// Where each segment ends, metres in the sketch's axes.
     pub to: Vec<Vec3>,
+    /// The radius there, metres, one for each; none: as thick as what grows makes it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub radii: Vec<f32>,
 }
 
 /// Where what is taken goes: turned upright, made so many times as large, and put there.
@@ -42,6 +45,14 @@ struct Map {
 impl Map {
     fn of(&self, place: Vec3) -> Vec3 {
         self.to + self.turn * (place - self.from) * self.scale
+    }
+
+    /// Where a node of a tree comes to be, and how thick it is there.
+    fn node(&self, tree: &Tree, node: u32) -> Option<(Vec3, f32)> {
+        let place = self.of(*tree.position.get(node as usize)?);
+        let [least, most] = BOUNDS.radius;
+        let radius = tree.radius.get(node as usize)? * self.scale;
+        Some((place, radius.clamp(least, most)))
     }
 }
 
@@ -69,13 +80,10 @@ pub(super) fn branch(tree: &Tree, nodes: &[u32], turn: Quat, to: Vec3) -> Option
     };
     let mut line = Line::new(to);
     for node in nodes {
-        line.push(map.of(place(node)?), APART);
+        line.push(map.node(tree, *node)?, APART);
     }
-    line.end(map.of(place(nodes.last()?)?));
-    let line = TakenLine {
-        from: None,
-        to: line.nodes,
-    };
+    line.end(map.node(tree, *nodes.last()?)?);
+    let line = line.taken(None);
     (scale.is_finite() && !line.to.is_empty()).then(|| Edit::TakeLines { lines: vec![line] })
 }
 
@@ -113,9 +121,8 @@ pub(super) fn whole(tree: &Tree, turn: Quat, to: Vec3, most: usize) -> Option<(E
         };
         let mut line = Line::new(start);
         for node in &way.nodes {
-            let at = map.of(tree.position[*node as usize]);
             line.push(
-                at,
+                map.node(tree, *node)?,
                 if way.forks.contains(node) {
                     TINY
                 } else {
@@ -125,7 +132,7 @@ pub(super) fn whole(tree: &Tree, turn: Quat, to: Vec3, most: usize) -> Option<(E
             let node_of_line = u32::try_from(line.nodes.len()).unwrap_or(u32::MAX).max(1);
             place_of[*node as usize] = [number, node_of_line];
         }
-        line.end(map.of(tree.position[*way.nodes.last()? as usize]));
+        line.end(map.node(tree, *way.nodes.last()?)?);
         if line.nodes.is_empty() {
             continue;
         }
@@ -135,10 +142,7 @@ pub(super) fn whole(tree: &Tree, turn: Quat, to: Vec3, most: usize) -> Option<(E
             let place = &mut place_of[*node as usize];
             place[1] = place[1].min(last.saturating_sub(1)).max(1);
         }
-        lines.push(TakenLine {
-            from,
-            to: line.nodes,
-        });
+        lines.push(line.taken(from));
     }
     (!lines.is_empty()).then_some((Edit::TakeLines { lines }, left_out))
 }
@@ -147,6 +151,7 @@ pub(super) fn whole(tree: &Tree, turn: Quat, to: Vec3, most: usize) -> Option<(E
 struct Line {
     last: Vec3,
     nodes: Vec<Vec3>,
+    radii: Vec<f32>,
 }
 
 impl Line {
@@ -154,24 +159,35 @@ impl Line {
         Self {
             last: start,
             nodes: Vec::new(),
+            radii: Vec::new(),
         }
     }
 
     /// Adds a node that is far enough from the last.
-    fn push(&mut self, at: Vec3, apart: f32) {
+    fn push(&mut self, (at, radius): (Vec3, f32), apart: f32) {
         if at.distance(self.last) >= apart {
             self.last = at;
             self.nodes.push(at);
+            self.radii.push(radius);
         }
     }
 
     /// Adds the end, in the place of a node that is next to it.
-    fn end(&mut self, at: Vec3) {
+    fn end(&mut self, (at, radius): (Vec3, f32)) {
         if self.nodes.len() > 1 && at.distance(self.last) < APART / 2.0 {
             self.nodes.pop();
+            self.radii.pop();
             self.last = self.nodes.last().copied().unwrap_or(self.last);
         }
-        self.push(at, TINY);
+        self.push((at, radius), TINY);
+    }
+
+    fn taken(self, from: Option<[u32; 2]>) -> TakenLine {
+        TakenLine {
+            from,
+            to: self.nodes,
+            radii: self.radii,
+        }
     }
 }
 
@@ -308,6 +324,12 @@ mod tests {
             taken.sketch.self_similar_branches,
             document.sketch.self_similar_branches
         );
+        // As thick as the tree is.
+        let scale = WHOLE / 6.0;
+        let thick = |stroke: usize| taken.sketch.strokes[stroke].radii.clone();
+        assert_eq!(thick(0).len(), taken.sketch.strokes[0].points.len());
+        let expected = scale * tree().radius[0];
+        assert!((thick(0)[0] - expected).abs() < 1e-5, "{:?}", thick(0));
         // What there is no room for is what is shortest.
         let (edit, left_out) = whole(&tree(), Quat::IDENTITY, Vec3::ZERO, 2).unwrap();
         assert_eq!(left_out, 1);
@@ -345,6 +367,7 @@ mod tests {
         let line = |from| TakenLine {
             from,
             to: vec![Vec3::Y],
+            radii: Vec::new(),
         };
         for lines in [
             vec![line(Some([0, 1]))],

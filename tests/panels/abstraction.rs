@@ -30,7 +30,7 @@ fn likeness(visitor: &Visitor, at: usize) -> Likeness {
     visitor.document().models[at].likeness.clone().unwrap()
 }
 
-fn says(visitor: &Visitor, part: &str) -> bool {
+pub(super) fn says(visitor: &Visitor, part: &str) -> bool {
     let mut texts = visitor.workshop.texts(PanelId::Bench);
     texts.any(|text| text.contains(part))
 }
@@ -42,7 +42,7 @@ fn touch(visitor: &mut Visitor, text: &str) {
 }
 
 /// Somebody before a vessel's page as an L-system.
-fn before_a_vessel(folder: &Path) -> Visitor {
+pub(super) fn before_a_vessel(folder: &Path) -> Visitor {
     vessel(folder);
     let mut visitor = visitor(folder);
     for text in ["Models", "vessel.obj", "L-system"] {

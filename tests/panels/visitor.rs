@@ -103,7 +103,7 @@ impl Visitor {
         self.workshop.finish_tree();
     }
 
-    fn place(&mut self, id: PanelId) -> (Affine3A, Vec2) {
+    pub(crate) fn place(&mut self, id: PanelId) -> (Affine3A, Vec2) {
         let scene: &Scene = self.workshop.scene();
         let panel = scene
             .panels

@@ -93,6 +93,20 @@ fn a_table_becomes_a_grammar_a_tree_and_a_report_that_agree() {
         printed.contains("centerlines") && printed.contains("by rules"),
         "{printed}"
     );
+    // It says what branches are like by order, of which the published table says nothing.
+    assert!(printed.contains("\norder 1 "), "{printed}");
+    assert!(best["by_order"].is_null() && best["parameters"]["length_by_order"].is_null());
+    let (good, printed, said) = output(abstracted(&table, "500").arg("--json"));
+    assert!(good, "{said}");
+    let told: Value = serde_json::from_str(&printed).unwrap();
+    let rows = told["target"]["orders"]["centrifugal"].as_array().unwrap();
+    assert!(rows.len() > 2 && rows[0]["branches"] == 1);
+    let of_stem = &told["best"]["by_order"][0];
+    assert_eq!(
+        (&of_stem["order"], &of_stem["name"]),
+        (&0.into(), &"branch_length".into())
+    );
+    assert_eq!(of_stem["target"], rows[0]["branch_length"]["mean"]);
 }
 
 #[test]
@@ -199,7 +213,7 @@ fn what_cannot_be_abstracted_is_said_in_a_sentence() {
     let line = "1 3 0 0 0 1 -1\n2 3 0 9 0 1 1\n";
     let few = r#"{"format": "ramus-table/1", "counts": {"centerlines": 3}, "table": {}}"#;
     for (path, part) in [
-        (folder.path().join("missing.json"), "cannot read"),
+        (folder.path().join("missing.json"), "check that it is there"),
         (folder.path().join("missing.ply"), "cannot be read"),
         (at("empty.json", ""), "it is no table"),
         (at("few.json", few), "how long branches are"),

@@ -69,6 +69,10 @@ fn a_tube_is_measured_and_exported() {
     let radius = number(&json, "/branches/0/radius/mean");
     assert!((radius - 2.0).abs() < 0.02 && json["branches"][0]["radius"]["taper"].is_number());
     assert_eq!(json["orders"]["strahler"][0]["order"], 1);
+    let stem = &json["orders"]["centrifugal"][0];
+    assert_eq!((&stem["order"], &stem["branches"]), (&0.into(), &1.into()));
+    assert_eq!(stem["branch_length"]["mean"], json["branches"][0]["length"]);
+    assert!(stem["bifurcation_angle_deg"].is_null(), "it leaves no fork");
     let rows = fs::read_to_string(&csv).unwrap();
     assert!(rows.starts_with("table,id,name,parent,order,"), "{rows}");
     // One branch, whole and by VMTK's definition, and one centerline.

@@ -13,7 +13,7 @@ use super::told;
 /// Models of a cohort at most.
 pub const MODELS_MOST: usize = 100_000;
 /// Longest list that is read, in bytes.
-const BYTES_MOST: u64 = 64 << 20;
+const BYTES_MOST: u64 = 256 << 20;
 /// How names of models' files end.
 const ENDINGS: [&str; 8] = ["ply", "stl", "obj", "vtp", "vtk", "gltf", "glb", "swc"];
 /// How the name of a file of endpoints ends that lies beside its model, after the model's without its ending.
@@ -45,9 +45,9 @@ impl Entry {
 /// What is wrong with the folder or the list, and how to mend it.
 pub fn entries(of: &Path) -> Result<Vec<Entry>> {
     let name = of.display();
-    let known = of
-        .metadata()
-        .map_err(|error| anyhow!("{name} cannot be read: {error}"))?;
+    let known = of.metadata().map_err(|error| {
+        anyhow!("{name} cannot be read ({error}): check that it is there and may be read")
+    })?;
     let entries = match known.is_dir() {
         true => in_folder(of)?,
         false if has_ending(of, &ENDINGS) => bail!(
@@ -79,9 +79,11 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
 }
 
 /// The bytes of a plain file of no more than so many; messages say `what` it is to be.
-pub(in crate::app) fn bytes_of(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
+pub(crate) fn bytes_of(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
     let name = path.display();
-    let unreadable = |error: std::io::Error| anyhow!("{name} cannot be read: {error}");
+    let unreadable = |error: std::io::Error| {
+        anyhow!("{name} cannot be read ({error}): check that it is there and may be read")
+    };
     // What is no plain file may never end, or never begin.
     ensure!(
         path.metadata().map_err(unreadable)?.is_file(),
@@ -100,7 +102,7 @@ pub(in crate::app) fn bytes_of(path: &Path, most: u64, what: &str) -> Result<Vec
 }
 
 /// The text of a table, of which messages say `what` it is to be.
-pub(in crate::app) fn text_of(path: &Path, what: &str) -> Result<String> {
+pub(crate) fn text_of(path: &Path, what: &str) -> Result<String> {
     let name = path.display();
     let bytes = bytes_of(path, BYTES_MOST, what)?;
     let text = String::from_utf8(bytes).map_err(|error| {
@@ -111,8 +113,12 @@ pub(in crate::app) fn text_of(path: &Path, what: &str) -> Result<String> {
 }
 
 fn in_folder(folder: &Path) -> Result<Vec<Entry>> {
-    let unreadable =
-        |error: std::io::Error| anyhow!("{} cannot be read: {error}", folder.display());
+    let unreadable = |error: std::io::Error| {
+        anyhow!(
+            "{} cannot be read ({error}): check that it is there and may be read",
+            folder.display()
+        )
+    };
     let mut paths = Vec::new();
     for file in folder.read_dir().map_err(unreadable)? {
         let path = file.map_err(unreadable)?.path();

@@ -193,6 +193,26 @@ pub struct Orders {
     pub branching_ratio: Option<f64>,
     pub length_ratio: Option<f64>,
     pub radius_ratio: Option<f64>,
+    #[serde(default)]
+    pub centrifugal: Vec<Centrifugal>,
+}
+
+/// As [`CentrifugalFacts`](crate::centerline::analysis::CentrifugalFacts).
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[expect(missing_docs, reason = "named as what is read")]
+pub struct Centrifugal {
+    pub order: u32,
+    pub branches: usize,
+    pub branch_length: MeanStd,
+    pub point_radius: Mean,
+    pub bifurcation_angle_deg: Option<MeanStd>,
+}
+
+/// One number.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[expect(missing_docs, reason = "named as what is read")]
+pub struct Mean {
+    pub mean: Option<f64>,
 }
 
 /// As [`RadiusFacts`](crate::centerline::analysis::RadiusFacts).
@@ -252,7 +272,9 @@ impl Told {
     /// In a sentence: what is wrong with it, and how to mend it.
     pub fn read(path: &Path) -> Result<Self> {
         let name = path.display();
-        let unreadable = |error: std::io::Error| anyhow!("{name} cannot be read: {error}");
+        let unreadable = |error: std::io::Error| {
+            anyhow!("{name} cannot be read ({error}): check that it is there and may be read")
+        };
         let known = path.metadata().map_err(unreadable)?;
         ensure!(known.is_file(), "{name} is no file: name an analysis");
         ensure!(

@@ -8,8 +8,10 @@ use crate::tree::compare::Studied;
 use crate::tree::compare::numbers::Difference;
 use crate::tree::compare::told::About;
 
+pub(super) use self::page::curves;
 pub use self::page::page;
 pub use self::picture::{Laid, Overlay, Shown, picture};
+pub(super) use self::picture::{colour, tubes_along};
 
 /// A row a number: what each tree has, and how much more than the first as a part of that.
 pub fn table<'a>(

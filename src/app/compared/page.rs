@@ -5,6 +5,7 @@ use crate::tree::compare::barcode::Bar;
 use crate::tree::compare::samples::Apart;
 use crate::tree::compare::told::About;
 use crate::tree::compare::{Pair, Studied};
+use crate::world::comparing::Plot;
 
 /// A plot's place with what is around it, and what is around it: left, top, right, bottom.
 const SIZE: [f64; 2] = [236.0, 168.0];
@@ -19,19 +20,16 @@ const PEAKS: f64 = 6.0;
 /// Bars of a tree that are drawn, the longest.
 const BARS_MOST: usize = 200;
 
-/// The colour of a tree.
-pub(super) fn colour(tree: usize) -> &'static str {
+/// The colour of a tree, as it is written in SVG.
+pub(super) fn ink(tree: usize) -> &'static str {
     COLOURS[tree % COLOURS.len()]
 }
 
 /// A curve: where it is, 0 to 1, and how high, in parts of the same for all of a plot.
-pub(super) type Curve = Vec<[f64; 2]>;
-
-/// Places along an axis, and what stands there.
-pub(super) type Marks = Vec<(f64, String)>;
+type Curve = Vec<[f64; 2]>;
 
 /// How a quantity is spread in each tree: curves of the same area, from 0 to 1 high, with marks at places along.
-pub(super) fn curves(trees: &[Studied], sample: usize) -> Option<(Vec<Curve>, Marks)> {
+pub(in crate::app) fn curves(trees: &[Studied], sample: usize) -> Option<Plot> {
     let values = |tree: &Studied| tree.samples[sample].values.clone();
     let all: Vec<Vec<f64>> = trees.iter().map(values).collect();
     let axis = axis(trees, sample)?;
@@ -74,7 +72,11 @@ pub(super) fn curves(trees: &[Studied], sample: usize) -> Option<(Vec<Curve>, Ma
             curve.push(last);
         }
     }
-    Some((curves, axis.marks()))
+    Some(Plot {
+        name: trees[0].samples[sample].name,
+        curves,
+        marks: axis.marks(),
+    })
 }
 
 /// The axis of a quantity of all trees; angles and shares are never shown by their logarithms.
@@ -172,7 +174,7 @@ fn legend(svg: &mut Svg, about: &[About], width: f64) -> f64 {
         if x > 18.0 && x + wide > width {
             [x, y] = [18.0, y + LEGEND_LINE];
         }
-        svg.square([x, y], 9.0, colour(place));
+        svg.square([x, y], 9.0, ink(place));
         svg.text([x + 13.0, y + 8.0], 10.0, Anchor::Start, INK, &name);
         x += wide;
     }
@@ -221,7 +223,7 @@ fn distribution(
             PALE,
             "nothing to show",
         ),
-        Some((curves, marks)) => {
+        Some(Plot { curves, marks, .. }) => {
             for (part, told) in marks {
                 let at = x + part * wide;
                 svg.line([at, y], [at, base], GRID, 0.75);
@@ -231,7 +233,7 @@ fn distribution(
                 let spot = |[part, up]: &[f64; 2]| [x + part * wide, base - up * high];
                 let points: Vec<[f64; 2]> = curve.iter().map(spot).collect();
                 if !points.is_empty() {
-                    svg.area(&points, colour(place));
+                    svg.area(&points, ink(place));
                 }
             }
         }
@@ -264,12 +266,7 @@ fn barcode(
     for (number, bar) in shown.into_iter().enumerate() {
         let level = y + (number as f64 + 0.5) * step;
         let ends = [bar.start, bar.end].map(|end| [x + part(end) * wide, level]);
-        svg.line(
-            ends[0],
-            ends[1],
-            colour(place),
-            (0.7 * step).clamp(0.4, 3.0),
-        );
+        svg.line(ends[0], ends[1], ink(place), (0.7 * step).clamp(0.4, 3.0));
     }
     svg.line([x, y + high], [x + wide, y + high], INK, 0.75);
 }

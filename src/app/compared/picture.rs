@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Result, anyhow, bail};
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect};
 use glam::{Affine3A, DMat3, DVec3, Quat, Vec3};
 use image::{RgbaImage, imageops};
 
-use super::page::{colour, curves, told};
+use super::page::{curves, ink, told};
 use crate::abstraction::blunt;
 use crate::app::flat::paint;
 use crate::app::picture::Picture;
@@ -17,9 +17,11 @@ use crate::app::plot::shortened;
 use crate::app::portrait::{PAPER, PortraitParams, before_box, looking_at, open_gpu};
 use crate::mesh::Mesh;
 use crate::mesh::display::Display;
+use crate::mesh::srgb::light;
 use crate::tree::compare::told::About;
 use crate::tree::compare::{Pair, Studied};
 use crate::tree::{Tree, tubes};
+use crate::ui::plot;
 use crate::world::model::up;
 use crate::world::scene::{ModelLook, PlacedModel, Scene, SurfaceLook, new_revision};
 
@@ -185,56 +187,47 @@ fn placed(laid: &Laid<'_>, place: usize) -> Tree {
     tree
 }
 
+/// Tubes along a tree.
+pub(in crate::app) fn tubes_along(tree: &Tree) -> Mesh {
+    let mut records = Vec::new();
+    tubes::segments(tree, &[], u32::MAX, &mut records);
+    let sides = SIDES[usize::from(records.len() > MANY_SEGMENTS)];
+    let made = tubes::mesh(&records, 1.0, sides);
+    let (triangles, _) = made.indices.as_chunks::<3>();
+    Mesh {
+        positions: made.positions.into_iter().map(Vec3::from).collect(),
+        triangles: triangles.to_vec(),
+        ..Mesh::default()
+    }
+}
+
 /// Tubes along a tree in its colour.
 fn model(mut tree: Tree, thinnest: f32, world: Affine3A, place: usize) -> Result<PlacedModel> {
     tree.radius
         .iter_mut()
         .for_each(|radius| *radius = radius.max(thinnest));
-    let mut records = Vec::new();
-    tubes::segments(&tree, &[], u32::MAX, &mut records);
-    let sides = SIDES[usize::from(records.len() > MANY_SEGMENTS)];
-    let made = tubes::mesh(&records, 1.0, sides);
-    let (triangles, _) = made.indices.as_chunks::<3>();
-    let mesh = Mesh {
-        positions: made.positions.into_iter().map(Vec3::from).collect(),
-        triangles: triangles.to_vec(),
-        ..Mesh::default()
-    };
-    let display = Display::for_picture(Arc::new(mesh), None, &AtomicBool::new(false));
+    let mesh = Arc::new(tubes_along(&tree));
+    let display = Display::for_picture(mesh, None, &AtomicBool::new(false));
     let display = display.ok_or_else(|| anyhow!("the drawing was cancelled"))?;
-    let [red, green, blue] = bytes(colour(place)).map(linear);
     Ok(PlacedModel {
         display: Arc::new(display),
         revision: new_revision(),
         world_from_model: world,
         look: ModelLook {
             surface: Some(SurfaceLook::Matte),
-            color: [red, green, blue, 1.0],
+            color: light(colour(place)),
             ..ModelLook::default()
         },
     })
 }
 
-/// The bytes of a colour that is written as #rrggbb.
-fn bytes(colour: &str) -> [u8; 3] {
+/// The colour of a tree.
+pub(in crate::app) fn colour(place: usize) -> [u8; 3] {
+    let written = ink(place);
     [1, 3, 5].map(|at| {
-        let pair = colour.get(at..at + 2).unwrap_or_default();
+        let pair = written.get(at..at + 2).unwrap_or_default();
         u8::from_str_radix(pair, 16).unwrap_or(0)
     })
-}
-
-/// From sRGB to light.
-fn linear(byte: u8) -> f32 {
-    let part = f32::from(byte) / 255.0;
-    match part <= 0.04045 {
-        true => part / 12.92,
-        false => ((part + 0.055) / 1.055).powf(2.4),
-    }
-}
-
-fn ink(place: usize) -> Color32 {
-    let [red, green, blue] = bytes(colour(place));
-    Color32::from_rgb(red, green, blue)
 }
 
 /// Puts cells, captions and curves together.
@@ -301,6 +294,11 @@ fn composed(laid: &Laid<'_>, cells: &[RgbaImage]) -> RgbaImage {
     image
 }
 
+fn opaque(place: usize) -> Color32 {
+    let [red, green, blue] = colour(place);
+    Color32::from_rgb(red, green, blue)
+}
+
 const INK: Color32 = Color32::from_rgb(26, 26, 26);
 const PALE: Color32 = Color32::from_rgb(107, 107, 107);
 
@@ -318,7 +316,7 @@ fn name(painter: &Painter, rect: Rect, size: f32, name: &str, place: usize) {
     );
     let square = egui::vec2(size * 0.8, size * 0.8);
     let middle = Pos2::new(text.left() - size * 0.8, rect.center().y);
-    painter.rect_filled(Rect::from_center_size(middle, square), 0.0, ink(place));
+    painter.rect_filled(Rect::from_center_size(middle, square), 0.0, opaque(place));
 }
 
 /// How a quantity is spread, one tree over the other.
@@ -341,7 +339,7 @@ fn spread(painter: &Painter, rect: Rect, size: f32, laid: &Laid<'_>, sample: usi
         rect.min + egui::vec2(0.0, size * 2.9),
         rect.max - egui::vec2(0.0, size * 1.5),
     );
-    let Some((curves, marks)) = curves(laid.studied, sample) else {
+    let Some(shown) = curves(laid.studied, sample) else {
         painter.text(
             plot.center(),
             Align2::CENTER_CENTER,
@@ -351,66 +349,6 @@ fn spread(painter: &Painter, rect: Rect, size: f32, laid: &Laid<'_>, sample: usi
         );
         return;
     };
-    #[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
-    let spot = |[part, up]: [f64; 2]| {
-        Pos2::new(
-            plot.left() + part as f32 * plot.width(),
-            plot.bottom() - up as f32 * plot.height(),
-        )
-    };
-    let step = marks.len().div_ceil(4).max(1);
-    for (part, said) in marks.iter().step_by(step) {
-        let at = spot([*part, 0.0]);
-        painter.line_segment(
-            [at, at + egui::vec2(0.0, size * 0.25)],
-            Stroke::new(1.0, INK),
-        );
-        let below = at + egui::vec2(0.0, size * 0.35);
-        painter.text(
-            below,
-            Align2::CENTER_TOP,
-            said,
-            FontId::proportional(size * 0.8),
-            INK,
-        );
-    }
-    for (place, curve) in curves.iter().enumerate() {
-        let ink = ink(place);
-        let pale = Color32::from_rgba_unmultiplied(ink.r(), ink.g(), ink.b(), 46);
-        for pair in curve.windows(2) {
-            let foot = |at: [f64; 2]| spot([at[0], 0.0]);
-            let corners = vec![spot(pair[0]), spot(pair[1]), foot(pair[1]), foot(pair[0])];
-            let mut piece = egui::Mesh::default();
-            for (number, corner) in (0_u32..).zip(&corners) {
-                piece.colored_vertex(*corner, pale);
-                if number > 1 {
-                    piece.add_triangle(0, number - 1, number);
-                }
-            }
-            painter.add(piece);
-        }
-        let line: Vec<Pos2> = curve.iter().map(|at| spot(*at)).collect();
-        painter.add(egui::Shape::line(
-            line,
-            Stroke::new((size * 0.12).max(1.0), ink),
-        ));
-    }
-    painter.line_segment(
-        [plot.left_bottom(), plot.right_bottom()],
-        Stroke::new(1.0, INK),
-    );
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::missing_assert_message, reason = "the table says it")]
-    use super::*;
-
-    #[test]
-    fn colours_are_read_and_made_light() {
-        assert_eq!(bytes("#0072b2"), [0, 114, 178]);
-        for (byte, light) in [(0, 0.0), (255, 1.0), (188, 0.503)] {
-            assert!((linear(byte) - light).abs() < 1e-3, "{byte}");
-        }
-    }
+    let inks: Vec<Color32> = (0..shown.curves.len()).map(opaque).collect();
+    plot::spread(painter, plot, size, &shown, (&inks, INK));
 }

@@ -203,8 +203,12 @@ fn sitting_at(file: &Path, folders: [&Path; 2]) -> Result<(Sitting, Option<usize
 
 /// The folders in a folder, by name.
 fn folders(folder: &Path) -> Result<Vec<PathBuf>> {
-    let unreadable =
-        |error: std::io::Error| anyhow!("{} cannot be read: {error}", folder.display());
+    let unreadable = |error: std::io::Error| {
+        anyhow!(
+            "{} cannot be read ({error}): check that it is there and may be read",
+            folder.display()
+        )
+    };
     let mut found = Vec::new();
     for entry in folder.read_dir().map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();

@@ -138,9 +138,9 @@ impl Study {
     /// What keeps all of it from being read.
     pub fn read(source: &Path, from_one: bool) -> Result<Self> {
         let name = source.display();
-        let known = source
-            .metadata()
-            .map_err(|error| anyhow!("{name} cannot be read: {error}"))?;
+        let known = source.metadata().map_err(|error| {
+            anyhow!("{name} cannot be read ({error}): check that it is there and may be read")
+        })?;
         let study = match known.is_dir() {
             true if from_one => {
                 bail!("--ssq-from-one is of tables: in a folder none is 0 and severe is 3")

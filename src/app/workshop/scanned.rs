@@ -96,6 +96,7 @@ impl Workshop {
             || self.world.wanted_lines().is_some()
             || self.world.wanted_shading().is_some()
             || self.world.wanted_abstraction().is_some()
+            || self.world.wanted_comparison().is_some()
     }
 
     /// Has the meshes read of models that stand on the stage, and brings those that were asked for. In a session that is recorded or played the frame
@@ -113,6 +114,7 @@ impl Workshop {
         self.study(waits);
         self.find_lines(waits);
         self.find_abstractions(waits);
+        self.compare(waits);
         let reading = self.scans.reading();
         self.world.tell_reading(reading);
     }
@@ -158,6 +160,19 @@ impl Workshop {
         }
         if let Some((model, seed, found)) = self.abstracting.so_far() {
             self.world.give_abstraction(&model, seed, Ok(found), false);
+        }
+    }
+
+    /// Has trees compared; `waits`: all of them, now.
+    fn compare(&mut self, waits: bool) {
+        while self.comparing.follow(&self.world)
+            && let Some((trees, found)) = if waits {
+                self.comparing.wait()
+            } else {
+                self.comparing.poll()
+            }
+        {
+            self.world.give_comparison(trees, found);
         }
     }
 
@@ -259,6 +274,7 @@ impl Workshop {
         self.study(true);
         self.find_lines(true);
         self.find_abstractions(true);
+        self.compare(true);
         self.world.tell_reading(None);
         self.keep_journal();
     }

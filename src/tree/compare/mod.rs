@@ -207,6 +207,9 @@ fn pair(places: [usize; 2], [a, b]: [&Studied; 2], sliced: [[f64; 2]; 2]) -> Pai
         verdict: Verdict {
             kind: verdict::Kind::Different,
             words: String::new(),
+            at_one_size: false,
+            within: [0; 2],
+            told_apart: [0; 2],
         },
     };
     pair.verdict = verdict::verdict(&pair);

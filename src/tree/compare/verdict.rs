@@ -60,6 +60,12 @@ pub struct Verdict {
     pub kind: Kind,
     /// In a sentence or two, without a full stop at the end.
     pub words: String,
+    /// Whether they are judged at one size.
+    pub at_one_size: bool,
+    /// How many numbers of the papers' table are within tolerance, of how many.
+    pub within: [usize; 2],
+    /// How many distributions are told apart, of how many that can be tested.
+    pub told_apart: [usize; 2],
 }
 
 /// Judges a pair whose verdict is not there yet.
@@ -86,7 +92,13 @@ pub(super) fn verdict(pair: &Pair) -> Verdict {
         ),
         Kind::Different => format!("different: {}", different(pair)),
     };
-    Verdict { kind, words }
+    Verdict {
+        kind,
+        words,
+        at_one_size: at_one_size(pair),
+        within: within(pair),
+        told_apart: told_apart(pair),
+    }
 }
 
 fn kind(pair: &Pair) -> Kind {
@@ -261,24 +273,35 @@ fn different(pair: &Pair) -> String {
 
 /// What speaks for one kind.
 fn alike(pair: &Pair) -> String {
-    let scale_free = at_one_size(pair);
-    let papers = || pair.differences.iter().filter(|one| one.of_papers);
-    let within = papers().filter(|one| one.matches(scale_free)).count();
-    let tested = judged(pair).iter().filter(|one| one.tested.is_some());
-    let (tested, apart) = (
-        tested.clone().count(),
-        tested.filter(|one| one.is_told()).count(),
-    );
+    let ([within, of], [apart, tested]) = (within(pair), told_apart(pair));
     let share = percent(pair.topology.path.scale_free.share);
-    let of_size = if scale_free { " at one size" } else { "" };
+    let of_size = if at_one_size(pair) {
+        " at one size"
+    } else {
+        ""
+    };
     let told = match tested {
         0 => "no distribution can be tested".to_owned(),
         tested => format!("{apart} of {tested} distributions are told apart"),
     };
     format!(
-        "{within} of {} numbers of the papers' table are within tolerance{of_size}, {told}, and {share} % of the branching has no counterpart",
-        papers().count()
+        "{within} of {of} numbers of the papers' table are within tolerance{of_size}, {told}, and {share} % of the branching has no counterpart"
     )
+}
+
+/// How many numbers of the papers' table are within tolerance, of how many.
+fn within(pair: &Pair) -> [usize; 2] {
+    let scale_free = at_one_size(pair);
+    let papers = || pair.differences.iter().filter(|one| one.of_papers);
+    let within = papers().filter(|one| one.matches(scale_free));
+    [within.count(), papers().count()]
+}
+
+/// How many distributions are told apart, of how many that can be tested.
+fn told_apart(pair: &Pair) -> [usize; 2] {
+    let tested = || judged(pair).iter().filter(|one| one.tested.is_some());
+    let apart = tested().filter(|one| one.is_told());
+    [apart.count(), tested().count()]
 }
 
 fn percent(share: f64) -> String {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Tree ─▶ branches (junction to junction, or to the root or a tip) ─▶ course: length, curvature, torsion, radius
-//!            │                └▶ orders: generation, Strahler, Horsfield      └▶ table: n, mean, std, min, max
+//!            │                └▶ orders: generation, Strahler, Horsfield      └▶ table: n, mean, std, min, max; by order
 //!            └▶ junctions: angles, exponents, asymmetry
 //! Tree ─▶ vmtk: branches and bifurcations as VMTK defines them ─▶ a table of those
 //! ```
@@ -12,6 +12,7 @@
 //! from Arborized 3D Model Using a Web Application".
 
 mod branch;
+mod by_order;
 pub mod compare;
 mod course;
 mod frame;
@@ -22,6 +23,7 @@ mod table;
 pub mod vmtk;
 
 pub use self::branch::{Branch, RadiusAlong};
+pub use self::by_order::OfOrder;
 pub use self::frame::{Direction, Frame};
 pub use self::junction::Junction;
 pub use self::orders::{Order, Ratios};
@@ -43,6 +45,8 @@ pub struct Measures {
     pub orders: Vec<Order>,
     /// Ratios between orders.
     pub ratios: Ratios,
+    /// By centrifugal orders, from 0.
+    pub by_order: Vec<OfOrder>,
     /// The table, of whole branches.
     pub table: Table,
     /// Branches and bifurcations as VMTK defines them, with a table of their own. None where balls overlap so much that it would take too long.
@@ -79,6 +83,7 @@ impl Measures {
             tips: branches.iter().filter(|branch| branch.is_tip).count(),
             table: table::table(tree, &branches, &junctions),
             ratios: orders::ratios(&orders),
+            by_order: by_order::by_order(&branches, &junctions),
             vmtk: None,
             orders,
             junctions,

@@ -178,6 +178,19 @@ fn orders_are_strahlers_and_horsfields() {
     assert_eq!(measures.junctions[1].asymmetry, Some(0.0));
     let counts: Vec<usize> = measures.orders.iter().map(|order| order.branches).collect();
     assert_eq!(counts, [5, 2, 2]);
+    let counts = measures
+        .by_order
+        .iter()
+        .map(|one| (one.order, one.length.n));
+    assert_eq!(counts.collect::<Vec<_>>(), [(0, 1), (1, 2), (2, 2), (3, 4)]);
+    // Of the last order: all as long, right angles between them.
+    let [stem, _, _, last] = measures.by_order[..] else {
+        panic!("four orders");
+    };
+    assert!((last.length.mean - 2.0_f64.sqrt()).abs() < 1e-6 && last.length.std < 1e-6);
+    assert!((last.angle.mean.to_degrees() - 90.0).abs() < 1e-3);
+    assert_eq!((last.angle.n, stem.angle.n), (2, 0));
+    assert!((last.radius - 1.0).abs() < 1e-6);
 }
 
 #[test]

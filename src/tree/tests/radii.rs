@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::{any_tree, between, fork};
 use crate::tree::axes::Children;
-use crate::tree::radii::{FitParams, RadiusParams, da_vinci, fit, for_picture};
+use crate::tree::radii::{FitParams, RadiusParams, da_vinci, da_vinci_given, fit, for_picture};
 use crate::tree::{NO_PARENT, Node, Tree};
 use glam::Vec3;
 
@@ -37,6 +37,55 @@ pub(super) fn earlier(tree: &Tree, newest: u32) -> (Tree, Vec<usize>) {
     }
     old.validate().unwrap();
     (old, kept)
+}
+
+#[test]
+fn what_is_given_stays_and_is_carried() {
+    let params = RadiusParams {
+        tip_radius: 0.01,
+        exponent: 2.0,
+    };
+    let mut tree = fork();
+    // One of the two tips is given, and thick.
+    let given = [0.0, 0.0, 0.0, 0.0, 0.03, 0.0];
+    let before = da_vinci_given(&mut tree, &params, 4, &given);
+    let mut plain = fork();
+    let plain_before = da_vinci(&mut plain, &params, 4);
+    assert_eq!(tree.radius[4], 0.03);
+    for node in 0..tree.len() {
+        let above = [4].iter().any(|tip| {
+            let mut at = *tip;
+            while at != node as u32 && tree.parent[at as usize] != NO_PARENT {
+                at = tree.parent[at as usize];
+            }
+            at == node as u32
+        });
+        let expected = match (node, above) {
+            (4, _) => 0.03,
+            // The same, but for what the given one adds to a tip's.
+            (_, true) => (plain.radius[node].powi(2) - 0.01_f32.powi(2) + 0.03_f32.powi(2)).sqrt(),
+            (_, false) => plain.radius[node],
+        };
+        assert!((tree.radius[node] - expected).abs() < 1e-7, "{node}");
+    }
+    // What was not there before has no radius before, given or not.
+    for (node, before) in before.iter().enumerate() {
+        assert_eq!(*before > 0.0, plain_before[node] > 0.0, "{node}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn where_nothing_is_given_all_is_da_vincis(tree in any_tree(), newest in 0_u32..6, exponent in 1.0_f32..4.0) {
+        let params = RadiusParams { tip_radius: 0.01, exponent };
+        let [mut one, mut other] = [tree.clone(), tree];
+        let before = da_vinci(&mut one, &params, newest);
+        let given = vec![0.0; other.len()];
+        let given_before = da_vinci_given(&mut other, &params, newest, &given);
+        for (a, b) in one.radius.iter().zip(other.radius.iter()).chain(before.iter().zip(&given_before)) {
+            prop_assert!((a - b).abs() <= 1e-5 * a.abs(), "{} {}", a, b);
+        }
+    }
 }
 
 #[test]

@@ -71,6 +71,51 @@ fn a_project_says_version_2_where_it_has_handles_and_1_elsewhere() {
 }
 
 #[test]
+fn radii_of_lines_that_were_taken_are_kept_forgotten_and_undone() {
+    let mut history = apply_all(&example());
+    let line = crate::world::taken::TakenLine {
+        from: None,
+        to: vec![Vec3::new(0.0, 2.0, 0.0), Vec3::new(0.0, 2.5, 0.0)],
+        radii: vec![0.012_345_6, 0.01],
+    };
+    history.apply(Edit::Select { at: a(4) }).unwrap();
+    let lines = vec![line];
+    history.apply(Edit::TakeLines { lines }).unwrap();
+    let thick = text(history.committed());
+    assert!(thick.contains("\"version\": 4,"), "{thick}");
+    assert!(
+        thick.contains(",0.012346,0.01],"),
+        "on a grid of a micrometre: {thick}"
+    );
+    let read = project::from_bytes(thick.as_bytes()).unwrap();
+    assert_eq!((&read, text(&read)), (history.committed(), thick.clone()));
+    // Every way in which they can be wrong has its reason.
+    let radii = &thick[thick.find("\"radii\": [").unwrap()..];
+    let radii = &radii[..=radii.find(']').unwrap()];
+    for (replaced, reason) in [
+        ("\"radii\": [0.1]", "needs one for each node"),
+        (&radii.replace("0.012346", "-1")[..], "a radius"),
+        (&radii.replace("0.012346", "1e9")[..], "a radius"),
+        ("\"radii\": 7", "damaged"),
+    ] {
+        let bad = thick.replacen(radii, replaced, 1);
+        assert_ne!(bad, thick);
+        let said = project::from_bytes(bad.as_bytes()).unwrap_err().to_string();
+        assert!(said.contains(reason), "{replaced}: {said}");
+    }
+    let older = thick.replacen("\"version\": 4", "\"version\": 3", 1);
+    let said = project::from_bytes(older.as_bytes())
+        .unwrap_err()
+        .to_string();
+    assert!(said.contains("version 3 has no field `radii`"), "{said}");
+    let letter = Letter::TRUNK;
+    history.apply(Edit::ForgetRadii { letter }).unwrap();
+    assert!(text(history.committed()).contains("\"version\": 1,"));
+    history.undo();
+    assert_eq!(text(history.committed()), thick);
+}
+
+#[test]
 fn hostile_handles_are_refused_with_a_reason() {
     let mut history = apply_all(&example());
     history.apply(curve(a(4), Symmetry::OFF)).unwrap();
