@@ -491,6 +491,19 @@ fn radii_of_its_own_stay_and_become_thinner_where_a_line_goes_on() {
     for (found, expected) in tree.radius[1..].iter().zip(expected) {
         assert!((found - expected).abs() < 1e-5, "{found} {expected}");
     }
+    // Somebody who has grown the plain one grows them the same.
+    let mut grower = Grower::new(GROW);
+    let never = AtomicBool::new(false);
+    let plain = sketch.without_radii(Letter::TRUNK).unwrap();
+    let slim = grower.grow(&plain, 6, &never).unwrap().tree;
+    assert_eq!(grower.grow(&sketch, 6, &never).unwrap().tree, tree);
+    assert_eq!(grower.grow(&plain, 6, &never).unwrap().tree, slim);
+    // However far it goes on, it is no thinner than a tenth of its end.
+    let long = grower.grow(&sketch, 400, &never).unwrap().tree;
+    let thin = long.radius[1..]
+        .iter()
+        .fold(f32::INFINITY, |thin, radius| thin.min(*radius));
+    assert!((thin - 0.004 * scale).abs() < 1e-6, "{thin}");
     // What grows from it is as thick as it is by itself, and what it is drawn on carries it.
     let at = NodeRef::new(Letter::TRUNK, 2);
     let branched = draw(&sketch, at, 2, 0.1);
@@ -506,6 +519,19 @@ fn radii_of_its_own_stay_and_become_thinner_where_a_line_goes_on() {
     // What is drawn on has none, what is deleted takes its own along, and all can be forgotten.
     let on = draw(&sketch, sketch.apex(Letter::TRUNK).unwrap(), 1, 0.0);
     assert_eq!(on.strokes[0].radii[3..], [0.04, 0.0]);
+    let hand_drawn = draw(&Sketch::default(), NodeRef::ROOT, 3, 0.0);
+    let apex = hand_drawn.apex(Letter::TRUNK).unwrap();
+    let above = [Vec3::Y * 2.0, Vec3::Y * 2.5];
+    let (mixed, _) = hand_drawn
+        .add_thick_segments(apex, &above, &[0.1; 2])
+        .unwrap();
+    assert_eq!(mixed.strokes[0].radii, [0.0, 0.0, 0.0, 0.1, 0.1]);
+    let (cut, _) = mixed.delete_node(NodeRef::new(Letter::TRUNK, 4)).unwrap();
+    assert_eq!(cut, hand_drawn, "a stroke without radii lists none");
+    assert_eq!(
+        hand_drawn.add_thick_segments(apex, &[], &[]).unwrap().0,
+        hand_drawn
+    );
     let (less, _) = sketch.delete_node(NodeRef::new(Letter::TRUNK, 3)).unwrap();
     assert_eq!(less.strokes[0].radii, radii[..2]);
     let plain = sketch.without_radii(Letter::TRUNK).unwrap();

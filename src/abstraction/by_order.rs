@@ -120,6 +120,9 @@ pub struct OrderDifference {
     pub difference: Difference,
 }
 
+/// Angles count as parts of this at least, degrees.
+const ANGLE_LEAST: f64 = 1.0;
+
 /// What orders of a model have otherwise than those of a tree: means of all orders that both have. Each order counts alike: the first ones have few branches,
 /// and are what one sees first.
 pub(super) fn differences([target, got]: [&[OfOrder]; 2]) -> Vec<OrderDifference> {
@@ -130,7 +133,15 @@ pub(super) fn differences([target, got]: [&[OfOrder]; 2]) -> Vec<OrderDifference
             let (Some(wanted_mean), Some(got)) = (of.of(wanted), of.of(got)) else {
                 continue;
             };
-            let unit = wanted_mean.abs().max(f64::MIN_POSITIVE);
+            // Of nothing no part is known.
+            let unit = match of {
+                ByOrder::Angle => wanted_mean.max(ANGLE_LEAST),
+                _ if wanted_mean > 0.0 => wanted_mean,
+                _ => continue,
+            };
+            if !(unit.is_finite() && got.is_finite()) {
+                continue;
+            }
             found.push(OrderDifference {
                 order: wanted.order,
                 share,
@@ -146,15 +157,16 @@ pub(super) fn differences([target, got]: [&[OfOrder]; 2]) -> Vec<OrderDifference
     found
 }
 
-/// Which part of a model's branches a tree has in other orders, 0 to 1, and more where it has more of them. None where the model's orders are not known.
+/// Which part of a model's branches a tree has in other orders, 0 to 1, and more where it has more of them. 0 where the model's orders are not known.
 pub(super) fn misplaced([target, got]: [&[OfOrder]; 2]) -> f64 {
-    let of = |rows: &[OfOrder], place: usize| rows.get(place).map_or(0, |row| row.branches);
-    let all: usize = target.iter().map(|row| row.branches).sum();
-    if all == 0 {
+    let of =
+        |rows: &[OfOrder], place: usize| rows.get(place).map_or(0.0, |row| row.branches as f64);
+    let all: f64 = target.iter().map(|row| row.branches as f64).sum();
+    if all == 0.0 {
         return 0.0;
     }
     let apart = (0..target.len().max(got.len()))
-        .map(|place| of(target, place).abs_diff(of(got, place)))
-        .sum::<usize>();
-    apart as f64 / (2 * all) as f64
+        .map(|place| (of(target, place) - of(got, place)).abs())
+        .sum::<f64>();
+    apart / (2.0 * all)
 }

@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use super::*;
 use crate::lsystem::{Grammar, Limits};
 use crate::tree::Tree;
-use crate::tree::measure::{Measures, OfOrder as Measured};
+use crate::tree::measure::{Measures, OfOrder as Measured, spread};
 
 /// A kind whose orders differ by no ratio.
 fn uneven() -> Params {
@@ -64,7 +64,7 @@ fn orders_have_the_lengths_radii_and_angles_of_their_factors() {
     }
     // What a person opens grows the same.
     let said = text(&params);
-    assert!(said.contains("pick(o + 1, 0.5, 2, 0.25)"), "{said}");
+    assert!(said.contains("pick(f, 0.5, 2, 0.25)"), "{said}");
     assert!(Grammar::parse(&said, "orders.lsys").is_ok());
     // None are as all of them 1.
     let plain = Params {
@@ -80,6 +80,49 @@ fn orders_have_the_lengths_radii_and_angles_of_their_factors() {
         ..params
     };
     assert_eq!(grown(&plain), grown(&none));
+}
+
+#[test]
+fn orders_are_those_of_forks_also_where_tips_go_on_without_one() {
+    // About half of the tips go on, so that branches have several segments.
+    let params = Params {
+        bifurcation_probability: 0.5,
+        iterations: 14.0,
+        length_by_order: vec![1.0, 4.0, 0.25, 2.0],
+        ..uneven()
+    };
+    let measures = Measures::whole(&grown(&params));
+    assert!(measures.by_order.len() >= 4);
+    for branch in measures.branches.iter().filter(|one| one.order > 0) {
+        let factors = [1.0, 4.0, 0.25, 2.0];
+        let long = 2.0 * factors[(branch.order as usize).min(3)];
+        let segments = branch.length / long;
+        assert!((segments - segments.round()).abs() < 1e-4, "{segments}");
+        assert!((1.0..=20.0).contains(&segments.round()), "{segments}");
+        let nodes = branch.nodes.len() as f64;
+        assert!(
+            (segments - (nodes - 1.0)).abs() < 1e-4,
+            "{segments} {nodes}"
+        );
+    }
+    let several = measures.branches.iter().filter(|one| one.nodes.len() > 2);
+    assert!(several.count() > 3);
+}
+
+#[test]
+fn rows_of_nothing_are_not_compared() {
+    let row = |mean| OfOrder {
+        order: 0,
+        branches: 1,
+        branch_length: Some(MeanStd { mean, std: None }),
+        bifurcation_angle_deg: Some(MeanStd { mean, std: None }),
+        ..OfOrder::default()
+    };
+    let found = by_order::differences([&[row(0.0)], &[row(50.0)]]);
+    assert_eq!(found.len(), 1, "an angle of nothing is one: {found:?}");
+    assert!(found[0].difference.relative.is_finite());
+    assert!(distance(&[], &found, 0.0).is_finite());
+    assert!(by_order::differences([&[row(1.0)], &[row(f64::NAN)]]).is_empty());
 }
 
 #[test]
@@ -120,10 +163,18 @@ fn tables_say_what_orders_are_like_or_nothing() {
         (r#"[{"order": 1, "branches": 1}]"#, "orders 0, 1, 2"),
         (
             r#"[{"order": 0, "branches": 1, "point_radius": {"mean": -1}}]"#,
-            "0 or more",
+            "from 0 to",
         ),
         (r#"[{"order": 0}]"#, "branches"),
         (r#"[{"order": 0, "branches": -1}]"#, "no table"),
+        (
+            r#"[{"order": 0, "branches": 18446744073709551615}]"#,
+            "at most",
+        ),
+        (
+            r#"[{"order": 0, "branches": 1, "branch_length": {"mean": 1e300}}]"#,
+            "from 0 to",
+        ),
         ("7", "no table"),
     ] {
         let said = table(rows).unwrap_err().to_string();
@@ -225,7 +276,9 @@ fn orders_of_a_group_are_those_of_its_models_together() {
         junctions: 1,
         branches: 3,
         total_length: 1.0,
-        branch_length: crate::tree::measure::spread([1.0]),
+        branch_length: spread([1.0]),
+        point_radius: spread([1.0]),
+        centerline_length: spread([2.0]),
         by_order: rows,
         ..Part::default()
     };

@@ -132,6 +132,8 @@ const SOLVED: usize = 24;
 const ELITE: usize = 24;
 /// Draws of the source's rules, of which the one in the middle is told.
 const RULED: u64 = 101;
+/// Factors of orders that are begun with, at least and at most: ratios of many orders come to nothing.
+const FACTORS: [f64; 2] = [0.01, 100.0];
 /// Centerlines of a model at most.
 const TIPS_MOST: usize = 10_000;
 /// How many more modules than branches a string may have.
@@ -180,17 +182,23 @@ pub fn fit(
             .collect();
         progress(done, params.candidates, &ranked);
     }
-    ranked = ranked
-        .into_par_iter()
-        .map(|one| search.by_order(one, cancel))
+    let orders: Vec<Candidate> = ranked
+        .par_iter()
+        .map(|one| search.by_order(one.clone(), cancel))
         .collect();
-    sort(&mut ranked);
+    // Where it was stopped some lack what orders are like: none has it then.
+    let stopped = cancel.load(Ordering::Relaxed);
+    if !stopped {
+        ranked = orders;
+        sort(&mut ranked);
+        progress(done, params.candidates, &ranked);
+    }
     ranked.truncate(params.ranked);
     for one in ranked.iter_mut().chain(&mut by_rules) {
         search.measure(one, cancel);
     }
     if ranked.is_empty() {
-        return Err(if cancel.load(Ordering::Relaxed) {
+        return Err(if stopped {
             AbstractionError::Cancelled
         } else {
             AbstractionError::Table(format!(
@@ -204,7 +212,7 @@ pub fn fit(
         rules: search.rules,
         by_rules,
         candidates: done,
-        stopped: done < params.candidates,
+        stopped: stopped || done < params.candidates,
     })
 }
 
@@ -441,7 +449,10 @@ impl<'a> Search<'a> {
         ];
         for (of, ratio) in ratios {
             // The stem is as the first order behind it.
-            let factors = (0..orders).map(|order| ratio.powf(order.saturating_sub(1) as f64));
+            let factors = (0..orders).map(|order| {
+                let factor = ratio.powf(order.saturating_sub(1) as f64);
+                factor.clamp(FACTORS[0], FACTORS[1])
+            });
             *of.factors_mut(&mut params) = factors.collect();
         }
         (params.length_ratio, params.radius_ratio) = (1.0, 1.0);

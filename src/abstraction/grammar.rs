@@ -5,6 +5,9 @@
 //! fork: `other` is the longest that the other branch's centerline may be, so that it is known when that died. Two productions cannot tell
 //! each other what they drew, so a fork is first a module `J` that holds what was drawn, and decomposes into its branches in the same step.
 //!
+//! Lengths, radii and angles by order go by the forks below a branch, `f`, as a measured tree's orders do; `o` counts, as the source's, also where a tip goes
+//! on without a fork.
+//!
 //! Numbers of centerlines: the first branch keeps its parent's, each further one gets a new one: a digit more in base three, at the place of the order.
 
 use std::fmt::Write as _;
@@ -102,58 +105,74 @@ fn write_text(text: &mut String, params: &Params) -> std::fmt::Result {
         text.push_str("I(l, r, i, c) -> I(l, r + radial_increment, i, c)\n");
     }
     let [long, thick] = [ByOrder::Length, ByOrder::Radius].map(|of| of_order(params, of));
+    // Forks below a branch are counted only where something goes by them.
+    let by_forks = ByOrder::ALL.iter().any(|of| !of.factors(params).is_empty());
+    let [f, next, first] = match by_forks {
+        true => [", f", ", f + 1", ", 1"],
+        false => [""; 3],
+    };
+    let roll = "/(integer(-roll_range, roll_range))";
     writeln!(
         text,
-        "B(t, o, i, c, m, n) : i > m -> D(c)\n\
-         B(t, o, i, c, m, n) : t < floor(max_order / (o + 1)) + 1 -> ^(normal(upwards_angle, upwards_angle_std)) I(lognormal(segment_length, segment_length_std) * length_ratio^o{long}, segment_radius * radius_ratio^o{thick}, i + 1, c) B(t + 1, o, i + 1, c, m, n)"
+        "B(t, o, i, c, m, n{f}) : i > m -> D(c)\n\
+         B(t, o, i, c, m, n{f}) : t < floor(max_order / (o + 1)) + 1 -> ^(normal(upwards_angle, upwards_angle_std)) I(lognormal(segment_length, segment_length_std) * length_ratio^o{long}, segment_radius * radius_ratio^o{thick}, i + 1, c) B(t + 1, o, i + 1, c, m, n{f})\n\
+         B(t, o, i, c, m, n{f}) : i - 1 > n -> [ {roll} B(0, o + 1, i + 1, c, m, never{f}) ]"
     )?;
-    text.push_str(
-        "B(t, o, i, c, m, n) : i - 1 > n -> [ /(integer(-roll_range, roll_range)) B(0, o + 1, i + 1, c, m, never) ]\n",
-    );
     let [two, three] = forks(params);
     if params.bifurcation_probability < 1.0 {
-        text.push_str("B(t, o, i, c, m, n) : weight 1 - bifurcation_probability -> [ /(integer(-roll_range, roll_range)) B(0, o + 1, i + 1, c, m, never) ]\n");
+        writeln!(
+            text,
+            "B(t, o, i, c, m, n{f}) : weight 1 - bifurcation_probability -> [ {roll} B(0, o + 1, i + 1, c, m, never{f}) ]"
+        )?;
     }
     let draw = "lognormal(iterations, iterations_std)";
     let side = |i: &str| match params.side_life {
         1.0 => draw.to_owned(),
         _ => format!("mix({i}, {draw}, side_life)"),
     };
-    let (first, later) = (side("0"), side("i + 1"));
+    let (of_stem, later) = (side("0"), side("i + 1"));
     if two > 0.0 {
         writeln!(
             text,
-            "B(t, o, i, c, m, n) : weight bifurcation_probability * (1 - trifurcation_probability) -> J(o + 1, i + 1, c, {draw}, {later})"
+            "B(t, o, i, c, m, n{f}) : weight bifurcation_probability * (1 - trifurcation_probability) -> J(o + 1, i + 1, c, {draw}, {later}{next})"
         )?;
     }
     if three > 0.0 {
         writeln!(
             text,
-            "B(t, o, i, c, m, n) : weight bifurcation_probability * trifurcation_probability -> J(o + 1, i + 1, c, {draw}, {later}, {later})"
+            "B(t, o, i, c, m, n{f}) : weight bifurcation_probability * trifurcation_probability -> J(o + 1, i + 1, c, {draw}, {later}, {later}{next})"
         )?;
     }
-    writeln!(text, "decompose {{\n  S -> J(0, 0, 0, {draw}, {first})")?;
-    text.push_str("  J(o, i, c, m, n) ->");
-    branch(text, params, 0, 2, "c", ["m", "n"])?;
-    branch(text, params, 1, 2, "c + 3^-(o + 1)", ["n", "m"])?;
+    writeln!(
+        text,
+        "decompose {{\n  S -> J(0, 0, 0, {draw}, {of_stem}{first})"
+    )?;
+    let branch = |text: &mut String, place: [u32; 2], line: &str, lives: [&str; 2]| {
+        branch(text, params, place, line, lives, f)
+    };
+    let tag = |parameters: &str| format!("  J(o, i, c, {parameters}{f}) ->");
+    text.push_str(&tag("m, n"));
+    branch(text, [0, 2], "c", ["m", "n"])?;
+    branch(text, [1, 2], "c + 3^-(o + 1)", ["n", "m"])?;
     if three > 0.0 {
-        text.push_str("\n  J(o, i, c, l, m, n) ->");
-        branch(text, params, 0, 3, "c", ["l", "min(m, n)"])?;
-        branch(text, params, 1, 3, "c + 3^-(o + 1)", ["m", "min(l, n)"])?;
-        branch(text, params, 2, 3, "c + 2 * 3^-(o + 1)", ["n", "min(l, m)"])?;
+        text.push('\n');
+        text.push_str(&tag("l, m, n"));
+        branch(text, [0, 3], "c", ["l", "min(m, n)"])?;
+        branch(text, [1, 3], "c + 3^-(o + 1)", ["m", "min(l, n)"])?;
+        branch(text, [2, 3], "c + 2 * 3^-(o + 1)", ["n", "min(l, m)"])?;
     }
     text.push_str("\n}\ninterpret {\n  I(l, r, i, c) -> !(2 * r) F(l)\n}\n");
     Ok(())
 }
 
-/// What multiplies a number by the order of a branch: `o` counts from the first fork, factors from the stem.
+/// What multiplies a number by the order of a branch, which is how many forks are below it.
 fn of_order(params: &Params, of: ByOrder) -> String {
     let factors = of.factors(params);
     if factors.is_empty() {
         return String::new();
     }
     let all: Vec<String> = factors.iter().map(f64::to_string).collect();
-    format!(" * pick(o + 1, {})", all.join(", "))
+    format!(" * pick(f, {})", all.join(", "))
 }
 
 /// How likely a fork has two and three branches.
@@ -166,10 +185,10 @@ fn forks(params: &Params) -> [f64; 2] {
 fn branch(
     text: &mut String,
     params: &Params,
-    place: u32,
-    of: u32,
+    [place, of]: [u32; 2],
     centerline: &str,
     [longest, other]: [&str; 2],
+    forks: &str,
 ) -> std::fmt::Result {
     let turned = match params.around {
         true => f64::from(place) * 360.0 / f64::from(of),
@@ -182,6 +201,6 @@ fn branch(
     let pitch = of_order(params, ByOrder::Angle);
     write!(
         text,
-        " [ /({roll}) &(normal(bifurcation_angle{pitch}, bifurcation_angle_std)) B(0, o, i, {centerline}, {longest}, {other}) ]"
+        " [ /({roll}) &(normal(bifurcation_angle{pitch}, bifurcation_angle_std)) B(0, o, i, {centerline}, {longest}, {other}{forks}) ]"
     )
 }

@@ -39,7 +39,7 @@ pub struct Part {
 /// The table of models together.
 ///
 /// # Errors
-/// [`AbstractionError::Table`] where there is no model with branches.
+/// [`AbstractionError::Table`] where there is no model with branches, or a number is none that a model has.
 pub fn pooled(parts: &[Part]) -> Result<Table, AbstractionError> {
     let parts: Vec<&Part> = parts.iter().filter(|part| part.branches > 0).collect();
     if parts.is_empty() {
@@ -68,7 +68,7 @@ pub fn pooled(parts: &[Part]) -> Result<Table, AbstractionError> {
         true => some_tips + some_junctions,
         false => whole(branches),
     };
-    Ok(Table {
+    let table = Table {
         format: FORMAT.to_owned(),
         counts: Counts {
             centerlines: Some(some_tips),
@@ -90,7 +90,9 @@ pub fn pooled(parts: &[Part]) -> Result<Table, AbstractionError> {
         orders: Orders {
             centrifugal: by_order(&parts),
         },
-    })
+    };
+    table.check()?;
+    Ok(table)
 }
 
 #[allow(

@@ -52,8 +52,8 @@ fn far(of: &Candidate) -> f64 {
     residuals(of).iter().map(|one| one * one).sum()
 }
 
-/// Factors of an order, by their logarithms.
-const FACTORS: [f64; 2] = [-3.0, 3.0];
+/// Factors of an order, by their logarithms: what they may be.
+const FACTORS: [f64; 2] = [-6.9, 6.9];
 
 const LENGTH: Number = (
     |p| p.segment_length.ln(),

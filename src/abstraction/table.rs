@@ -9,6 +9,12 @@ use crate::tree::measure::{Measures, Spread};
 /// The format's name.
 pub const FORMAT: &str = "ramus-table/1";
 
+/// Lengths of orders at most: a segment's, and many times more.
+const LENGTH_MOST: f64 = 1e15;
+/// Rows of orders at most, and branches of one.
+const ORDERS_READ: usize = 10_000;
+const BRANCHES_MOST: usize = 1_000_000_000;
+
 /// A mean and its standard deviation, the population's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeanStd {
@@ -154,7 +160,7 @@ impl Table {
         table.completed()
     }
 
-    fn check(&self) -> Result<(), AbstractionError> {
+    pub(super) fn check(&self) -> Result<(), AbstractionError> {
         let wrong = |why: String| Err(AbstractionError::Table(why));
         let Quantities {
             branch_length,
@@ -188,7 +194,18 @@ impl Table {
                 ));
             }
         }
+        if self.orders.centrifugal.len() > ORDERS_READ {
+            return wrong(format!(
+                "orders.centrifugal has more than {ORDERS_READ} rows, and no tree has as many orders"
+            ));
+        }
         for (place, row) in (0..).zip(&self.orders.centrifugal) {
+            if row.branches > BRANCHES_MOST {
+                return wrong(format!(
+                    "order {place} has {} branches: it must be {BRANCHES_MOST} at most",
+                    row.branches
+                ));
+            }
             if row.order != place {
                 return wrong(format!(
                     "row {place} of orders.centrifugal is of order {}: its rows must be of orders 0, 1, 2 and so on",
@@ -200,9 +217,9 @@ impl Table {
                 ("point_radius", row.point_radius),
                 ("bifurcation_angle_deg", row.bifurcation_angle_deg),
             ] {
-                if of.is_some_and(|of| !(of.mean.is_finite() && of.mean >= 0.0)) {
+                if of.is_some_and(|of| !(0.0..LENGTH_MOST).contains(&of.mean)) {
                     return wrong(format!(
-                        "the mean of {name} of order {place} must be 0 or more"
+                        "the mean of {name} of order {place} must be from 0 to {LENGTH_MOST:e}"
                     ));
                 }
             }

@@ -1,7 +1,7 @@
 //! Trees on the stage, compared on a worker.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use crate::app::compared::{colour, curves, tubes_along};
 use crate::app::queue::Queue;
 use crate::mesh::display::Display;
 use crate::tree::Tree;
-use crate::tree::compare::{Studied, compare};
+use crate::tree::compare::{Studied, compare_with_first};
 use crate::world::World;
 use crate::world::comparing::{Compared, Comparison};
 use crate::world::scene::new_revision;
@@ -19,6 +19,9 @@ use crate::world::scene::new_revision;
 /// reach: each is seen beside the others.
 const THIN: f32 = 0.3;
 const THICK: [f32; 2] = [0.004, 0.01];
+
+/// Larger trees are not compared while somebody waits.
+const SEGMENTS_MOST: usize = 200_000;
 
 /// What was found of trees, or why nothing can be.
 type Done = (Vec<Compared>, Result<Arc<Comparison>, String>);
@@ -65,20 +68,28 @@ impl Comparing {
 
 /// Compares trees, all in the first one's unit.
 fn compared(trees: &[Compared], cancel: &AtomicBool) -> Result<Arc<Comparison>, String> {
-    let stopped = || "the comparison was stopped".to_owned();
+    let stopped = || "The comparison was stopped.".to_owned();
     let Some(first) = trees.first() else {
         return Err(stopped());
     };
     let sized: Vec<Tree> = trees.iter().map(|one| sized(one, first.metres)).collect();
     for tree in &sized {
+        let segments = tree.segment_count();
+        if segments > SEGMENTS_MOST {
+            return Err(format!(
+                "A tree of {segments} segments is not compared here: write it as a file and give it to `ramus compare`."
+            ));
+        }
         tree.validate()
-            .map_err(|error| format!("a tree cannot be compared: {error}"))?;
+            .map_err(|error| format!("A tree cannot be compared: {error}."))?;
     }
-    let studied: Vec<Studied> = sized
-        .par_iter()
-        .map(|tree| Studied::new(tree, DVec3::ZERO))
-        .collect();
-    let pairs = compare(&studied, cancel, &mut |_, _| {}).ok_or_else(stopped)?;
+    let study = |tree| {
+        let goes_on = !cancel.load(Ordering::Relaxed);
+        goes_on.then(|| Studied::new(tree, DVec3::ZERO))
+    };
+    let studied: Option<Vec<Studied>> = sized.par_iter().map(study).collect();
+    let studied = studied.ok_or_else(stopped)?;
+    let pairs = compare_with_first(&studied, cancel).ok_or_else(stopped)?;
     let reach = studied[0].axis.as_ref().map_or(1.0, |axis| axis.reach);
     let axes: Option<Vec<(Arc<Display>, u64)>> = sized
         .into_iter()
@@ -89,10 +100,7 @@ fn compared(trees: &[Compared], cancel: &AtomicBool) -> Result<Arc<Comparison>, 
     Ok(Arc::new(Comparison {
         plots: plots.collect(),
         numbers: studied.iter().map(|one| one.numbers.clone()).collect(),
-        pairs: pairs
-            .into_iter()
-            .filter(|pair| pair.places[0] == 0)
-            .collect(),
+        pairs,
         axes: axes.ok_or_else(stopped)?,
         colours: (0..trees.len()).map(colour).collect(),
     }))

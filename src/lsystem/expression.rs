@@ -7,6 +7,8 @@ use super::code::{Expression, FUNCTIONS, MAX_STACK, Op, PICK, binary_value};
 use super::error::{GrammarError, GrammarErrors, nearest};
 use super::source::Cursor;
 
+/// Values that `pick` picks from at most: the stack has room for them and for what is around.
+const PICKED_MOST: usize = 100;
 /// Nesting of parentheses and signs in one expression.
 const MAX_DEPTH: usize = 100;
 
@@ -331,9 +333,15 @@ impl Parser<'_, '_, '_> {
         Ok(count)
     }
 
-    /// `pick(i, a, b, …)`, which takes as many as the stack holds.
+    /// `pick(i, a, b, …)`.
     fn pick(&mut self, start: usize) -> Result<(), GrammarError> {
-        let count = self.arguments(MAX_STACK)?;
+        let count = self.arguments(PICKED_MOST + 1)?;
+        if count > PICKED_MOST + 1 {
+            return Err(self.cursor.error_at(
+                start,
+                format!("`{PICK}` takes {PICKED_MOST} values at most to pick from"),
+            ));
+        }
         let values = match u16::try_from(count.saturating_sub(1)) {
             Ok(values) if values > 0 => values,
             _ => {
@@ -482,6 +490,7 @@ mod tests {
             ("pick(0, 7, 8, 9) + pick(1.9, 7, 8, 9) * 10", 87.0),
             ("pick(y, 7, 8, 9) + pick(x * 1e300, 7, 8, 9)", 16.0),
             ("pick(x, 5)", 5.0),
+            (&format!("1 + pick(99{})", ", 2".repeat(100)), 3.0),
             ("2 * pick(1, x, pick(0, y, x))", -4.0),
             ("min(x, y) + max(x, y)", 1.0),
             ("log(exp(1))", 1.0),
@@ -517,6 +526,10 @@ mod tests {
             ("sin(1,2)", "takes 1 argument; found 2"),
             ("pick(1)", "values to pick from"),
             ("pick()", "found 0 arguments"),
+            (
+                &format!("pick(x{})", ", 1".repeat(101)),
+                "100 values at most",
+            ),
             ("pick", "without its arguments"),
             ("pik(1, 2)", "nearest known is `pick`"),
             ("1 = 2", "`==`"),

@@ -73,6 +73,7 @@ impl Sketch {
             stroke
                 .radii
                 .extend(radii.iter().copied().map(quantize::radius));
+            stroke.tidy_radii();
         })?;
         next.validate()?;
         Ok((next, apex))

@@ -169,6 +169,13 @@ impl Stroke {
         }
     }
 
+    /// A stroke of whose nodes none has a radius lists none, so that equal strokes are equal data.
+    pub(crate) fn tidy_radii(&mut self) {
+        if self.radii.iter().all(|radius| *radius == 0.0) {
+            self.radii = Vec::new();
+        }
+    }
+
     /// Moves node `node` (1 or more) to a place relative to the stroke's start. On a curve it becomes a
     /// handle if it was none, and the nodes in the two spans to either side are placed anew.
     pub(super) fn move_own_node(&mut self, node: u32, to: Vec3) {
@@ -227,6 +234,7 @@ impl Stroke {
     pub(super) fn truncate(&mut self, nodes: usize) {
         self.points.truncate(nodes);
         self.radii.truncate(nodes);
+        self.tidy_radii();
         let apex = self.segments();
         let was_curve = self.is_curve();
         self.handles.retain(|&handle| handle < apex);

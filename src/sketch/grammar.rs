@@ -53,7 +53,7 @@ impl Sketch {
         with_own(self.generated_rules(), &self.own_rules)
     }
 
-    /// Whether another sketch has the same [`Self::rules_text`]: then at most its nodes are elsewhere.
+    /// Whether another sketch has the same [`Self::rules_text`]: then at most its nodes and radii are others.
     #[must_use]
     pub fn has_rules_of(&self, other: &Self) -> bool {
         let says = |stroke: &Stroke| (stroke.letter, stroke.attachment, stroke.self_similar);

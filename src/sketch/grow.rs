@@ -9,6 +9,7 @@
 //! derives one step, a step back none, and a stroke more or less leaves what grew before it. What it
 //! gives is what [`grow`] gives.
 
+use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
 
 use super::{BOUNDS, Letter, Predictor, Sketch, SketchError, dictionary::Dictionary};
@@ -224,19 +225,18 @@ fn limits(sketch: &Sketch, segments: u64) -> Limits {
     }
 }
 
-/// How thick nodes are whose letters have radii of their own, metres at full size, 0 for the others; none where no letter has any. A line that is longer than
-/// its stroke goes on as thick as that ends, and becomes thinner as it did.
+/// How thick nodes are whose letters have radii of their own, metres at full size, 0 for the others; none where no letter has any. A node has the radius of its
+/// place in the line, counted in segments. A line that is longer than its stroke goes on as thick as that ends, and becomes thinner as it did.
 fn given_radii(sketch: &Sketch, tree: &Tree) -> Option<Vec<f32>> {
-    let thick = || sketch.strokes.iter().filter(|one| !one.radii.is_empty());
-    thick().next()?;
-    let names: Vec<(String, &[f32])> = thick()
-        .map(|one| (one.letter.to_string(), one.radii.as_slice()))
+    let thick = sketch.strokes.iter().filter(|one| !one.radii.is_empty());
+    let known: HashMap<String, Profile<'_>> = thick
+        .map(|one| (one.letter.to_string(), Profile::of(&one.radii)))
         .collect();
-    let radii_of = |name: &String| {
-        let found = names.iter().find(|(known, _)| known == name);
-        found.map(|(_, radii)| *radii)
-    };
-    let of_letter: Vec<Option<&[f32]>> = tree.letters.iter().map(radii_of).collect();
+    if known.is_empty() {
+        return None;
+    }
+    let of_letter: Vec<Option<&Profile<'_>>> =
+        tree.letters.iter().map(|name| known.get(name)).collect();
     // Which segment of its line each node ends, from 0.
     let mut along = vec![0_usize; tree.len()];
     let mut given = vec![0.0; tree.len()];
@@ -250,21 +250,47 @@ fn given_radii(sketch: &Sketch, tree: &Tree) -> Option<Vec<f32>> {
         if tree.parent[below] != NO_PARENT && of(below) == of(node) {
             along[node] = along[below] + 1;
         }
-        let radii = of_letter.get(usize::from(tree.letter[node])).copied();
-        if let Some(radii) = radii.flatten() {
-            given[node] = sketch.scale * radius_at(radii, along[node]);
+        let profile = of_letter.get(usize::from(tree.letter[node])).copied();
+        if let Some(profile) = profile.flatten() {
+            given[node] = sketch.scale * profile.at(along[node]);
         }
     }
     Some(given)
 }
 
-/// The radius behind so many segments of a line.
-fn radius_at(radii: &[f32], segment: usize) -> f32 {
-    let mut known = radii.iter().copied().filter(|radius| *radius > 0.0);
-    let first = known.next().unwrap_or(1.0);
-    let thinner = (known.next_back().unwrap_or(first) / first).min(1.0);
-    let times = i32::try_from(segment / radii.len()).unwrap_or(i32::MAX);
-    radii[segment % radii.len()] * thinner.powi(times)
+/// The radii of a stroke, and how they go on behind its end.
+#[derive(Debug)]
+struct Profile<'a> {
+    radii: &'a [f32],
+    /// By how much it becomes thinner from its first radius to its last, 1 at most.
+    thinner: f32,
+    /// No thinner than this: a tenth of its end.
+    least: f32,
+}
+
+impl<'a> Profile<'a> {
+    /// Of radii, at least one.
+    fn of(radii: &'a [f32]) -> Self {
+        let known = || radii.iter().copied().filter(|radius| *radius > 0.0);
+        let first = known().next().unwrap_or(1.0);
+        let last = known().next_back().unwrap_or(first);
+        Self {
+            radii,
+            thinner: (last / first).min(1.0),
+            least: (last * 0.1).max(BOUNDS.radius[0]),
+        }
+    }
+
+    /// The radius behind so many segments of a line; 0 where it has none of its own.
+    fn at(&self, segment: usize) -> f32 {
+        let times = segment / self.radii.len();
+        let radius = self.radii[segment % self.radii.len()];
+        if radius == 0.0 || times == 0 {
+            return radius;
+        }
+        let thinner = self.thinner.powi(i32::try_from(times).unwrap_or(i32::MAX));
+        (radius * thinner).max(self.least.min(radius))
+    }
 }
 
 fn radius_params(sketch: &Sketch) -> RadiusParams {

@@ -196,6 +196,12 @@ pub(super) fn name(of: &str, words: &Words) -> String {
         "point_radius" => words.points,
         "centerline_length" => words.whole_way,
         "bifurcation_angle_deg" => words.angle,
+        "branch_radius" => words.radius,
+        "parent_angle_deg" => words.parent_angle,
+        "stem_length" => words.stem,
+        "tortuosity" => words.tortuosity,
+        "curvature" => words.curvature,
+        "torsion" => words.torsion,
         other => other,
     };
     match is_std {
@@ -532,7 +538,7 @@ impl Page<'_, '_> {
                         continue;
                     }
                     let mut to = factor;
-                    let value = DragValue::new(&mut to).range(0.01..=100.0).speed(0.01);
+                    let value = DragValue::new(&mut to).range(0.001..=1000.0).speed(0.01);
                     let answer = ui.add(value.max_decimals(2));
                     self.number(&answer, |params| of.factors_mut(params)[order] = to);
                 }
@@ -573,7 +579,10 @@ impl Page<'_, '_> {
                     least
                 };
                 let speed = 0.01 * number.abs().max(1e-3);
-                let value = DragValue::new(number).range(least..=1e6).speed(speed);
+                let value = DragValue::new(number)
+                    .range(least..=1e6)
+                    .clamp_existing_to_range(false)
+                    .speed(speed);
                 let answer = ui.add(value);
                 ui.label(name);
                 let to = *number;

@@ -7,7 +7,7 @@ use super::{
     models::{linked, name_of},
     panels::{CompareWish, View, Wish},
     plot,
-    theme::{INK, MESSAGE, SMALLEST},
+    theme::{INK, MESSAGE, SMALLEST, TITLE},
     words::Words,
 };
 use crate::mesh::unit::Rounded;
@@ -65,7 +65,7 @@ impl Comparisons {
                 ui.label(RichText::new(view.settings.language.say(why)).color(MESSAGE));
             }
             Some((Ok(found), _)) => {
-                self.found(ui, view, words, found, with);
+                self.found(ui, view, words, found, &with);
                 lay_over(ui, view, words, wishes);
                 linked(ui, view, words, wishes);
             }
@@ -82,13 +82,14 @@ impl Comparisons {
     ) {
         self.pair = self.pair.min(found.pairs.len().saturating_sub(1));
         for (place, (pair, subject)) in found.pairs.iter().zip(with).enumerate() {
-            ui.horizontal_wrapped(|ui| {
+            ui.horizontal(|ui| {
                 square(ui, found.colours[place + 1]);
-                let said = format!("{}: {}", called(view, words, *subject), kind(pair, words));
-                if ui.selectable_label(self.pair == place, said).clicked() {
+                let name = called(view, words, *subject);
+                if ui.selectable_label(self.pair == place, name).clicked() {
                     self.pair = place;
                 }
             });
+            ui.label(RichText::new(kind(pair, words)).color(TITLE));
         }
         if let Some(pair) = found.pairs.get(self.pair) {
             verdict(ui, words, pair);
@@ -105,7 +106,7 @@ impl Comparisons {
             true => format!("{} ({})", words.off_by, words.at_one_size),
             false => words.off_by.to_owned(),
         };
-        let heads = ["1", "2", off.as_str()].map(str::to_owned);
+        let heads = [words.in_the_model, words.in_the_other, off.as_str()].map(str::to_owned);
         cells(ui, "", heads, INK);
         let told = |number: Option<f64>| {
             number.map_or_else(|| "-".to_owned(), |number| Rounded(number).to_string())
@@ -188,7 +189,7 @@ fn choose(ui: &mut Ui, view: &View<'_>, words: &Words, at: usize, wishes: &mut V
             let can = is_chosen || with.len() < OTHERS_MOST;
             let answer = ui.add_enabled(can, egui::Button::selectable(is_chosen, label));
             if answer.clicked() {
-                let mut with = with.to_vec();
+                let mut with = with.clone();
                 match is_chosen {
                     true => with.retain(|other| *other != one),
                     false => with.push(one),

@@ -3,10 +3,10 @@
 //! A model is compared by its centerlines, an L-system's tree and a skeleton as they are, the sketch as far as it has grown. Nothing of it is kept in the
 //! project; what changes on the stage is compared anew.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat3, Vec3};
-use serde::{Deserialize, Serialize};
 
 use super::World;
 use super::document::Document;
@@ -24,7 +24,7 @@ use crate::tree::compare::numbers::Number;
 pub const OTHERS_MOST: usize = 3;
 
 /// What is compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// The model of this number.
     Model(usize),
@@ -170,16 +170,19 @@ impl World {
         let models = self.document().models.len();
         let store = &mut self.tools.models.comparing;
         store.chosen = (!with.is_empty()).then_some((at, with));
+        store.found.take_if(|_| store.chosen.is_none());
         store.models = models;
         self.tools.models.changes += 1;
     }
 
-    /// What a model is compared with.
+    /// What a model is compared with, as far as that has a tree.
     #[must_use]
-    pub fn compared_with(&self, at: usize) -> &[Subject] {
-        match &self.tools.models.comparing.chosen {
-            Some((model, with)) if *model == at => with,
-            _ => &[],
+    pub fn compared_with(&self, at: usize) -> Vec<Subject> {
+        let trees = self.chosen_trees().unwrap_or_default();
+        let of = |one: &Compared| one.subject == Subject::Model(at);
+        match trees.split_first() {
+            Some((first, others)) if of(first) => others.iter().map(|one| one.subject).collect(),
+            _ => Vec::new(),
         }
     }
 
@@ -187,18 +190,19 @@ impl World {
     #[must_use]
     pub fn wanted_comparison(&self) -> Option<Vec<Compared>> {
         let wanted = self.chosen_trees()?;
-        (!self.is_found(&wanted)).then_some(wanted)
+        let found = self.tools.models.comparing.found.as_ref();
+        let is_found = found.is_some_and(|(known, _)| {
+            known.len() == wanted.len() && known.iter().zip(&wanted).all(|(a, b)| a.is(b))
+        });
+        (!is_found).then_some(wanted)
     }
 
-    /// Whether these trees are still those to be compared.
+    /// Whether these are trees of what is to be compared, though they may have changed since.
     #[must_use]
     pub fn wants_comparison(&self, trees: &[Compared]) -> bool {
-        let subjects =
-            |trees: &[Compared]| -> Vec<Subject> { trees.iter().map(|one| one.subject).collect() };
-        let chosen = self.tools.models.comparing.chosen.as_ref();
-        chosen.is_some_and(|(at, with)| {
-            let first = [Subject::Model(*at)];
-            subjects(trees) == [first.as_slice(), with].concat()
+        self.chosen_trees().is_some_and(|chosen| {
+            let subjects = chosen.iter().map(|one| one.subject);
+            subjects.eq(trees.iter().map(|one| one.subject))
         })
     }
 
@@ -235,19 +239,41 @@ impl World {
         self.tools.models.changes += 1;
     }
 
+    /// The model that was chosen and what it is compared with, as far as they have trees; none where there are no two.
     fn chosen_trees(&self) -> Option<Vec<Compared>> {
         let (at, with) = self.tools.models.comparing.chosen.as_ref()?;
         let first = self.compared(Subject::Model(*at))?;
-        let others = with.iter().map(|one| self.compared(*one));
-        let others: Option<Vec<Compared>> = others.collect();
-        Some([vec![first], others?].concat())
+        let others = with.iter().filter_map(|one| self.compared(*one));
+        let trees: Vec<Compared> = std::iter::once(first).chain(others).collect();
+        (trees.len() > 1).then_some(trees)
     }
 
-    fn is_found(&self, trees: &[Compared]) -> bool {
-        let found = self.tools.models.comparing.found.as_ref();
-        found.is_some_and(|(known, _)| {
-            known.len() == trees.len() && known.iter().zip(trees).all(|(a, b)| a.is(b))
-        })
+    /// The model over which others are laid.
+    fn laid_over(&self) -> Option<usize> {
+        let store = &self.tools.models.comparing;
+        let (trees, found) = store.found.as_ref()?;
+        let (at, _) = store.chosen.as_ref()?;
+        let is_laid = store.overlay != Overlay::None && found.is_ok();
+        (is_laid && self.wants_comparison(trees)).then_some(*at)
+    }
+
+    /// The document with the model seen through over which others are laid.
+    pub(super) fn seen_through<'a>(&self, document: &'a Document) -> Cow<'a, Document> {
+        let Some(at) = self.laid_over() else {
+            return Cow::Borrowed(document);
+        };
+        let mut seen = document.clone();
+        if let Some(model) = Arc::make_mut(&mut seen.models).get_mut(at) {
+            model.surface = model.surface.and(Some(SurfaceLook::XRay));
+        }
+        Cow::Owned(seen)
+    }
+
+    /// Describes trees that are laid over a model.
+    pub(super) fn draw_overlay(&self, document: &Document, scene: &mut Scene) {
+        if let Some(at) = self.laid_over() {
+            self.tools.models.draw_overlay(at, document, scene);
+        }
     }
 
     /// The tree of something, where it has one.
@@ -257,9 +283,10 @@ impl World {
             return Some(Compared::of(subject, Arc::clone(tree), 1.0));
         };
         let model = self.document().models.get(at)?;
-        let skeleton = self
-            .loaded_model(model)
-            .and_then(|loaded| loaded.skeleton.as_ref());
+        // While another one grows the one before is still seen.
+        let models = &self.tools.models;
+        let loaded = models.loaded(model).filter(|_| models.is_read(model));
+        let skeleton = loaded.and_then(|loaded| loaded.skeleton.as_ref());
         let owner = match skeleton {
             Some(tree) => Owner::Tree(Arc::clone(tree)),
             None => Owner::Lines(Arc::clone(self.lines(model)?.ok()?)),
@@ -274,18 +301,9 @@ impl World {
 }
 
 impl Models {
-    /// The model over which others are laid, which is seen through then.
-    pub(super) fn laid_over(&self) -> Option<usize> {
+    fn draw_overlay(&self, at: usize, document: &Document, scene: &mut Scene) {
         let store = &self.comparing;
-        let (at, _) = store.chosen.as_ref()?;
-        let is_found = matches!(&store.found, Some((trees, Ok(_))) if trees.first()?.subject == Subject::Model(*at));
-        (store.overlay != Overlay::None && is_found).then_some(*at)
-    }
-
-    /// Describes trees that are laid over a model.
-    pub(super) fn draw_overlay(&self, document: &Document, scene: &mut Scene) {
-        let store = &self.comparing;
-        let (Some(at), Some((trees, Ok(found)))) = (self.laid_over(), &store.found) else {
+        let Some((trees, Ok(found))) = &store.found else {
             return;
         };
         let (Some(model), Some(first)) = (document.models.get(at), trees.first()) else {

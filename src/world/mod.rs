@@ -541,13 +541,14 @@ impl World {
         );
         let meant = |at| self.tools.means_model(at);
         let (models, head) = (&self.tools.models, self.tools.head);
-        models.draw(document, meant, stage, palette, head, scene);
+        let seen = self.seen_through(document);
+        models.draw(&seen, meant, stage, palette, head, scene);
         let lit = [0, 1].map(|hand| self.tools.end_meant(hand));
         models.draw_marks(document, lit, head, scene);
         let both = [document, self.history.committed()];
         let branches = [0, 1].map(|hand| self.tools.branch_meant(hand));
         models.draw_lines(both, branches, head, scene);
-        models.draw_overlay(document, scene);
+        self.draw_overlay(document, scene);
         let highlights = self.tools.hands.map(|hand| match (hand.hold, hand.hover) {
             (tools::Hold::Node(at), _) | (_, Hover::Node { at, .. }) => Some(at),
             _ => None,

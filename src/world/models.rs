@@ -18,7 +18,7 @@ use super::input::Pose;
 use super::likeness::Likeness;
 use super::marks::Marks;
 use super::model::{Colouring, LoadedModel, Model, SIDE_BOUNDS};
-use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene, SurfaceLook};
+use super::scene::{Color, ModelLook, PlacedModel, Rod, Scene};
 use super::signs;
 use super::stage::{Palette, StageParams, furniture, rim};
 use super::tools::{Hand, Hold, Hover, Tools};
@@ -258,7 +258,6 @@ impl Models {
         scene: &mut Scene,
     ) {
         let pedestal = pedestal(stage);
-        let laid_over = self.laid_over();
         for (at, model) in document.models.iter().enumerate() {
             let place = &model.place;
             furniture(place, meant(at), &pedestal, palette, &mut scene.plates);
@@ -281,10 +280,6 @@ impl Models {
                 let symbol = model.unit.symbol();
                 signs::write(format_args!("{length} {symbol}"), at, head, scene);
             }
-            let mut look = model.look();
-            if laid_over == Some(at) {
-                look.surface = look.surface.and(Some(SurfaceLook::XRay));
-            }
             scene.models.push(PlacedModel {
                 display: Arc::clone(display),
                 revision,
@@ -292,7 +287,7 @@ impl Models {
                 look: ModelLook {
                     cut: self.plane,
                     lamp: self.lamp,
-                    ..look
+                    ..model.look()
                 },
             });
         }

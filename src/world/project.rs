@@ -289,14 +289,16 @@ fn malformed(error: &serde_json::Error) -> ProjectError {
 fn document_from_file(file: File) -> Document {
     let strokes = file.strokes.into_iter().map(|stroke| {
         let radii = stroke.radii.unwrap_or_default();
-        Arc::new(Stroke {
+        let mut stroke = Stroke {
             letter: stroke.letter,
             points: stroke.points.into_iter().map(quantize::point).collect(),
             attachment: stroke.attachment,
             self_similar: stroke.self_similar,
             handles: stroke.handles.unwrap_or_default(),
             radii: radii.into_iter().map(quantize::radius).collect(),
-        })
+        };
+        stroke.tidy_radii();
+        Arc::new(stroke)
     });
     let sketch = Sketch {
         strokes: strokes.collect(),

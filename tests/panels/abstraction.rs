@@ -174,6 +174,21 @@ fn a_tree_grows_on_and_back_and_has_other_seeds_and_numbers() {
     assert!(within.is_some_and(|radii| radii.iter().all(|radius| *radius > 0.0)));
     assert!(parts(&visitor, 0)[0] < 200);
 
+    // Each order can have numbers of its own; looking at them changes nothing.
+    for _ in 0..2 {
+        press(&mut visitor, "one order more");
+    }
+    let factors = |visitor: &Visitor| likeness(visitor, 0).params.length_by_order.clone();
+    assert_eq!(factors(&visitor), [1.0; 2]);
+    let edits = visitor.workshop.edits();
+    visitor.frame();
+    assert_eq!(visitor.workshop.edits(), edits);
+    press(&mut visitor, "one order less");
+    assert_eq!(
+        (factors(&visitor), visitor.workshop.edits()),
+        (vec![1.0], edits + 1)
+    );
+
     // It is written as a grammar that grows the same, and as files for others.
     for ending in ["LSYS", "GLB", "OBJ", "SWC"] {
         press(&mut visitor, ending);
@@ -261,4 +276,19 @@ fn a_model_becomes_a_sketch_and_its_branch_a_brush() {
     press(&mut visitor, "Draw with this branch");
     assert!(points(&visitor) > before + 5);
     assert_eq!(visitor.workshop.edits(), edits + 2);
+
+    // It is as thick as the scan until that is switched off.
+    let thick = |visitor: &Visitor| {
+        let strokes = visitor.document().sketch.strokes.clone();
+        strokes
+            .iter()
+            .map(|one| one.radii.len())
+            .collect::<Vec<_>>()
+    };
+    let before = thick(&visitor);
+    assert_eq!(before[0], visitor.document().sketch.strokes[0].points.len());
+    press(&mut visitor, "Letters");
+    press(&mut visitor, "as thick as the scan");
+    assert_eq!(thick(&visitor), [[0].as_slice(), &before[1..]].concat());
+    assert_eq!(visitor.workshop.edits(), edits + 3);
 }

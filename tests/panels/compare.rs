@@ -34,8 +34,8 @@ fn inks(picture: &RgbaImage) -> [usize; 2] {
     [count(0), count(1)]
 }
 
-/// Opens a model's page, whose name stands at the top of the tab.
-fn page(visitor: &mut Visitor, name: &str) {
+/// Scrolls the tab to its top.
+fn top(visitor: &mut Visitor) {
     let resting = visitor.frame.hands[RIGHT];
     for _ in 0..200 {
         let (_, size) = visitor.place(PanelId::Bench);
@@ -44,6 +44,12 @@ fn page(visitor: &mut Visitor, name: &str) {
         visitor.frame();
     }
     visitor.frame.hands[RIGHT] = resting;
+    visitor.frame();
+}
+
+/// Opens a model's page, whose name stands there.
+fn page(visitor: &mut Visitor, name: &str) {
+    top(visitor);
     press(visitor, name);
 }
 
@@ -73,7 +79,32 @@ fn a_model_is_compared_with_a_tree_and_a_sketch_and_they_are_laid_over_it() {
     let pair = &one.pairs[0];
     assert_eq!(pair.branches[0], 3);
     assert!(pair.scale > 2.0, "{}", pair.scale);
-    assert!(says(&visitor, "the sketch: "));
+    assert_eq!(
+        pair.verdict.kind,
+        Kind::Different,
+        "half of it has not grown"
+    );
+    assert!(says(&visitor, "different"));
+
+    // Stepped back to nothing it is compared no more, and grown again it is.
+    press(&mut visitor, "Grow");
+    for _ in 0..12 {
+        visitor.click(RIGHT, PanelId::Bench, "Back");
+    }
+    visitor.workshop.finish_tree();
+    assert_eq!(visitor.document().step, 0);
+    press(&mut visitor, "Models");
+    top(&mut visitor);
+    assert!(visitor.workshop.world().comparison(0).is_none());
+    assert!(says(&visitor, "Nothing else here has a tree"));
+    assert!(!says(&visitor, "different"));
+    press(&mut visitor, "Grow");
+    visitor.click_nth(RIGHT, PanelId::Bench, "Grow", 2);
+    visitor.workshop.finish_tree();
+    press(&mut visitor, "Models");
+    visitor.workshop.finish_models();
+    let less = found(&visitor, 0);
+    assert_ne!(less.numbers[1], one.numbers[1]);
 
     // So is a tree that was found like it, but for its places.
     press(&mut visitor, "L-system");

@@ -150,7 +150,23 @@ pub fn compare(
     cancel: &AtomicBool,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Option<Vec<Pair>> {
-    let places: Vec<[usize; 2]> = (0..all.len())
+    pairs(all, all.len(), cancel, progress)
+}
+
+/// Compares all others with the first tree. None where `cancel` is set.
+pub fn compare_with_first(all: &[Studied], cancel: &AtomicBool) -> Option<Vec<Pair>> {
+    pairs(all, 1, cancel, &mut |_, _| {})
+}
+
+/// Compares so many trees, from the first on, with all behind them.
+fn pairs(
+    all: &[Studied],
+    firsts: usize,
+    cancel: &AtomicBool,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Option<Vec<Pair>> {
+    // In the order in which distances of all are worked out, so that these of the first come first.
+    let places: Vec<[usize; 2]> = (0..firsts.min(all.len()))
         .flat_map(|a| (a + 1..all.len()).map(move |b| [a, b]))
         .collect();
     progress(0, places.len());

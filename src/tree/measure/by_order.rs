@@ -11,7 +11,7 @@ pub struct OfOrder {
     pub order: u32,
     /// Lengths of its branches, as many as it has.
     pub length: Spread,
-    /// The mean radius along its branches, by length.
+    /// The mean radius along its branches, by length; 0 where they have none.
     pub radius: f64,
     /// Angles between branches of it that leave the same junction.
     pub angle: Spread,
@@ -36,7 +36,10 @@ pub(super) fn by_order(branches: &[Branch], junctions: &[Junction]) -> Vec<OfOrd
     orders
         .map(|(((order, lengths), radius), angles)| OfOrder {
             order,
-            radius: radius / lengths.iter().sum::<f64>(),
+            radius: match lengths.iter().sum::<f64>() {
+                long if long > 0.0 => radius / long,
+                _ => 0.0,
+            },
             length: spread(lengths),
             angle: spread(angles),
         })

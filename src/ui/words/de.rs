@@ -140,12 +140,14 @@ pub(super) const WORDS: Words = Words {
     branch_edits: "Äste wegzunehmen oder anzufügen",
     apart_in_space: "Abstand, übereinander gelegt",
     off_by: "anders um",
+    in_the_other: "anderes",
     at_one_size: "gleich groß",
     all_numbers: "alle Zahlen",
     lay_over: "Übereinander:",
     not_laid: "nein",
     root_to_root: "Wurzel auf Wurzel",
     fitted: "eingepasst",
+    parent_angle: "Winkel zum Mutterast",
     own_radii: "so dick wie der Scan",
     by_order: "je Ordnung: Länge, Radius, Winkel",
     one_more: "eine Ordnung mehr",
@@ -325,6 +327,19 @@ pub(super) fn part(name: &str) -> String {
 
 /// What the world says, English and German; `{}` stands for what is said in between, which stays in its order.
 pub(super) const SAID: &[(&str, &str)] = &[
+    // Comparisons.
+    (
+        "A tree of {} segments is not compared here: write it as a file and give it to `ramus compare`.",
+        "Ein Baum aus {} Segmenten wird hier nicht verglichen: als Datei schreiben und `ramus compare` geben.",
+    ),
+    (
+        "A tree cannot be compared: {}.",
+        "Ein Baum kann nicht verglichen werden: {}.",
+    ),
+    (
+        "The comparison was stopped.",
+        "Der Vergleich wurde abgebrochen.",
+    ),
     // Marks on models.
     ("Stopped reading {}.", "{} wird nicht weiter gelesen."),
     (

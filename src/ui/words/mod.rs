@@ -110,7 +110,7 @@ macro_rules! words {
 words! {
     take_branch, take_tree,
     part_lsystem, lines_first, seed, abstract_this, another_one, trees_drawn, stand_beside, numbers_match, in_the_model, in_the_tree, by_rules, segments, iterations, no_intersections, within_ellipsoid, trees_of_numbers,
-    part_compare, compare_with, the_sketch, nothing_to_compare, comparing, same_tree, same_kind, alike_in_part, too_few_to_tell, different_trees, numbers_match_both, distributions_apart, no_counterpart, branch_edits, apart_in_space, off_by, at_one_size, all_numbers, lay_over, not_laid, root_to_root, fitted, own_radii, by_order, one_more, one_less,
+    part_compare, compare_with, the_sketch, nothing_to_compare, comparing, same_tree, same_kind, alike_in_part, too_few_to_tell, different_trees, numbers_match_both, distributions_apart, no_counterpart, branch_edits, apart_in_space, off_by, in_the_other, at_one_size, all_numbers, lay_over, not_laid, root_to_root, fitted, parent_angle, own_radii, by_order, one_more, one_less,
     part_lines, find_lines, no_lines, finding, waits, trigger_chooses, inscribed_balls, branch, branches, junctions, tips, length, tortuosity, torsion, taper, volume, area, order, strahler, horsfield, radius_here, mean_radius, mean, deviation, least, most, upwards, whole_way, stem, points, path_radius, summary, how_many, not_reached, write_lines, again, caps, bridge_gaps,
     reading, part_look, part_mend, part_places, the_trigger, trigger_draws, trigger_marks, trigger_measures, next_end, snap_ends, source, target, sources, targets, endpoints, no_endpoints, propose, take, take_all, refuse, refuse_all, open_end, tip, write_endpoints, read_endpoints,
     distance, along, angle, thickness, curvature, radius, measured, no_measures, places, opposite_side, by_rays, no_way, no_numbers,
@@ -210,6 +210,7 @@ mod tests {
             include_str!("../../world/marking.rs"),
             include_str!("../../world/branches.rs"),
             include_str!("../../world/scanned.rs"),
+            include_str!("../../app/comparing.rs"),
         ];
         let mut found = 0;
         for source in sources {
