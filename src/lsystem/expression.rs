@@ -345,9 +345,10 @@ impl Parser<'_, '_, '_> {
         let values = match u16::try_from(count.saturating_sub(1)) {
             Ok(values) if values > 0 => values,
             _ => {
+                let s = if count == 1 { "" } else { "s" };
                 return Err(self.cursor.error_at(
                     start,
-                    format!("`{PICK}` takes a place and the values to pick from, as in `{PICK}(i, 1, 0.8)`; found {count} arguments"),
+                    format!("`{PICK}` takes a place and the values to pick from, as in `{PICK}(i, 1, 0.8)`; found {count} argument{s}"),
                 ));
             }
         };
@@ -524,7 +525,10 @@ mod tests {
             ("sin", "without its arguments"),
             ("min(1)", "takes 2 arguments; found 1"),
             ("sin(1,2)", "takes 1 argument; found 2"),
-            ("pick(1)", "values to pick from"),
+            (
+                "pick(1)",
+                "values to pick from, as in `pick(i, 1, 0.8)`; found 1 argument",
+            ),
             ("pick()", "found 0 arguments"),
             (
                 &format!("pick(x{})", ", 1".repeat(101)),

@@ -200,7 +200,7 @@ impl<'a> View<'a> {
             moment: world.moment(),
             playing: world.is_playing(),
             speed: world.speed(),
-            undo: [world.history().undo_count(), world.history().redo_count()],
+            undo: [world.undo_count(), world.history().redo_count()],
             bench: world.has_panel(PanelId::Bench),
             draw: world.settings(),
             lesson: world.lesson(),

@@ -90,6 +90,11 @@ impl History {
         true
     }
 
+    /// What was undone cannot be redone any more.
+    pub fn forget_undone(&mut self) {
+        self.future.clear();
+    }
+
     /// Takes the last edit back, because it goes on as another: it cannot be redone. In the journal that is an undo, with
     /// whatever comes next behind it. False: there is none.
     pub fn take_back(&mut self) -> bool {

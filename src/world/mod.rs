@@ -135,6 +135,8 @@ pub struct World {
     course: Course,
     /// The sitting of a study, if this is one.
     study: Option<Study>,
+    /// How many edits there were when its task began.
+    before_task: usize,
     /// The sketch as it was when its rules were looked at last.
     ruled: Arc<Sketch>,
     board: LiveBoard,
@@ -172,6 +174,7 @@ impl World {
             rig: Rig::new(params.room),
             course: Course::default(),
             study: None,
+            before_task: 0,
             ruled,
             board: LiveBoard::default(),
             string: String::new(),
@@ -257,7 +260,7 @@ impl World {
             string: &self.string,
             segments: self.growth.segments(),
             waiting: self.growth.is_waiting(),
-            undo: [self.history.undo_count(), self.history.redo_count()],
+            undo: [self.undo_count(), self.history.redo_count()],
             message: self.message.as_ref().map(|message| &*message.text),
             string_revision: self.string_revision,
         };
@@ -393,9 +396,17 @@ impl World {
         self.tools.untry();
         self.tools.finish_strokes(&mut self.history);
         self.tools.let_go();
-        let done = self.history.undo();
+        let done = self.undo_count() > 0 && self.history.undo();
         self.follow_history();
         done
+    }
+
+    /// How many edits can be undone: in the task of a study those of the task alone.
+    #[must_use]
+    pub fn undo_count(&self) -> usize {
+        let begun = self.study.as_ref().is_some_and(Study::is_begun);
+        let before = if begun { self.before_task } else { 0 };
+        self.history.undo_count().saturating_sub(before)
     }
 
     /// Redoes the last edit undone; hands let go of everything. False: there was none.

@@ -390,7 +390,7 @@ fn pages(plan: &Plan) -> Vec<Page> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     #![allow(
         clippy::unwrap_used,
         clippy::missing_assert_message,
@@ -414,7 +414,7 @@ mod tests {
         }
     }
 
-    fn begun() -> Study {
+    pub(crate) fn begun() -> Study {
         Study::resume(plan(), Progress::default())
     }
 
