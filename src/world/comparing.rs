@@ -279,7 +279,8 @@ impl World {
     /// The tree of something, where it has one.
     fn compared(&self, subject: Subject) -> Option<Compared> {
         let Subject::Model(at) = subject else {
-            let tree = self.growth.tree().filter(|tree| tree.segment_count() > 0)?;
+            // Step 0 shows the root alone.
+            let tree = self.growth.tree().filter(|tree| tree.len() > 1)?;
             return Some(Compared::of(subject, Arc::clone(tree), 1.0));
         };
         let model = self.document().models.get(at)?;
