@@ -65,6 +65,7 @@ fn orders_have_the_lengths_radii_and_angles_of_their_factors() {
     // What a person opens grows the same.
     let said = text(&params);
     assert!(said.contains("pick(f, 0.5, 2, 0.25)"), "{said}");
+    assert!(said.contains("other, forks) a live tip"), "{said}");
     assert!(Grammar::parse(&said, "orders.lsys").is_ok());
     // None are as all of them 1.
     let plain = Params {

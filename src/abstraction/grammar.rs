@@ -51,11 +51,15 @@ pub fn grammar(params: &Params) -> Result<Grammar, AbstractionError> {
 }
 
 fn write_text(text: &mut String, params: &Params) -> std::fmt::Result {
-    text.push_str(
+    // Forks below a branch are counted only where something goes by them.
+    let by_forks = ByOrder::ALL.iter().any(|of| !of.factors(params).is_empty());
+    let forks_below = if by_forks { ", forks" } else { "" };
+    writeln!(
+        text,
         "# A branching structure by its statistics: Algorithm 1 of van Nielen, Verbeek and Cao.\n\
-         # I(length, radius, iteration, centerline) is a segment, B(time, order, iteration, centerline, longest, other) a live tip, D a dead one,\n\
-         # J a fork as it comes into being.\n",
-    );
+         # I(length, radius, iteration, centerline) is a segment, B(time, order, iteration, centerline, longest, other{forks_below}) a live tip, D a dead one,\n\
+         # J a fork as it comes into being."
+    )?;
     writeln!(text, "seed {}\nsteps {}", params.seed, steps(params))?;
     let stem = params.stem_length;
     let constants: [(&str, f64); 14] = [
@@ -105,8 +109,6 @@ fn write_text(text: &mut String, params: &Params) -> std::fmt::Result {
         text.push_str("I(l, r, i, c) -> I(l, r + radial_increment, i, c)\n");
     }
     let [long, thick] = [ByOrder::Length, ByOrder::Radius].map(|of| of_order(params, of));
-    // Forks below a branch are counted only where something goes by them.
-    let by_forks = ByOrder::ALL.iter().any(|of| !of.factors(params).is_empty());
     let [f, next, first] = match by_forks {
         true => [", f", ", f + 1", ", 1"],
         false => [""; 3],
