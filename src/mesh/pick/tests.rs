@@ -110,6 +110,19 @@ fn the_nearest_place_may_be_a_face_an_edge_or_a_corner() {
     );
 }
 
+/// A point on an edge of triangles, over whom rounding gives it a height.
+#[test]
+fn a_point_on_an_edge_is_not_beyond_its_triangles() {
+    let on_edge = DVec3::new(0.0, 1.0, 1.0);
+    for times in 1..1000_u16 {
+        let third = Vec3::new(1.1e-9, -3.3e-10, 0.37) * f32::from(times);
+        let corners = [Vec3::new(-1.0, 3.0, -2.0), Vec3::new(2.0, -3.0, 7.0), third];
+        assert!(!triangle::is_beyond(corners, on_edge, 0.0), "{third}");
+        let above = on_edge + triangle::normal(corners) * 1e-12;
+        assert!(triangle::is_beyond(corners, above, 0.0), "{third}");
+    }
+}
+
 #[test]
 fn no_ray_slips_out_of_a_closed_surface() {
     for (scale, by) in [

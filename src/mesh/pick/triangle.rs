@@ -77,6 +77,9 @@ impl Sheared {
 const SLIVER: f64 = 1e-10;
 /// What rounding may add to a height's square, as a part of it.
 const ROUNDING: f64 = 1e-6;
+/// What it may leave of a height of nothing, squared: a part of the height of a corner that stands on its triangle. Without it a point on an
+/// edge is beyond its own triangle where only that distance, zero, is asked for.
+const FLAT: f64 = 1e-29;
 
 /// A triangle with what does not change from point to point.
 #[derive(Clone, Copy, Debug)]
@@ -181,9 +184,11 @@ pub(super) fn nearest(corners: [Vec3; 3], point: DVec3) -> (DVec3, f64) {
 #[inline]
 pub(super) fn is_beyond(corners: [Vec3; 3], point: DVec3, squared: f64) -> bool {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
-    let across = (b - a).cross(c - a);
-    let height = across.dot(point - a);
-    height * height > squared * across.length_squared() * (1.0 + ROUNDING)
+    let (ab, ac, ap) = (b - a, c - a, point - a);
+    let across = ab.cross(ac);
+    let height = across.dot(ap);
+    let least = FLAT * ab.length_squared() * ac.length_squared() * ap.length_squared();
+    height * height > squared * across.length_squared() * (1.0 + ROUNDING) + least
 }
 
 /// The nearest point of three edges.
