@@ -16,14 +16,18 @@ mod chains;
 mod check;
 mod classes;
 mod curve;
+mod edges;
 mod error;
 mod forms;
 mod frames;
+mod level;
+mod nodes;
 mod number;
 mod out;
 mod pairs;
 mod plan;
 mod shape;
+mod template;
 mod write;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -68,7 +72,17 @@ pub struct Exact {
 }
 
 /// Parts of the tolerance: of nodes that are left out, of parts that productions draw, of numbers that are rounded.
-const SHARES: [[f64; 3]; 4] = [[0.65, 0.3, 0.2], [0.2, 0.75, 0.2], [0.01, 0.94, 0.2], EVEN];
+const SHARES: [[f64; 3]; 5] = [
+    [0.65, 0.3, 0.2],
+    [0.2, 0.75, 0.2],
+    [0.01, 0.94, 0.2],
+    ALL,
+    EVEN,
+];
+/// No node is left out, not even on straight lines: what a rule makes there is of equal parts only with all of them.
+const ALL: [f64; 3] = [-1.0, 0.95, 0.2];
+/// Its place among the shares.
+const ALL_NODES: usize = 3;
 /// What is written with so many digits that what is equal stays equal, for repeats in the axiom alone.
 const EVEN: [f64; 3] = [0.01, 0.94, 0.003];
 /// How alike parts are, radians.
@@ -92,8 +106,20 @@ struct Setting {
     share: usize,
     /// Whether what is repeated in the axiom becomes productions.
     shorten: bool,
-    /// None without productions.
-    alike: Option<(Rolled, f64)>,
+    by: By,
+}
+
+/// What productions are made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum By {
+    /// There are none but those of the axiom's own repeats.
+    Segments,
+    /// Parts that are equal, with frames rolled so and numbers alike that are no farther apart.
+    Parts(Rolled, f64),
+    /// All segments are rewritten, or
+    Edges(f64),
+    /// one module is, numbers being alike that are no farther apart.
+    Nodes(f64),
 }
 
 /// Checks what is asked for; returns the tree's size, the diagonal of its box.
@@ -157,7 +183,9 @@ pub fn exact(
     };
     for setting in search.best(progress)? {
         let shape = &shapes[setting.share];
-        let (grammar, order, size) = search.written(setting)?;
+        let Some((grammar, order, size)) = search.written(setting)? else {
+            continue;
+        };
         let Some((drawn, error)) = drawn(tree, shape, &order, &grammar, cancel)? else {
             continue;
         };
@@ -185,7 +213,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn written(&self, setting: Setting) -> Result<(String, Vec<u32>, Size), ExactError> {
+    fn written(&self, setting: Setting) -> Result<Option<Written>, ExactError> {
         Way::new(&self.shapes[setting.share], setting, self.tolerance).written(self.cancel)
     }
 
@@ -195,14 +223,14 @@ impl Search<'_> {
         let done = AtomicUsize::new(0);
         let tried = |settings: Vec<Setting>| -> Result<Vec<(usize, Setting)>, ExactError> {
             let sizes = settings.into_par_iter().map(|setting| {
-                let (_, _, size) = self.written(setting)?;
+                let written = self.written(setting)?;
                 progress(
                     done.fetch_add(1, Ordering::Relaxed) + 1,
                     all.len() + SHORTENED + SHARES.len(),
                 );
-                Ok((size.symbols(), setting))
+                Ok(written.map(|(_, _, size)| (size.symbols(), setting)))
             });
-            sizes.collect()
+            sizes.filter_map(Result::transpose).collect()
         };
         let mut found = tried(all.clone())?;
         // Among equals the earlier one is first: the order of trying is kept.
@@ -211,8 +239,9 @@ impl Search<'_> {
             .iter()
             .enumerate()
             .filter_map(|(place, (_, setting))| {
-                let is_tried = place < SHORTENED || setting.alike.is_none();
-                is_tried.then_some(Setting {
+                let is_tried = place < SHORTENED || setting.by == By::Segments;
+                let may_be = !matches!(setting.by, By::Edges(_) | By::Nodes(_));
+                (is_tried && may_be).then_some(Setting {
                     shorten: true,
                     ..*setting
                 })
@@ -234,32 +263,43 @@ fn stop_if(cancel: &AtomicBool) -> Result<(), ExactError> {
 /// What is tried, the simplest first.
 fn settings(shapes: &[Shape]) -> Vec<Setting> {
     let mut settings = Vec::new();
+    let fewer = shapes[ALL_NODES - 1].len();
     for (share, shape) in shapes.iter().enumerate() {
         // The first share leaves the fewest nodes, and with so many nothing else is worth its time.
         if share > 0 && shape.len() > MANY[1] {
             continue;
         }
+        let mut add = |by: By| {
+            settings.push(Setting {
+                share,
+                shorten: false,
+                by,
+            });
+        };
         let apart: &[f64] = match MANY.map(|many| shape.len() > many) {
             [false, _] => &APART,
             [true, false] => &APART_OF_MANY,
             [_, true] => &APART_OF_MOST,
         };
-        let shorten = false;
-        settings.push(Setting {
-            share,
-            shorten,
-            alike: None,
-        });
+        if share == ALL_NODES {
+            for apart in apart {
+                add(By::Edges(*apart));
+                add(By::Nodes(*apart));
+            }
+            // Where as good as no node lies on a straight line, this is the share before.
+            if shape.len() == fewer || shape.len() > MANY[0] {
+                continue;
+            }
+        } else {
+            add(By::Segments);
+        }
         if SHARES[share] == EVEN {
             continue;
         }
         for rolled in [Rolled::ByBranches, Rolled::Level] {
-            let alike = apart.iter().map(|apart| Some((rolled, *apart)));
-            settings.extend(alike.map(|alike| Setting {
-                share,
-                shorten,
-                alike,
-            }));
+            apart
+                .iter()
+                .for_each(|apart| add(By::Parts(rolled, *apart)));
         }
     }
     settings
@@ -287,12 +327,15 @@ fn written_out(tree: &Tree, tolerance: f64, cancel: &AtomicBool) -> Result<Size,
     let setting = Setting {
         share: 0,
         shorten: false,
-        alike: None,
+        by: By::Segments,
     };
     let way = Way::new(&shape, setting, tolerance);
     let plan = way.planner(None).plan(&|_| false, cancel)?;
     Ok(plain(&plan, false, false).1)
 }
+
+/// A grammar, the order in which it draws the shape's nodes, and its size.
+type Written = (String, Vec<u32>, Size);
 
 /// A way to write a shape.
 struct Way<'a> {
@@ -335,14 +378,42 @@ impl<'a> Way<'a> {
         }
     }
 
-    /// The grammar, the order in which it draws the shape's nodes, and its size.
-    fn written(&self, cancel: &AtomicBool) -> Result<(String, Vec<u32>, Size), ExactError> {
+    /// None where it cannot be written so.
+    fn written(&self, cancel: &AtomicBool) -> Result<Option<Written>, ExactError> {
         stop_if(cancel)?;
-        let Some((rolled, apart)) = self.setting.alike else {
-            let plan = self.planner(None).plan(&|_| false, cancel)?;
-            let (text, size) = plain(&plan, true, self.setting.shorten);
-            return Ok((text, plan.drawn, size));
-        };
+        match self.setting.by {
+            By::Segments => {
+                let plan = self.planner(None).plan(&|_| false, cancel)?;
+                let (text, size) = plain(&plan, true, self.setting.shorten);
+                Ok(Some((text, plan.drawn, size)))
+            }
+            By::Parts(rolled, apart) => self.in_parts(rolled, apart, cancel).map(Some),
+            By::Edges(apart) => Ok(self.rewritten(edges::rewritten, apart, cancel)),
+            By::Nodes(apart) => Ok(self.rewritten(nodes::rewritten, apart, cancel)),
+        }
+    }
+
+    /// By one production, of trees that are everywhere as thick.
+    fn rewritten(
+        &self,
+        by: fn(&Shape, f64, f64, &AtomicBool) -> Option<Written>,
+        apart: f64,
+        cancel: &AtomicBool,
+    ) -> Option<Written> {
+        let first = *self.shape.children(0).first()?;
+        let off = self.shape.radius[first as usize] - self.shape.radius[0];
+        // Else the root needs a thickness of its own.
+        let width = self.one_width.filter(|_| off.abs() <= self.room.root)?;
+        by(self.shape, width, apart, cancel)
+    }
+
+    /// With productions for parts that are equal.
+    fn in_parts(
+        &self,
+        rolled: Rolled,
+        apart: f64,
+        cancel: &AtomicBool,
+    ) -> Result<Written, ExactError> {
         let one_radius = self.one_width.is_some();
         let classes = Classes::new(
             self.shape,
@@ -353,58 +424,101 @@ impl<'a> Way<'a> {
             },
         );
         stop_if(cancel)?;
-        let level = self.written_with(&classes, &Forms::new(&classes, false), cancel)?;
-        let forms = Forms::new(&classes, true);
-        if !forms.has_fixed() {
+        let of = |fixed| Parts {
+            classes: &classes,
+            forms: Forms::new(&classes, fixed),
+            chains: Chains::default(),
+        };
+        let level = self.written_with(&of(false), cancel)?;
+        let fixed = of(true);
+        if !fixed.forms.has_fixed() {
             return Ok(level);
         }
-        let fixed = self.written_with(&classes, &forms, cancel)?;
+        let fixed = self.written_with(&fixed, cancel)?;
         let smaller = fixed.2.symbols() < level.2.symbols();
         Ok(if smaller { fixed } else { level })
     }
 
     /// The same with the forms that classes are written in.
-    fn written_with(
-        &self,
-        classes: &Classes,
-        forms: &Forms,
-        cancel: &AtomicBool,
-    ) -> Result<(String, Vec<u32>, Size), ExactError> {
-        let one_radius = self.one_width.is_some();
+    fn written_with(&self, parts: &Parts<'_>, cancel: &AtomicBool) -> Result<Written, ExactError> {
         let several = |class: &classes::Class| class.uses > 1 && class.height > 0;
-        let mut named: Vec<bool> = classes.all.iter().map(several).collect();
-        let mut pays = vec![true; forms.families.len()];
-        let planner = self.planner(Some(classes));
-        let mut round = 0;
-        loop {
-            let has = |class: u32| match forms.of[class as usize] {
-                Form::Leaf => false,
-                Form::Plain => named[class as usize],
-                Form::Level { family, .. } => pays[family as usize],
-                Form::Run { .. } => true,
-            };
-            let plan = planner.plan(&has, cancel)?;
-            let writer = Writer {
-                classes,
-                forms,
-                named: &named,
-                chains: &Chains::default(),
-                next: None,
-                one_radius,
-            };
+        let mut pays = Pays {
+            named: parts.classes.all.iter().map(several).collect(),
+            families: vec![true; parts.forms.families.len()],
+        };
+        for round in 0.. {
+            let (plan, written) = self.planned(parts, &pays, cancel)?;
+            let writer = self.writer(parts, &pays.named);
             let given_up = self.given_up(&writer, &plan);
             if round == ROUNDS || given_up.is_empty() {
-                let (text, size) = writer.write(&plan, self.setting.shorten);
-                return Ok((text, plan.drawn, size));
+                return self.with_wholes(parts, pays, written, cancel);
             }
-            round += 1;
             for rule in given_up {
                 match rule {
-                    Rule::Plain(class) => named[class as usize] = false,
-                    Rule::Family(family) => pays[family as usize] = false,
+                    Rule::Plain(class) => pays.named[class as usize] = false,
+                    Rule::Family(family) => pays.families[family as usize] = false,
                     Rule::Run(_) | Rule::Chain(_) => {}
                 }
             }
+        }
+        Err(ExactError::Cancelled)
+    }
+
+    /// What is smaller: a grammar, or that in which whole trees, which are there once, have productions too, as the last of their parts do.
+    fn with_wholes(
+        &self,
+        parts: &Parts<'_>,
+        mut pays: Pays,
+        written: Written,
+        cancel: &AtomicBool,
+    ) -> Result<Written, ExactError> {
+        let wholes = self
+            .shape
+            .roots()
+            .flat_map(|root| self.shape.children(root));
+        let mut is_new = false;
+        for whole in wholes {
+            let class = parts.classes.of[*whole as usize] as usize;
+            let is_plain = parts.forms.of.get(class) == Some(&Form::Plain);
+            if is_plain && !pays.named[class] {
+                (pays.named[class], is_new) = (true, true);
+            }
+        }
+        if !is_new {
+            return Ok(written);
+        }
+        let (_, other) = self.planned(parts, &pays, cancel)?;
+        let is_smaller = other.2.symbols() < written.2.symbols();
+        Ok(if is_smaller { other } else { written })
+    }
+
+    fn planned(
+        &self,
+        parts: &Parts<'_>,
+        pays: &Pays,
+        cancel: &AtomicBool,
+    ) -> Result<(Plan, Written), ExactError> {
+        let has = |class: u32| match parts.forms.of[class as usize] {
+            Form::Leaf => false,
+            Form::Plain => pays.named[class as usize],
+            Form::Level { family, .. } => pays.families[family as usize],
+            Form::Run { .. } => true,
+        };
+        let plan = self.planner(Some(parts.classes)).plan(&has, cancel)?;
+        let writer = self.writer(parts, &pays.named);
+        let (text, size) = writer.write(&plan, self.setting.shorten);
+        let drawn = plan.drawn.clone();
+        Ok((plan, (text, drawn, size)))
+    }
+
+    fn writer<'b>(&self, parts: &'b Parts<'_>, named: &'b [bool]) -> Writer<'b> {
+        Writer {
+            classes: parts.classes,
+            forms: &parts.forms,
+            named,
+            chains: &parts.chains,
+            next: None,
+            one_radius: self.one_width.is_some(),
         }
     }
 
@@ -442,6 +556,21 @@ impl<'a> Way<'a> {
         }
         given_up
     }
+}
+
+/// Equal parts, and the forms that they are written in.
+struct Parts<'a> {
+    classes: &'a Classes,
+    forms: Forms,
+    /// None: a writer finds its own.
+    chains: Chains,
+}
+
+/// What has productions.
+struct Pays {
+    /// Classes that are written plainly.
+    named: Vec<bool>,
+    families: Vec<bool>,
 }
 
 /// Segments that each word of a plan draws.

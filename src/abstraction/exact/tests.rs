@@ -254,6 +254,71 @@ fn a_rule_of_several_forks_repeats_itself_whatever_it_ends_in() {
     assert!(same.symbols() <= small.symbols() + 2, "{small:?} {same:?}");
 }
 
+/// Rules of one production, with what they are found as; the first of ABOP's figure 1.24, the others with the turns and the growth of examples of Guo et
+/// al. (2020, `our-branch-N`).
+const ONE_RULE: [(&str, &str); 12] = [
+    (
+        "steps 5\naxiom F\nF -> F [ +(25.7) F ] F [ -(25.7) F ] F",
+        "F(l) -> F(l) [ +(25.7) F(l) ] F(l) [ +(-25.7) F(l) ] F(l)",
+    ),
+    (
+        "steps 5\naxiom F\nF -> F [ +(20) F ] F [ -(20) F ] [ F ]",
+        "F(l) -> F(l) [ +(20) F(l) ] F(l) [ F(l) ] [ +(-20) F(l) ]",
+    ),
+    (
+        "steps 4\naxiom F\nF -> F F -(22.5) [ -(22.5) F +(22.5) F +(22.5) F ] +(22.5) [ +(22.5) F -(22.5) F -(22.5) F ]",
+        "F(l) -> F(l) F(l) [ +(22.5) F(l) +(-22.5) F(l) +(-22.5) F(l) ] [ +(-45) F(l) +(22.5) F(l) +(22.5) F(l) ]",
+    ),
+    (
+        "steps 5\naxiom F\nF -> F [ +(30) F ] F [ -(30) F ] F",
+        "F(l) -> F(l) [ +(30) F(l) ] F(l) [ +(-30) F(l) ] F(l)",
+    ),
+    (
+        "steps 6\naxiom A(1)\nA(s) -> F(s) [ +(85) A(s) ] [ -(20) A(0.7*s) ]\nF(l) -> F(1.4*l)",
+        "A(l) -> F(l) [ +(-20) A(l*0.5) ] +(85) A(l*0.714286)",
+    ),
+    (
+        "steps 6\naxiom X\nX -> A [ +(40) X ] [ -(40) X ]\nA -> F(1) [ +(30) F(1) ] F(1) [ -(30) F(1) ] F(1)\nF(l) -> F(1.6*l)",
+        "A(l) -> F(l) [ +(30) F(l) ] F(l) [ +(-30) F(l) ] F(l) [ +(-40) A(l*0.625) ] +(40) A(l*0.625)",
+    ),
+    (
+        "steps 6\naxiom X\nX -> F(1) [ +(40) X ] [ -(40) X ] F(1) X\nF(l) -> F(1.64*l)",
+        "A(l) -> F(l) [ +(40) A(l*0.60976) ] [ +(-40) A(l*0.60976) ] F(l) A(l*0.60976)",
+    ),
+    (
+        "steps 6\naxiom X\nX -> F(1) [ +(40) X ] F(1) [ -(40) X ] X\nF(l) -> F(1.9*l)",
+        "A(l) -> F(l) [ +(40) A(l*0.52632) ] F(l) [ +(-40) A(l*0.52632) ] A(l*0.52632)",
+    ),
+    (
+        "steps 6\naxiom X\nX -> F(1) [ +(40) X ] F(1) [ -(40) X ] +(40) X\nF(l) -> F(2.3*l)",
+        "A(l) -> F(l) [ +(40) A(l*0.43478) ] F(l) [ +(-40) A(l*0.43478) ] +(40) A(l*0.43478)",
+    ),
+    (
+        "steps 6\naxiom X\nX -> F(1) [ +(40) F(1) ] [ -(40) X ] +(40) F(1) -(40) F(1) [ +(40) X ] -(40) X\nF(l) -> F(2.2*l)",
+        "A(l) -> F(l) [ +(40) F(l) ] [ +(-40) A(l*0.45455) ] +(40) F(l) +(-40) F(l) [ +(40) A(l*0.45455) ] +(-40) A(l*0.45455)",
+    ),
+    (
+        "steps 4\naxiom F\nF -> F [ +(40) F [ +(40) F [ -(40) F ] ] [ +(40) F [ +(40) F ] ] ] [ -(40) F [ -(40) F [ +(40) F ] ] ]",
+        "F(l) -> F(l) [ +(-40) F(l) +(-40) F(l) +(40) F(l) ] [ +(40) F(l) [ +(40) F(l) +(40) F(l) ] +(40) F(l) +(-40) F(l) ]",
+    ),
+    (
+        "steps 60\naxiom X\nX -> F(1) +(30) X\nF(l) -> F(1.02*l)",
+        "A(l) -> F(l) +(30) A(l*0.980392)",
+    ),
+];
+
+#[test]
+fn rules_of_one_production_are_found_again_as_they_are() {
+    for (text, rule) in ONE_RULE {
+        let tree = grown(text);
+        let exact = found(&tree, 1e-3 * size(&tree));
+        let (_, own) = exact.grammar.split_once("\naxiom !(0.1) ").unwrap();
+        let (_, own) = own.split_once('\n').unwrap();
+        assert_eq!(own.replace("\n ", "").trim_end(), rule);
+        assert_eq!(topology(&exact.tree), topology(&tree), "{rule}");
+    }
+}
+
 #[test]
 fn a_helix_is_one_production() {
     let nodes: Vec<(i64, [f32; 3], f32)> = (0_u8..120)
@@ -408,8 +473,55 @@ fn random_tree() -> impl Strategy<Value = Tree> {
     })
 }
 
+/// What a production makes: modules in brackets or not, with turns that differ, and how many modules and parameters that takes. `again` is the module that
+/// is made again, where `may` says so.
+fn any_rule(again: &'static str) -> impl Strategy<Value = (String, usize)> {
+    let angles = Just(vec![-75, -60, -45, -30, -15, 15, 30, 45, 60, 75]).prop_shuffle();
+    let items = prop::collection::vec((prop::bool::ANY, prop::bool::ANY), 1..5);
+    (angles, items).prop_map(move |(angles, items)| {
+        let mut body = "F(l)".to_owned();
+        let mut symbols = 2;
+        let count = items.len();
+        for (at, ((bracketed, is_again), angle)) in items.into_iter().zip(angles).enumerate() {
+            let is_last = at + 1 == count;
+            // What goes on behind the module is not what is looked for.
+            let bracketed = !is_last && (bracketed || again == "A");
+            let module = match is_last || is_again {
+                true => again,
+                false => "F",
+            };
+            let module = if module == "A" { "A(l*0.6)" } else { "F(l)" };
+            body += &match bracketed {
+                true => format!(" [ +({angle}) {module} ]"),
+                false => format!(" +({angle}) {module}"),
+            };
+            symbols += 4 + 2 * usize::from(bracketed);
+        }
+        (body, symbols)
+    })
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_rule_that_makes_its_module_again_is_found_again(
+        (edges, few) in any_rule("F"),
+        (nodes, some) in any_rule("A"),
+        steps in 2_u32..4,
+    ) {
+        for (text, symbols) in [
+            (format!("steps {steps}\naxiom F(1)\nF(l) -> {edges}"), few),
+            (format!("steps {}\naxiom A(1)\nA(l) -> {nodes}", steps + 1), some),
+        ] {
+            let tree = grown(&text);
+            let exact = found(&tree, 1e-4 * size(&tree));
+            prop_assert_eq!(topology(&exact.tree), topology(&tree));
+            // Its width, its first module with a length, and the head.
+            prop_assert!(exact.size.symbols() <= symbols + 6, "{}\n{}", text, exact.grammar);
+        }
+    }
+
 
     #[test]
     fn any_tree_is_drawn_again(tree in random_tree(), part in 0.0005_f64..0.3) {
