@@ -9,10 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Written;
 use super::axiom::Axiom;
-use super::level::{Level, short};
+use super::level::{Kinds, Level, short};
 use super::out::{Out, Size};
 use super::plan::{Plan, Word};
-use super::shape::Shape;
 use super::template::{SEGMENTS_MOST, Template};
 use crate::tree::NO_PARENT;
 
@@ -20,8 +19,7 @@ use crate::tree::NO_PARENT;
 const TEMPLATES: usize = 24;
 
 /// Nodes whose parts may be templates, one of each kind, the smallest first.
-fn candidates(level: &Level, apart: f64) -> Vec<u32> {
-    let kinds = level.kinds(apart);
+fn candidates(level: &Level, kinds: &Kinds) -> Vec<u32> {
     let segments = |node: &u32| kinds.segments[*node as usize];
     let fits = |node: &u32| {
         let own = segments(node);
@@ -67,18 +65,18 @@ fn undone(template: &Template, level: &Level, apart: f64) -> Option<(Level, Vec<
     Some((Level::new(parent, turn, length), made))
 }
 
-/// The smallest grammar of one production that rewrites all segments; none where no such draws the shape. Numbers are alike that are no farther `apart`,
+/// The smallest grammar of one production that rewrites all segments; none where no such draws the tree. Numbers are alike that are no farther `apart`,
 /// radians and logarithms.
 pub(super) fn rewritten(
-    shape: &Shape,
+    finest: &Level,
+    kinds: &Kinds,
     width: f64,
     apart: f64,
     cancel: &AtomicBool,
 ) -> Option<Written> {
-    let finest = Level::of(shape)?;
     let mut best: Option<Written> = None;
-    for first in candidates(&finest, apart) {
-        let Some(mut template) = Template::of(&finest, first, |_| false) else {
+    for first in candidates(finest, kinds) {
+        let Some(mut template) = Template::of(finest, first, |_| false) else {
             continue;
         };
         let stances = template.stance.clone();
@@ -87,10 +85,10 @@ pub(super) fn rewritten(
                 return None;
             }
             (template.end, template.stance) = (Some(end), stances.clone());
-            let Some((coarser, made)) = undone(&template, &finest, apart) else {
+            let Some((coarser, made)) = undone(&template, finest, apart) else {
                 continue;
             };
-            template.fitted(&finest, &made);
+            template.fitted(finest, &made);
             let mut levels = vec![(coarser, made)];
             while let Some(next) = undone(&template, &levels[levels.len() - 1].0, apart) {
                 levels.push(next);

@@ -16,6 +16,8 @@ use crate::tree::{NO_PARENT, Tree};
 
 /// Parts of what is alike that numbers are rounded by.
 const ROUNDED: f64 = 0.125;
+/// Turns, and lengths as multiples, that differ: more than the largest template has.
+const WAYS_MOST: usize = 256;
 
 /// How a segment stands to the one before it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,8 +102,8 @@ impl Level {
         Stance { yaw, pitch, longer }
     }
 
-    /// Which parts are of one kind: how their segments stand to each other is alike.
-    pub(super) fn kinds(&self, apart: f64) -> Kinds {
+    /// Which parts are of one kind: how their segments stand to each other is alike. None where they stand in more ways than a rule makes.
+    pub(super) fn kinds(&self, apart: f64) -> Option<Kinds> {
         let nodes: Vec<u32> = (1..).take(self.segments()).collect();
         let of = |value: &dyn Fn(Stance) -> f64| {
             let sample = |node: &u32| {
@@ -112,11 +114,13 @@ impl Level {
                     weight: 1.0,
                 }
             };
-            groups(&nodes.iter().map(sample).collect::<Vec<_>>(), apart).0
+            let samples: Vec<Sample> = nodes.iter().map(sample).collect();
+            let (of, numbers) = groups(&samples, apart);
+            (numbers.len() <= WAYS_MOST).then_some(of)
         };
         // A turn by half a circle is one to either side.
-        let yaw = of(&|stance| (stance.yaw + apart).rem_euclid(2.0 * PI));
-        let [pitch, longer] = [of(&|stance| stance.pitch), of(&|stance| stance.longer)];
+        let yaw = of(&|stance| (stance.yaw + apart).rem_euclid(2.0 * PI))?;
+        let (pitch, longer) = (of(&|stance| stance.pitch)?, of(&|stance| stance.longer)?);
         let mut known: HashMap<Vec<[u32; 4]>, u32> = HashMap::new();
         let mut kinds = Kinds {
             of: vec![0; self.parent.len()],
@@ -138,7 +142,7 @@ impl Level {
                 kinds.first.push(*node);
             }
         }
-        kinds
+        Some(kinds)
     }
 }
 

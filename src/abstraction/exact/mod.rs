@@ -44,6 +44,7 @@ use self::chains::Chains;
 use self::classes::{Alike, Classes};
 use self::forms::{Form, Forms};
 use self::frames::Rolled;
+use self::level::Level;
 use self::plan::{Plan, Planner, Room};
 use self::shape::Shape;
 use self::write::{Rule, Writer, part_of, plain};
@@ -91,6 +92,8 @@ const APART: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 0.04, 0.12, 0.35];
 const APART_OF_MANY: [f64; 2] = [1e-3, 0.12];
 const APART_OF_MOST: [f64; 1] = [1e-3];
 const MANY: [usize; 2] = [20_000, 300_000];
+/// Rules that rewrite everything are looked for where no more than this is alike: what is hardly alike is not equal everywhere.
+const RULES_APART: f64 = 0.04;
 /// How many of the smallest grammars have their axioms shortened.
 const SHORTENED: usize = 4;
 /// Rounds in which productions that do not pay are given up.
@@ -116,10 +119,8 @@ enum By {
     Segments,
     /// Parts that are equal, with frames rolled so and numbers alike that are no farther apart.
     Parts(Rolled, f64),
-    /// All segments are rewritten, or
-    Edges(f64),
-    /// one module is, numbers being alike that are no farther apart.
-    Nodes(f64),
+    /// One production, which rewrites all segments or one module; numbers are alike that are no farther apart.
+    Rewriting(f64),
 }
 
 /// Checks what is asked for; returns the tree's size, the diagonal of its box.
@@ -240,7 +241,7 @@ impl Search<'_> {
             .enumerate()
             .filter_map(|(place, (_, setting))| {
                 let is_tried = place < SHORTENED || setting.by == By::Segments;
-                let may_be = !matches!(setting.by, By::Edges(_) | By::Nodes(_));
+                let may_be = !matches!(setting.by, By::Rewriting(_));
                 (is_tried && may_be).then_some(Setting {
                     shorten: true,
                     ..*setting
@@ -282,12 +283,10 @@ fn settings(shapes: &[Shape]) -> Vec<Setting> {
             [_, true] => &APART_OF_MOST,
         };
         if share == ALL_NODES {
-            for apart in apart {
-                add(By::Edges(*apart));
-                add(By::Nodes(*apart));
-            }
-            // Where as good as no node lies on a straight line, this is the share before.
-            if shape.len() == fewer || shape.len() > MANY[0] {
+            let exact = apart.iter().filter(|apart| **apart <= RULES_APART);
+            exact.for_each(|apart| add(By::Rewriting(*apart)));
+            // Where few nodes lie on straight lines, this is as good as the share before.
+            if shape.len() <= fewer + fewer / 8 || shape.len() > MANY[0] {
                 continue;
             }
         } else {
@@ -388,23 +387,23 @@ impl<'a> Way<'a> {
                 Ok(Some((text, plan.drawn, size)))
             }
             By::Parts(rolled, apart) => self.in_parts(rolled, apart, cancel).map(Some),
-            By::Edges(apart) => Ok(self.rewritten(edges::rewritten, apart, cancel)),
-            By::Nodes(apart) => Ok(self.rewritten(nodes::rewritten, apart, cancel)),
+            By::Rewriting(apart) => Ok(self.rewritten(apart, cancel)),
         }
     }
 
-    /// By one production, of trees that are everywhere as thick.
-    fn rewritten(
-        &self,
-        by: fn(&Shape, f64, f64, &AtomicBool) -> Option<Written>,
-        apart: f64,
-        cancel: &AtomicBool,
-    ) -> Option<Written> {
+    /// By one production, of trees that are everywhere as thick: the smaller of both kinds.
+    fn rewritten(&self, apart: f64, cancel: &AtomicBool) -> Option<Written> {
         let first = *self.shape.children(0).first()?;
         let off = self.shape.radius[first as usize] - self.shape.radius[0];
         // Else the root needs a thickness of its own.
         let width = self.one_width.filter(|_| off.abs() <= self.room.root)?;
-        by(self.shape, width, apart, cancel)
+        let level = Level::of(self.shape)?;
+        let kinds = level.kinds(apart)?;
+        let both =
+            [edges::rewritten, nodes::rewritten].map(|by| by(&level, &kinds, width, apart, cancel));
+        both.into_iter()
+            .flatten()
+            .min_by_key(|(_, _, size)| size.symbols())
     }
 
     /// With productions for parts that are equal.
@@ -451,7 +450,7 @@ impl<'a> Way<'a> {
             let writer = self.writer(parts, &pays.named);
             let given_up = self.given_up(&writer, &plan);
             if round == ROUNDS || given_up.is_empty() {
-                return self.with_wholes(parts, pays, written, cancel);
+                return self.with_wholes(parts, pays, (plan, written), cancel);
             }
             for rule in given_up {
                 match rule {
@@ -464,27 +463,31 @@ impl<'a> Way<'a> {
         Err(ExactError::Cancelled)
     }
 
-    /// What is smaller: a grammar, or that in which whole trees, which are there once, have productions too, as the last of their parts do.
+    /// The same where whole trees, which are there once, have productions too, if these are the last levels of chains; what is smaller.
     fn with_wholes(
         &self,
         parts: &Parts<'_>,
         mut pays: Pays,
-        written: Written,
+        (plan, written): (Plan, Written),
         cancel: &AtomicBool,
     ) -> Result<Written, ExactError> {
-        let wholes = self
-            .shape
-            .roots()
-            .flat_map(|root| self.shape.children(root));
-        let mut is_new = false;
-        for whole in wholes {
-            let class = parts.classes.of[*whole as usize] as usize;
-            let is_plain = parts.forms.of.get(class) == Some(&Form::Plain);
-            if is_plain && !pays.named[class] {
-                (pays.named[class], is_new) = (true, true);
-            }
+        let roots = self.shape.roots();
+        let wholes = roots.flat_map(|root| self.shape.children(root));
+        let wholes = wholes.map(|whole| parts.classes.of[*whole as usize]);
+        let is_new = |class: &u32| {
+            let is_plain = parts.forms.of.get(*class as usize) == Some(&Form::Plain);
+            is_plain && !pays.named[*class as usize]
+        };
+        let wholes: Vec<u32> = wholes.filter(is_new).collect();
+        for whole in &wholes {
+            pays.named[*whole as usize] = true;
         }
-        if !is_new {
+        let writer = self.writer(parts, &pays.named);
+        let called: Vec<u32> = plan.words.iter().filter_map(part_of).collect();
+        let mut rules = writer.needed(&called).rules;
+        rules.extend(wholes.iter().map(|whole| Rule::Plain(*whole)));
+        let chains = Chains::new(&writer, &rules);
+        if !wholes.iter().any(|whole| chains.of(*whole).is_some()) {
             return Ok(written);
         }
         let (_, other) = self.planned(parts, &pays, cancel)?;

@@ -7,9 +7,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Written;
-use super::level::{Level, short, turn};
+use super::level::{Kinds, Level, short, turn};
 use super::out::{Out, Size};
-use super::shape::Shape;
 use super::template::{SEGMENTS_MOST, Template};
 
 /// The module.
@@ -17,18 +16,17 @@ const BUD: &str = "A";
 /// No copy grows from a bud.
 const NOTHING: u32 = u32::MAX;
 
-/// The smallest grammar of one production that makes a module again; none where no such draws the shape. Numbers are alike that are no farther
+/// The smallest grammar of one production that makes a module again; none where no such draws the tree. Numbers are alike that are no farther
 /// `apart`, radians and logarithms.
 pub(super) fn rewritten(
-    shape: &Shape,
+    level: &Level,
+    kinds: &Kinds,
     width: f64,
     apart: f64,
     cancel: &AtomicBool,
 ) -> Option<Written> {
-    let level = Level::of(shape)?;
     let roots = level.children.of(0).to_vec();
     let first = *roots.first()?;
-    let kinds = level.kinds(apart);
     let mut tried = vec![kinds.of[first as usize]];
     let mut near = vec![first];
     let mut at = 0;
@@ -44,13 +42,13 @@ pub(super) fn rewritten(
         }
         tried.push(kind);
         let is_bud = |node: u32| kinds.of[node as usize] == kind;
-        let Some(template) = Template::of(&level, first, is_bud) else {
+        let Some(template) = Template::of(level, first, is_bud) else {
             continue;
         };
-        let Some((copies, steps)) = copies(&template, &level, &roots, apart) else {
+        let Some((copies, steps)) = copies(&template, level, &roots, apart) else {
             continue;
         };
-        let (text, size) = written(&template, &level, &roots, steps, width, apart);
+        let (text, size) = written(&template, level, &roots, steps, width, apart);
         if best
             .as_ref()
             .is_none_or(|best| size.symbols() < best.2.symbols())
