@@ -14,7 +14,7 @@ use super::inspect::Loaded;
 use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::{Progress, start_watch};
-use super::trees::of_loaded;
+use super::trees::{held, of_loaded};
 use crate::abstraction::{
     Candidate, Fit, FitParams, Params, Table, Told, blunt, fit, grow, pooled, text as grammar_text,
     variants as variants_of,
@@ -34,7 +34,7 @@ mod exact;
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
     /// The model, which is measured between ends that are found on it; or a table: a .json file that says "ramus-table/1", or what ramus analyze --json printed;
-    /// or a group of models: a folder, or a list (.csv) as ramus cohort takes them; with --exact also a grammar (.lsys) or a project (.ramus)
+    /// or a grammar (.lsys) or a project (.ramus), which is grown and measured; or a group of models: a folder, or a list (.csv) as ramus cohort takes them
     model: PathBuf,
     /// Write the very tree as a compact grammar that draws it again, nowhere off by more than a length in the model's unit, or a part of its size such as 0.5%
     #[arg(long, value_name = "TOLERANCE", value_parser = exact::tolerance, allow_hyphen_values = true, conflicts_with_all = ["candidates", "seed", "variants"])]
@@ -247,9 +247,15 @@ fn table(path: &Path) -> Result<Table> {
     Table::read(&text).with_context(|| format!("cannot take {} for a table", path.display()))
 }
 
-/// The table of a model between ends that are found on it; of a skeleton as it is.
+/// The table of a model between ends that are found on it; of a skeleton, and of what a grammar or a sketch grows, as it is.
 fn measured(path: &Path, read: impl FnOnce(&Path, &AtomicBool) -> Result<Loaded>) -> Result<Table> {
-    let held = of_loaded(path, read)?;
+    let grows = path.extension().is_some_and(|ending| {
+        ending.eq_ignore_ascii_case("lsys") || ending.eq_ignore_ascii_case("ramus")
+    });
+    let held = match grows {
+        true => held(path)?,
+        false => of_loaded(path, read)?,
+    };
     held.remarks.iter().for_each(|remark| whisper!("{remark}"));
     Ok(Table::of(&Measures::new(&held.tree)))
 }

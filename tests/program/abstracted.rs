@@ -133,6 +133,29 @@ fn a_skeleton_is_abstracted_as_it_is() {
 }
 
 /// Trees of two sizes and one that is no tree.
+/// What a grammar grows is measured as its skeleton in a file would be.
+#[test]
+fn what_a_grammar_grows_is_abstracted() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "steps 4\naxiom !(0.1) A(1)\nA(l) -> F(l) [ +(35) /(40) A(l*0.8) ] -(25) A(l*0.9)\n";
+    let grammar = write(folder.path(), "fork.lsys", text);
+    let (good, told, said) = output(abstracted(&grammar, "300").arg("--json"));
+    assert!(good, "{said}");
+    let told: Value = serde_json::from_str(&told).unwrap();
+    let skeleton = folder.path().join("fork.swc");
+    let derived = Command::new(env!("CARGO_BIN_EXE_ramus"))
+        .args(["derive", "--export"])
+        .args([&skeleton, &grammar])
+        .output()
+        .unwrap();
+    assert!(derived.status.success());
+    let (good, of_skeleton, said) = output(abstracted(&skeleton, "300").arg("--json"));
+    assert!(good, "{said}");
+    let of_skeleton: Value = serde_json::from_str(&of_skeleton).unwrap();
+    assert_eq!(told["target"]["counts"], of_skeleton["target"]["counts"]);
+    assert_eq!(told["target"]["counts"]["centerlines"], 8);
+}
+
 fn group(folder: &Path) -> PathBuf {
     for (name, size) in [("a", 1.0), ("b", 1.0), ("c", 1.6)] {
         write(folder, &format!("group/{name}.swc"), &tree(size, 20.0));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Tree ─▶ shape (fewest nodes) ─▶ frames ─▶ classes (equal parts) ─▶ forms (families, runs) ─▶ plan ─▶ write ─▶ grammar
-//!                                                                                                                 │
+//!                  └─▶ level (how segments stand) ─▶ edges, nodes (one production) ─────────────────────────────▶ │
 //!                       the smallest whose deviation is within the tolerance ◀─ check ◀─ Tree ◀─ derived, drawn ◀─┘
 //! ```
 //!
@@ -446,11 +446,10 @@ impl<'a> Way<'a> {
             families: vec![true; parts.forms.families.len()],
         };
         for round in 0.. {
-            let (plan, written) = self.planned(parts, &pays, cancel)?;
-            let writer = self.writer(parts, &pays.named);
-            let given_up = self.given_up(&writer, &plan);
+            let plan = self.plan(parts, &pays, cancel)?;
+            let given_up = self.given_up(&self.writer(parts, &pays.named), &plan);
             if round == ROUNDS || given_up.is_empty() {
-                return self.with_wholes(parts, pays, (plan, written), cancel);
+                return self.with_wholes(parts, pays, plan, cancel);
             }
             for rule in given_up {
                 match rule {
@@ -463,55 +462,53 @@ impl<'a> Way<'a> {
         Err(ExactError::Cancelled)
     }
 
-    /// The same where whole trees, which are there once, have productions too, if these are the last levels of chains; what is smaller.
+    /// What a plan is written as, or where there are chains, whose last levels whole trees may be, what is smaller: that, or the same with productions for
+    /// these, too, though they are there once.
     fn with_wholes(
         &self,
         parts: &Parts<'_>,
         mut pays: Pays,
-        (plan, written): (Plan, Written),
+        plan: Plan,
         cancel: &AtomicBool,
     ) -> Result<Written, ExactError> {
+        let written = |pays: &Pays, plan: Plan| {
+            let writer = self.writer(parts, &pays.named);
+            let chains = writer.chained(&plan);
+            let (text, size) = writer.write(&plan, &chains, self.setting.shorten);
+            ((text, plan.drawn, size), !chains.all.is_empty())
+        };
+        let (one, has_chains) = written(&pays, plan);
         let roots = self.shape.roots();
         let wholes = roots.flat_map(|root| self.shape.children(root));
-        let wholes = wholes.map(|whole| parts.classes.of[*whole as usize]);
-        let is_new = |class: &u32| {
-            let is_plain = parts.forms.of.get(*class as usize) == Some(&Form::Plain);
-            is_plain && !pays.named[*class as usize]
-        };
-        let wholes: Vec<u32> = wholes.filter(is_new).collect();
-        for whole in &wholes {
-            pays.named[*whole as usize] = true;
+        let wholes = wholes.map(|whole| parts.classes.of[*whole as usize] as usize);
+        let is_plain = |class: &usize| parts.forms.of.get(*class) == Some(&Form::Plain);
+        let wholes: Vec<usize> = wholes.filter(is_plain).collect();
+        if !has_chains || wholes.is_empty() {
+            return Ok(one);
         }
-        let writer = self.writer(parts, &pays.named);
-        let called: Vec<u32> = plan.words.iter().filter_map(part_of).collect();
-        let mut rules = writer.needed(&called).rules;
-        rules.extend(wholes.iter().map(|whole| Rule::Plain(*whole)));
-        let chains = Chains::new(&writer, &rules);
-        if !wholes.iter().any(|whole| chains.of(*whole).is_some()) {
-            return Ok(written);
+        for whole in wholes {
+            pays.named[whole] = true;
         }
-        let (_, other) = self.planned(parts, &pays, cancel)?;
-        let is_smaller = other.2.symbols() < written.2.symbols();
-        Ok(if is_smaller { other } else { written })
+        let plan = self.plan(parts, &pays, cancel)?;
+        let (other, _) = written(&pays, plan);
+        let is_smaller = other.2.symbols() < one.2.symbols();
+        Ok(if is_smaller { other } else { one })
     }
 
-    fn planned(
+    /// Which parts are left to productions.
+    fn plan(
         &self,
         parts: &Parts<'_>,
         pays: &Pays,
         cancel: &AtomicBool,
-    ) -> Result<(Plan, Written), ExactError> {
+    ) -> Result<Plan, ExactError> {
         let has = |class: u32| match parts.forms.of[class as usize] {
             Form::Leaf => false,
             Form::Plain => pays.named[class as usize],
             Form::Level { family, .. } => pays.families[family as usize],
             Form::Run { .. } => true,
         };
-        let plan = self.planner(Some(parts.classes)).plan(&has, cancel)?;
-        let writer = self.writer(parts, &pays.named);
-        let (text, size) = writer.write(&plan, self.setting.shorten);
-        let drawn = plan.drawn.clone();
-        Ok((plan, (text, drawn, size)))
+        self.planner(Some(parts.classes)).plan(&has, cancel)
     }
 
     fn writer<'b>(&self, parts: &'b Parts<'_>, named: &'b [bool]) -> Writer<'b> {

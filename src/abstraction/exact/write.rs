@@ -273,18 +273,16 @@ impl Writer<'_> {
         parts.iter().map(of).max().unwrap_or(0)
     }
 
-    /// The grammar; `shorten`: with productions for what is repeated in the axiom.
-    pub(super) fn write(&self, plan: &Plan, shorten: bool) -> (String, Size) {
+    /// The chains among the rules that a plan calls.
+    pub(super) fn chained(&self, plan: &Plan) -> Chains {
         let parts: Vec<u32> = plan.words.iter().filter_map(part_of).collect();
-        let needed = self.needed(&parts);
-        let chains = Chains::new(self, &needed.rules);
-        if chains.all.is_empty() {
-            return self.written(plan, shorten, &parts, needed);
-        }
-        let chained = Writer {
-            chains: &chains,
-            ..*self
-        };
+        Chains::new(self, &self.needed(&parts).rules)
+    }
+
+    /// The grammar; `shorten`: with productions for what is repeated in the axiom.
+    pub(super) fn write(&self, plan: &Plan, chains: &Chains, shorten: bool) -> (String, Size) {
+        let parts: Vec<u32> = plan.words.iter().filter_map(part_of).collect();
+        let chained = Writer { chains, ..*self };
         let needed = chained.needed(&parts);
         chained.written(plan, shorten, &parts, needed)
     }
