@@ -13,7 +13,7 @@ use crate::tree::{Organs, Tree, TreeError};
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// The ending tells no format.
-    #[error("{path}: the ending tells no format; use .glb, .obj or .swc", path = path.display())]
+    #[error("{path}: the ending tells no format; use .glb, .usda, .ply, .obj or .swc", path = path.display())]
     Format {
         /// The path asked for.
         path: PathBuf,
@@ -42,6 +42,10 @@ pub enum ExportError {
 pub enum Format {
     /// Binary glTF: a surface with bark, colours and materials.
     Glb,
+    /// Universal Scene Description as text: a surface with colours and materials.
+    Usd,
+    /// Stanford PLY: a surface with colours.
+    Ply,
     /// Wavefront OBJ: a surface with colours.
     Obj,
     /// SWC: the skeleton with radii.
@@ -60,6 +64,8 @@ impl Format {
             .unwrap_or_default();
         match ending.to_ascii_lowercase().as_str() {
             "glb" => Ok(Self::Glb),
+            "usda" => Ok(Self::Usd),
+            "ply" => Ok(Self::Ply),
             "obj" => Ok(Self::Obj),
             "swc" => Ok(Self::Swc),
             _ => Err(ExportError::Format {
@@ -74,14 +80,34 @@ impl Format {
 /// # Errors
 /// [`ExportError`].
 pub fn drawing(tree: &Tree, organs: &Organs, path: &Path) -> Result<(), ExportError> {
-    let params = ExportParams::default();
+    drawing_with(tree, organs, &ExportParams::default(), path)
+}
+
+/// The same, its tubes with so many sides.
+///
+/// # Errors
+/// [`ExportError`].
+pub fn drawing_with(
+    tree: &Tree,
+    organs: &Organs,
+    params: &ExportParams,
+    path: &Path,
+) -> Result<(), ExportError> {
     match Format::of(path)? {
         Format::Glb => {
-            let file = export::Glb::new(tree, organs, &params)?;
+            let file = export::Glb::new(tree, organs, params)?;
+            write_atomically_with(path, |out| file.write(out))?;
+        }
+        Format::Usd => {
+            let file = export::Usd::new(tree, organs, params)?;
+            write_atomically_with(path, |out| file.write(out))?;
+        }
+        Format::Ply => {
+            let file = export::Ply::new(tree, organs, params)?;
             write_atomically_with(path, |out| file.write(out))?;
         }
         Format::Obj => {
-            let file = export::Obj::new(tree, organs, &params)?;
+            let file = export::Obj::new(tree, organs, params)?;
             write_atomically_with(path, |out| file.write(out))?;
         }
         Format::Swc => {

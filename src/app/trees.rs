@@ -11,12 +11,12 @@ use super::cohort::entries::bytes_of;
 use super::memory;
 use super::store::read_project;
 use crate::centerline::Centerline;
-use crate::lsystem::{Grammar, Limits, TurtleParams, interpret};
+use crate::lsystem::{Grammar, Limits, TurtleParams, draw};
 use crate::mesh::unit::Unit;
 use crate::mesh::{Mesh, ReadLimits};
 use crate::sketch;
 use crate::tree::radii::{self, FitParams};
-use crate::tree::{Tree, import};
+use crate::tree::{Drawing, Tree, import};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,10 +97,31 @@ pub fn of_swc(path: &Path) -> Result<Held> {
 /// # Errors
 /// What is wrong with the grammar, or why it cannot be grown.
 pub fn of_grammar(text: &str, name: &str) -> Result<Held> {
-    let never = AtomicBool::new(false);
     let grammar = Grammar::parse(text, name).map_err(|errors| anyhow!("{errors}"))?;
-    let steps = grammar.steps();
-    let steps = steps.ok_or_else(|| {
+    let (Drawing { tree, .. }, factor) = grown(&grammar, None, name)?;
+    let mut remarks: Vec<String> = grammar.remarks().iter().map(ToString::to_string).collect();
+    if let Some(factor) = factor {
+        remarks.push(format!(
+            "the widths of {name} are far too large for metres and were multiplied by {factor:.2e}"
+        ));
+    }
+    Ok(Held {
+        tree,
+        origin: DVec3::ZERO,
+        holds: Holds::Grammar,
+        unit: None,
+        z_up: false,
+        remarks,
+    })
+}
+
+/// What a grammar draws after so many steps, or the number that it states, and by what its widths were multiplied, where they were far too large for metres.
+///
+/// # Errors
+/// That no number of steps is stated, or why it cannot be grown.
+pub fn grown(grammar: &Grammar, steps: Option<u32>, name: &str) -> Result<(Drawing, Option<f32>)> {
+    let never = AtomicBool::new(false);
+    let steps = steps.or(grammar.steps()).ok_or_else(|| {
         anyhow!("{name} states no number of steps: write one into it, such as `steps 5`")
     })?;
     // An eighth of what is free is left to everybody else.
@@ -119,22 +140,10 @@ pub fn of_grammar(text: &str, name: &str) -> Result<Held> {
         },
         ..TurtleParams::default()
     };
-    let mut tree = interpret(&grammar, &string, &turtle, &never)
-        .map_err(|error| anyhow!("{name}: {error}"))?;
-    let mut remarks: Vec<String> = grammar.remarks().iter().map(ToString::to_string).collect();
-    if let Some(factor) = radii::fit(&mut tree, &FitParams::default()) {
-        remarks.push(format!(
-            "the widths of {name} are far too large for metres and were multiplied by {factor:.2e}"
-        ));
-    }
-    Ok(Held {
-        tree,
-        origin: DVec3::ZERO,
-        holds: Holds::Grammar,
-        unit: None,
-        z_up: false,
-        remarks,
-    })
+    let mut drawing =
+        draw(grammar, &string, &turtle, &never).map_err(|error| anyhow!("{name}: {error}"))?;
+    let factor = radii::fit(&mut drawing.tree, &FitParams::default());
+    Ok((drawing, factor))
 }
 
 /// The tree of a project's sketch at the step at which it was left.

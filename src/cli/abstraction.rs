@@ -51,7 +51,7 @@ pub(super) struct Args {
     /// Print the best, the ranked list and what the source's own rules make as one JSON object on one line
     #[arg(long)]
     json: bool,
-    /// Write the best tree as .glb, .obj or .swc
+    /// Write the best tree as .glb, .usda, .ply, .obj or .swc
     #[arg(long, value_name = "FILE", value_parser = tree_file())]
     export: Option<PathBuf>,
     /// Write the best one's grammar as .lsys

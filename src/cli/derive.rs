@@ -61,7 +61,7 @@ pub(super) struct Args {
     /// Lines of modules that --explain shows at most
     #[arg(long, value_name = "N", requires = "explain", default_value_t = ExplainParams::default().entries)]
     entries: usize,
-    /// Write the tree; the ending tells the format: .glb, .obj or .swc (may be given more than once)
+    /// Write the tree; the ending tells the format: .glb, .usda, .ply, .obj or .swc (may be given more than once)
     #[arg(long, value_name = "FILE", value_parser = tree_file())]
     export: Vec<PathBuf>,
     /// Draw the tree into a PNG picture

@@ -23,6 +23,7 @@ mod compare;
 mod derive;
 mod doctor;
 mod explain;
+mod export;
 mod fmt;
 mod import;
 mod inputs;
@@ -65,6 +66,7 @@ use crate::app::sentence;
         ramus cohort models --groups groups.csv --out results\n  \
         ramus compare duct.ply duct.lsys --png both.png   how alike they are\n  \
         ramus abstract duct.ply --grammar duct.lsys   an L-system whose trees have its statistics\n  \
+        ramus export tree.ramus --format glb --count 20 --out grove   twenty of a kind\n  \
         ramus doctor                                  what this machine has and what it lacks"
 )]
 struct Cli {
@@ -96,6 +98,8 @@ enum Command {
     Compare(compare::Args),
     /// Makes an L-system whose trees have a model's statistics.
     Abstract(abstraction::Args),
+    /// Writes a project's or a grammar's tree for other programs, in levels of detail and many individuals.
+    Export(export::Args),
     /// Runs a study with participants: what they answered, scored and compared.
     Study(study::Args),
     /// Says what this machine has for Ramus and how to mend what is missing.
@@ -120,6 +124,7 @@ pub fn run() -> ExitCode {
         Some(Command::Cohort(args)) => cohort::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Abstract(args)) => abstraction::run(&args, inspect::load),
+        Some(Command::Export(args)) => export::run(&args),
         Some(Command::Study(args)) => study::run(&args),
         Some(Command::Doctor) => doctor::run(),
     };

@@ -48,7 +48,7 @@ pub(super) struct Args {
     /// Write the grammar that the sketch became
     #[arg(long, value_name = "FILE.lsys")]
     lsys: Option<PathBuf>,
-    /// Write the tree that the session ended with; the ending tells the format: .glb, .obj or .swc
+    /// Write the tree that the session ended with; the ending tells the format: .glb, .usda, .ply, .obj or .swc
     #[arg(long, value_name = "FILE", value_parser = tree_file())]
     glb: Option<PathBuf>,
 }

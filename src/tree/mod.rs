@@ -15,6 +15,7 @@ pub mod axes;
 pub mod bark;
 mod cells;
 pub mod compare;
+pub mod detail;
 pub(crate) mod error;
 pub mod export;
 pub mod file;
@@ -28,6 +29,7 @@ mod pages;
 pub mod radii;
 pub(crate) mod solve;
 pub mod tubes;
+pub mod vary;
 
 pub use cells::Cells;
 pub use error::TreeError;

@@ -31,9 +31,11 @@ const GROUND: Color32 = Color32::from_rgb(12, 15, 17);
 const BARK: Color32 = Color32::from_rgb(200, 178, 140);
 const CHOSEN: Color32 = Color32::from_rgb(230, 120, 40);
 /// Files that are written of a tree that grows.
-const ENDINGS: [(&str, &str); 4] = [
+const ENDINGS: [(&str, &str); 6] = [
     ("LSYS", "lsys"),
     ("GLB", "glb"),
+    ("USDA", "usda"),
+    ("PLY", "ply"),
     ("OBJ", "obj"),
     ("SWC", "swc"),
 ];

@@ -43,7 +43,7 @@ pub(super) struct Bench {
 }
 
 /// The files that a tree can be taken home as, by their endings.
-const EXPORTS: [&str; 4] = ["glb", "obj", "swc", "lsys"];
+const EXPORTS: [&str; 6] = ["glb", "usda", "ply", "obj", "swc", "lsys"];
 
 /// Turns from branch to branch that plants are known for, degrees.
 const ANGLES: [f64; 4] = [GOLDEN_DEG, 180.0, 120.0, 90.0];

@@ -22,6 +22,7 @@ mod disk;
 mod doctor;
 mod exact;
 mod explain;
+mod export;
 mod fmt;
 mod inspect;
 mod joined;

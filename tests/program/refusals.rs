@@ -135,14 +135,30 @@ fn wrong_usage_is_refused_before_any_work() {
     let cases: [(&[&str], &[&str], &str); 10] = [
         (&[], &["fly"], "fly"),
         (&derive, &["--steps", "many"], "many"),
-        (&derive, &["--export", "tree.xyz"], ".glb, .obj or .swc"),
-        (&derive, &["--export", "tree"], ".glb, .obj or .swc"),
+        (
+            &derive,
+            &["--export", "tree.xyz"],
+            ".glb, .usda, .ply, .obj or .swc",
+        ),
+        (
+            &derive,
+            &["--export", "tree"],
+            ".glb, .usda, .ply, .obj or .swc",
+        ),
         (&derive, &["--size", "0", "--png", "x.png"], "--size"),
         (&derive, &["--memory", "0"], "--memory"),
         (&derive, &["--png", "tree.jpg"], "use the ending .png"),
         (&derive, &["--widths", "da-vinci", "--tip", "0"], "--tip"),
-        (&replay, &["--glb", "tree.txt"], ".glb, .obj or .swc"),
-        (&replay, &["--glb", "glb"], ".glb, .obj or .swc"),
+        (
+            &replay,
+            &["--glb", "tree.txt"],
+            ".glb, .usda, .ply, .obj or .swc",
+        ),
+        (
+            &replay,
+            &["--glb", "glb"],
+            ".glb, .usda, .ply, .obj or .swc",
+        ),
     ];
     for (command, args, word) in cases {
         let output = ramus()

@@ -5,6 +5,7 @@
 //! Specification: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html> (§4.4 for the chunks).
 
 use std::io::{self, Write};
+use std::sync::OnceLock;
 
 use bytemuck::cast_slice;
 use serde_json::{Value, json};
@@ -60,11 +61,7 @@ impl<'a> Glb<'a> {
             .groups
             .iter()
             .any(|group| group.matter == Matter::Bark);
-        let texture = if has_bark {
-            bark::png(&bark::BarkParams::default())?
-        } else {
-            Vec::new()
-        };
+        let texture = if has_bark { bark_png()? } else { Vec::new() };
         let head = head(tree, organs, params, &surface, texture.len())?;
         Ok(Self {
             head,
@@ -107,6 +104,16 @@ impl<'a> Glb<'a> {
         pad(&mut texture, 0);
         out.write_all(&texture)
     }
+}
+
+/// The picture of bark, painted once for all files.
+fn bark_png() -> Result<Vec<u8>, TreeError> {
+    static PAINTED: OnceLock<Vec<u8>> = OnceLock::new();
+    if let Some(painted) = PAINTED.get() {
+        return Ok(painted.clone());
+    }
+    let painted = bark::png(&bark::BarkParams::default())?;
+    Ok(PAINTED.get_or_init(|| painted).clone())
 }
 
 /// A linear colour as glTF's vertices hold it.

@@ -1,20 +1,24 @@
-//! Drawings as files: GLB and OBJ hold the surface of tubes and organs with their colours, SWC the skeleton's nodes and radii.
+//! Drawings as files: GLB, OBJ, PLY and USD hold the surface of tubes and organs with their colours, SWC the skeleton's nodes and radii.
 //!
 //! The same tree and parameters give the same bytes on every machine and at any time: nothing here reads a clock, hashes
 //! by address or depends on threads. Writing to disk is [`super::file`]'s business.
 //!
-//! A surface takes about a kilobyte a segment, so it is never whole in memory: it is made in parts, once for each kind of number that a file
-//! holds in a row (positions, normals …), and each part is written and forgotten. Making it four times costs less than the disk does.
+//! A surface takes about a kilobyte a segment, so a large one is never whole in memory: it is made in parts, once for each kind of number that a file
+//! holds in a row (positions, normals …), and each part is written and forgotten. Small ones, of which many may be written, are made once and kept.
 
 mod glb;
 mod obj;
+mod ply;
 mod surface;
 mod swc;
+mod usd;
 mod vtp;
 
 pub use glb::{Glb, glb};
 pub use obj::{Obj, obj};
+pub use ply::Ply;
 pub use swc::{Swc, swc};
+pub use usd::Usd;
 pub use vtp::Vtp;
 
 /// How tubes are written.

@@ -18,6 +18,8 @@ use crate::tree::{Tree, TreeError};
 
 /// Vertices of organs that are in memory at a time.
 const ORGAN_PART: usize = 1 << 16;
+/// Surfaces that may have so many vertices are made once and kept: some forty megabytes, since most segments have half as many as they may.
+const KEPT: u64 = 1 << 20;
 
 /// What a group's triangles are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,7 +41,7 @@ pub(super) struct Group {
 }
 
 /// Some of a group's triangles.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(super) struct Part {
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) normals: Vec<[f32; 3]>,
@@ -80,6 +82,8 @@ pub(super) struct Surface<'a> {
     sides: u32,
     organs: &'a Organs,
     looks: LookTable,
+    /// All parts where they are kept, with the vertices of their group before them.
+    kept: Vec<(Matter, u32, Part)>,
     /// In the order in which they are written; none is empty.
     pub(super) groups: Vec<Group>,
 }
@@ -141,14 +145,15 @@ impl<'a> Surface<'a> {
             sides,
             organs,
             looks,
+            kept: Vec::new(),
             groups: Vec::new(),
         };
-        surface.groups = surface.measured()?;
+        surface.groups = surface.measured(tubes + carried <= KEPT)?;
         Ok(surface)
     }
 
-    /// What there is of each group.
-    fn measured(&self) -> Result<Vec<Group>, TreeError> {
+    /// What there is of each group; `keeps` what is made for it.
+    fn measured(&mut self, keeps: bool) -> Result<Vec<Group>, TreeError> {
         let mut matters = BTreeSet::new();
         for record in &self.records {
             matters.insert(self.matter(record));
@@ -157,7 +162,7 @@ impl<'a> Surface<'a> {
         for organ in (0..self.organs.len()).filter_map(|index| organist.organ(index)) {
             matters.insert(Matter::Painted(organ.paint.material));
         }
-        let mut groups = Vec::new();
+        let (mut groups, mut kept) = (Vec::new(), Vec::new());
         for matter in matters {
             let mut group = Group {
                 matter,
@@ -168,12 +173,15 @@ impl<'a> Surface<'a> {
             let mut finite = true;
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             // What is counted is not written, so nothing can fail.
-            let _ = self.each(matter, |part, _| {
+            let _ = self.make(matter, |part, before| {
                 group.vertices += part.positions.len();
                 group.indices += part.indices.len();
                 for position in part.positions.iter().map(|p| Vec3::from(*p)) {
                     finite &= position.is_finite();
                     (low, high) = (low.min(position), high.max(position));
+                }
+                if keeps {
+                    kept.push((matter, before, part));
                 }
                 Ok(())
             });
@@ -185,6 +193,7 @@ impl<'a> Surface<'a> {
                 groups.push(group);
             }
         }
+        self.kept = kept;
         Ok(groups)
     }
 
@@ -194,20 +203,33 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// Makes a group's parts one after the other; each is given with the number of the group's vertices before it.
+    /// Shows a group's parts one after the other; each is given with the number of the group's vertices before it.
     pub(super) fn each(
         &self,
         matter: Matter,
         mut take: impl FnMut(&Part, u32) -> io::Result<()>,
     ) -> io::Result<()> {
+        if self.kept.is_empty() {
+            return self.make(matter, |part, before| take(&part, before));
+        }
+        let mut own = self.kept.iter().filter(|(of, ..)| *of == matter);
+        own.try_for_each(|(_, before, part)| take(part, *before))
+    }
+
+    /// Makes a group's parts.
+    fn make(
+        &self,
+        matter: Matter,
+        mut take: impl FnMut(Part, u32) -> io::Result<()>,
+    ) -> io::Result<()> {
         let mut before = 0;
         let mut give = |part: Part| {
-            take(&part, before)?;
             #[allow(
                 clippy::cast_possible_truncation,
                 reason = "`new` refuses more vertices than fit u32"
             )]
             let vertices = part.positions.len() as u32;
+            take(part, before)?;
             before += vertices;
             Ok::<(), io::Error>(())
         };

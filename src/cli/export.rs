@@ -1,0 +1,508 @@
+//! `ramus export`: a project's tree or a grammar's as files for other programs, in levels of detail and many individuals.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use clap::{Args as ClapArgs, ValueEnum};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::inputs::grammar_text;
+use super::outputs::{check_places, not_over_each_other};
+use super::print_result;
+use super::progress::{Progress, start_watch};
+use crate::app::export;
+use crate::app::store::read_project;
+use crate::app::trees;
+use crate::lsystem::Grammar;
+use crate::sketch;
+use crate::tree::detail::{Detail, coarser, triangles_of};
+use crate::tree::export::ExportParams;
+use crate::tree::file::write_atomically;
+use crate::tree::vary::{Spread, varied};
+use crate::tree::{Drawing, Organs};
+
+/// How far the individuals of a sketch differ where nothing else is said: degrees and percent.
+const OWN_SPREAD: [f32; 2] = [12.0, 15.0];
+/// Individuals and levels at most.
+const FILES_MOST: usize = 100_000;
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct Args {
+    /// The project (.ramus), at the step that it was left at, or the grammar (.lsys)
+    file: PathBuf,
+    /// What to write; several with commas between them
+    #[arg(
+        long,
+        value_enum,
+        value_name = "FORMAT",
+        required = true,
+        value_delimiter = ','
+    )]
+    format: Vec<Format>,
+    /// The folder to write to, which is made if it is not there
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    out: PathBuf,
+    /// Levels of detail, from 0, the tree as it is, to 4; several with commas between them
+    #[arg(long, value_name = "LEVEL", value_delimiter = ',', default_value = "0", conflicts_with = "triangles",
+        value_parser = clap::value_parser!(u32).range(0..i64::from(Detail::LEVELS)))]
+    lod: Vec<u32>,
+    /// As much detail as so many triangles allow
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    triangles: Option<u64>,
+    /// Steps to derive or grow, in place of the file's own
+    #[arg(long, value_name = "N")]
+    steps: Option<u32>,
+    /// Seed of the first individual
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Individuals, of as many seeds one after the other
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    count: u32,
+    /// Degrees that branches of individuals are turned at most; of a sketch 12 where it has a seed or a count, else 0
+    #[arg(long, value_name = "DEGREES", value_parser = within::<90>)]
+    angles: Option<f32>,
+    /// Percent that segments of individuals are longer or shorter at most; of a sketch 15 where it has a seed or a count, else 0
+    #[arg(long, value_name = "PERCENT", value_parser = within::<90>)]
+    lengths: Option<f32>,
+    /// Only tell what would be written, with triangles and bytes
+    #[arg(long)]
+    dry_run: bool,
+    /// Tell what was written as one JSON object on one line
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Binary glTF: surface, bark, colours, materials
+    Glb,
+    /// Universal Scene Description as text
+    Usda,
+    /// Stanford PLY, binary
+    Ply,
+    /// Wavefront OBJ
+    Obj,
+    /// The skeleton with radii
+    Swc,
+    /// The grammar
+    Lsys,
+}
+
+impl Format {
+    fn ending(self) -> &'static str {
+        match self {
+            Self::Glb => "glb",
+            Self::Usda => "usda",
+            Self::Ply => "ply",
+            Self::Obj => "obj",
+            Self::Swc => "swc",
+            Self::Lsys => "lsys",
+        }
+    }
+
+    /// Whether it has triangles, which levels of detail are about.
+    fn is_surface(self) -> bool {
+        !matches!(self, Self::Swc | Self::Lsys)
+    }
+}
+
+/// A number from 0 to a most.
+fn within<const MOST: u32>(text: &str) -> Result<f32, String> {
+    let number: f32 = text.parse().map_err(|_| "no number".to_owned())?;
+    #[allow(clippy::cast_precision_loss, reason = "small")]
+    let most = MOST as f32;
+    match (0.0..=most).contains(&number) {
+        true => Ok(number),
+        false => Err(format!("expected a number from 0 to {MOST}")),
+    }
+}
+
+/// What is grown.
+enum Source {
+    Grammar(Box<Grammar>, String),
+    Sketch(Arc<sketch::Sketch>, u32),
+}
+
+/// One file.
+#[derive(Clone, Debug)]
+struct File {
+    path: PathBuf,
+    format: Format,
+    level: Option<u32>,
+}
+
+/// What is told of a file.
+#[derive(Clone, Debug, Serialize)]
+struct Told {
+    file: PathBuf,
+    seed: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    level: Option<u32>,
+    segments: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    triangles: Option<u64>,
+    /// How far the surface is off at most, metres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bound: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bytes: Option<u64>,
+}
+
+/// All that is told, `ramus-export/1`.
+#[derive(Serialize)]
+struct All<'a> {
+    format: &'static str,
+    files: &'a [Told],
+    triangles: u64,
+    seconds: f64,
+}
+
+pub(super) fn run(args: &Args) -> Result<()> {
+    let source = source(args)?;
+    let spread = spread(args, &source);
+    let first = args.seed.unwrap_or(match &source {
+        Source::Grammar(grammar, _) => grammar.seed(),
+        Source::Sketch(..) => 0,
+    });
+    let seeds: Vec<u64> = (0..u64::from(args.count))
+        .map(|one| first.saturating_add(one))
+        .collect();
+    let files: Vec<Vec<File>> = seeds.iter().map(|seed| files(args, *seed)).collect();
+    let all = || files.iter().flatten().map(|file| &file.path);
+    ensure!(
+        all().count() <= FILES_MOST,
+        "{} files are too many for one command: take a smaller --count",
+        all().count()
+    );
+    not_over_each_other(Some(&args.file), all().map(PathBuf::as_path), None)?;
+    if !args.dry_run {
+        std::fs::create_dir_all(&args.out).with_context(|| {
+            format!(
+                "cannot make the folder {}: check that it may be written",
+                args.out.display()
+            )
+        })?;
+        check_places(all())?;
+    }
+    start_watch();
+    let began = Instant::now();
+    let mut told: Vec<Told> = Vec::new();
+    let done = AtomicUsize::new(0);
+    let mut progress = Progress::new("exporting");
+    let mut printed = Ok(());
+    // As many at a time as there are threads, so that memory is bounded and the numbers come in order, before the files.
+    for (seeds, files) in seeds
+        .chunks(rayon::current_num_threads())
+        .zip(files.chunks(rayon::current_num_threads()))
+    {
+        let ready: Vec<Vec<Ready>> = seeds
+            .par_iter()
+            .zip(files)
+            .map(|(seed, files)| ready(args, &source, *seed, spread, files))
+            .collect::<Result<_>>()?;
+        if !args.json {
+            printed = printed.and(print_result("the list", |out| {
+                let mut lines = ready.iter().flatten();
+                lines.try_for_each(|one| writeln!(out, "{}", line(&one.told)))
+            }));
+        }
+        let written: Vec<Vec<Told>> = ready
+            .into_par_iter()
+            .map(|files| {
+                let files = files.into_iter();
+                files.map(|file| written(args, file)).collect::<Result<_>>()
+            })
+            .collect::<Result<_>>()?;
+        told.extend(written.into_iter().flatten());
+        progress.show(
+            done.fetch_add(seeds.len(), Ordering::Relaxed) + seeds.len(),
+            args.count as usize,
+        );
+    }
+    drop(progress);
+    finish(args, &told, began.elapsed().as_secs_f64(), printed)
+}
+
+/// What is told at the end.
+fn finish(args: &Args, told: &[Told], seconds: f64, printed: Result<()>) -> Result<()> {
+    let triangles = told.iter().filter_map(|one| one.triangles).sum();
+    if args.json {
+        let all = All {
+            format: "ramus-export/1",
+            files: told,
+            triangles,
+            seconds,
+        };
+        let json = serde_json::to_string(&all)?;
+        return print_result("the JSON", |out| writeln!(out, "{json}"));
+    }
+    printed?;
+    let what = if args.dry_run {
+        "would be written"
+    } else {
+        "written"
+    };
+    tell!(
+        "{} {} of {triangles} triangles {what} in {seconds:.1} s",
+        told.len(),
+        if told.len() == 1 { "file" } else { "files" }
+    );
+    Ok(())
+}
+
+fn line(told: &Told) -> String {
+    let mut line = format!("{}: {} segments", told.file.display(), told.segments);
+    if let (Some(triangles), Some(bound)) = (told.triangles, told.bound) {
+        line += &format!(
+            ", {triangles} triangles, off by {:.2} mm at most",
+            1e3 * bound
+        );
+    }
+    if let Some(bytes) = told.bytes {
+        line += &format!(", about {} kB", bytes.div_ceil(1000));
+    }
+    line
+}
+
+fn source(args: &Args) -> Result<Source> {
+    let name = args.file.display();
+    let is = |wanted: &str| {
+        let ending = args.file.extension();
+        ending.is_some_and(|ending| ending.eq_ignore_ascii_case(wanted))
+    };
+    if is("lsys") {
+        let text = grammar_text(&args.file)?;
+        let grammar =
+            Grammar::parse(&text, &name.to_string()).map_err(|errors| anyhow!("{errors}"))?;
+        grammar
+            .remarks()
+            .iter()
+            .for_each(|remark| whisper!("{remark}"));
+        return Ok(Source::Grammar(Box::new(grammar), text));
+    }
+    if !is("ramus") {
+        bail!("{name} is neither a project (.ramus) nor a grammar (.lsys): name one of these");
+    }
+    let document = read_project(&args.file)?;
+    let step = args.steps.unwrap_or(document.step);
+    ensure!(
+        step > 0,
+        "{name} was left at step 0, where no tree has grown yet: give --steps, or grow it in the workshop first"
+    );
+    Ok(Source::Sketch(document.sketch, step))
+}
+
+/// How far individuals differ besides what a grammar draws.
+fn spread(args: &Args, source: &Source) -> Spread {
+    let own = match source {
+        Source::Sketch(..) if args.count > 1 || args.seed.is_some() => OWN_SPREAD,
+        _ => [0.0, 0.0],
+    };
+    Spread {
+        angle: args.angles.unwrap_or(own[0]).to_radians(),
+        length: args.lengths.unwrap_or(own[1]) / 100.0,
+    }
+}
+
+/// The files of an individual.
+fn files(args: &Args, seed: u64) -> Vec<File> {
+    let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
+    let one = match args.count {
+        1 => String::new(),
+        _ => format!("-{seed}"),
+    };
+    let mut files = Vec::new();
+    let levels = if args.triangles.is_some() {
+        &[0]
+    } else {
+        args.lod.as_slice()
+    };
+    for format in &args.format {
+        let mut add = |level: Option<u32>, part: String| {
+            let name = format!("{stem}{one}{part}.{}", format.ending());
+            let path = args.out.join(name);
+            files.push(File {
+                path,
+                format: *format,
+                level,
+            });
+        };
+        if !format.is_surface() {
+            add(None, String::new());
+            continue;
+        }
+        for level in levels {
+            let part = match levels {
+                [_] => String::new(),
+                _ => format!("-lod{level}"),
+            };
+            add(args.triangles.is_none().then_some(*level), part);
+        }
+    }
+    files
+}
+
+/// A file whose contents are made and which is not written yet.
+struct Ready {
+    told: Told,
+    format: Format,
+    sides: u32,
+    drawing: Drawing,
+    grammar: Option<String>,
+}
+
+/// All of an individual.
+fn ready(
+    args: &Args,
+    source: &Source,
+    seed: u64,
+    spread: Spread,
+    files: &[File],
+) -> Result<Vec<Ready>> {
+    let name = args.file.display().to_string();
+    let (drawing, grammar) = match source {
+        Source::Grammar(grammar, text) => {
+            let text = match seed == grammar.seed() {
+                true => text.clone(),
+                false => seeded(text, seed),
+            };
+            let (drawing, _) =
+                trees::grown(&(**grammar).clone().with_seed(seed), args.steps, &name)?;
+            (drawing, text)
+        }
+        Source::Sketch(sketch, step) => {
+            let grown = sketch::grow(sketch, *step, &AtomicBool::new(false))
+                .with_context(|| format!("cannot grow {name}"))?;
+            let drawing = Drawing {
+                tree: grown.tree,
+                organs: Organs::default(),
+            };
+            (drawing, sketch.grammar_text())
+        }
+    };
+    let drawing = varied(&drawing, seed, spread);
+    ensure!(
+        !drawing.is_empty(),
+        "{name} draws nothing after its steps, so there is no file to write"
+    );
+    let mut known: Option<(Detail, Drawing, u64)> = None;
+    let mut known_level = None;
+    let mut ready = Vec::new();
+    for file in files {
+        let mut told = Told {
+            file: file.path.clone(),
+            seed,
+            level: file.level,
+            segments: drawing.tree.segment_count(),
+            triangles: None,
+            bound: None,
+            bytes: None,
+        };
+        if !file.format.is_surface() {
+            told.bytes = Some(match file.format {
+                Format::Lsys => grammar.len() as u64,
+                format => estimated(format, told.segments, 0, 3),
+            });
+            ready.push(Ready {
+                told,
+                format: file.format,
+                sides: 3,
+                drawing: drawing.clone(),
+                grammar: Some(grammar.clone()),
+            });
+            continue;
+        }
+        if known.is_none() || known_level != file.level {
+            let (detail, coarse) = match args.triangles {
+                Some(budget) => Detail::of_budget(&drawing, budget).ok_or_else(|| {
+                    anyhow!("{name}: no tree has so few triangles as {budget}: give a larger --triangles")
+                })?,
+                None => {
+                    let detail = Detail::level(&drawing.tree, file.level.unwrap_or(0));
+                    (detail, coarser(&drawing, detail.within))
+                }
+            };
+            let triangles = triangles_of(&coarse, detail.sides);
+            known = Some((detail, coarse, triangles));
+            known_level = file.level;
+        }
+        if let Some((detail, coarse, triangles)) = &known {
+            let thickest = drawing.tree.radius.iter().copied().fold(0.0, f32::max);
+            told.segments = coarse.tree.segment_count();
+            told.triangles = Some(*triangles);
+            told.bound = Some(detail.bound(thickest));
+            told.bytes = Some(estimated(
+                file.format,
+                told.segments,
+                *triangles,
+                detail.sides,
+            ));
+            ready.push(Ready {
+                told,
+                format: file.format,
+                sides: detail.sides,
+                drawing: coarse.clone(),
+                grammar: None,
+            });
+        }
+    }
+    Ok(ready)
+}
+
+/// A grammar's text with another seed.
+fn seeded(text: &str, seed: u64) -> String {
+    let states = |line: &str, word: &str| line.split_whitespace().next() == Some(word);
+    let own = format!("seed {seed}\n");
+    let mut lines: Vec<&str> = text.split_inclusive('\n').collect();
+    match lines.iter().position(|line| states(line, "seed")) {
+        Some(at) => lines[at] = &own,
+        None => {
+            let axiom = lines.iter().position(|line| states(line, "axiom"));
+            lines.insert(axiom.unwrap_or(0), &own);
+        }
+    }
+    lines.concat()
+}
+
+/// Bytes that a file takes, about.
+fn estimated(format: Format, segments: usize, triangles: u64, sides: u32) -> u64 {
+    // Tubes have a corner more in each ring than sides, for the texture's seam.
+    let vertices = triangles + triangles / u64::from(sides);
+    match format {
+        Format::Glb => 32 * vertices + 12 * triangles + 150_000,
+        Format::Ply => 35 * vertices + 13 * triangles,
+        Format::Usda => 88 * vertices + 27 * triangles,
+        Format::Obj => 75 * vertices + 45 * triangles,
+        Format::Swc => 55 * segments as u64,
+        Format::Lsys => 0,
+    }
+}
+
+/// Writes a file, if anything is to be written.
+fn written(args: &Args, file: Ready) -> Result<Told> {
+    let Ready {
+        mut told,
+        format,
+        sides,
+        drawing: Drawing { tree, organs },
+        grammar,
+    } = file;
+    if args.dry_run {
+        return Ok(told);
+    }
+    match (format, grammar) {
+        (Format::Lsys, Some(text)) => write_atomically(&told.file, text.as_bytes())?,
+        _ => export::drawing_with(&tree, &organs, &ExportParams { sides }, &told.file)?,
+    }
+    told.bytes = size_of_file(&told.file);
+    Ok(told)
+}
+
+fn size_of_file(path: &Path) -> Option<u64> {
+    std::fs::metadata(path).ok().map(|file| file.len())
+}

@@ -1,0 +1,291 @@
+//! `ramus export`: files for other programs, in levels of detail and many individuals, read back by readers of others and by our own.
+
+use std::path::PathBuf;
+
+use serde_json::Value;
+
+use super::cohort::write;
+use super::*;
+
+const LILY: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/assets/grammars/lily-of-the-valley.lsys"
+);
+
+fn export(file: &Path, out: &Path, options: &[&str]) -> Command {
+    let mut command = ramus();
+    command.arg("export").arg(file).arg("--out").arg(out);
+    command.args(options);
+    command
+}
+
+/// The files that are told of.
+fn told(command: &mut Command) -> Vec<Value> {
+    let told: Value = serde_json::from_str(&succeed(command.arg("--json"))).unwrap();
+    assert_eq!(told["format"], "ramus-export/1");
+    let files = told["files"].as_array().unwrap().clone();
+    let triangles: u64 = files
+        .iter()
+        .filter_map(|one| one["triangles"].as_u64())
+        .sum();
+    assert_eq!(told["triangles"], triangles);
+    files
+}
+
+fn path(told: &Value) -> PathBuf {
+    PathBuf::from(told["file"].as_str().unwrap())
+}
+
+fn count(told: &Value, name: &str) -> u64 {
+    told[name].as_u64().unwrap()
+}
+
+/// Triangles that `ramus inspect` finds in a file.
+fn inspected(path: &Path) -> u64 {
+    let told = succeed(ramus().arg("inspect").arg(path).arg("--json"));
+    let told: Value = serde_json::from_str(&told).unwrap();
+    told["triangles"].as_u64().unwrap()
+}
+
+/// The numbers between the brackets of each list of a name in a USD text.
+fn lists<'a>(text: &'a str, name: &str) -> Vec<Vec<&'a str>> {
+    let head = format!("{name} = [");
+    let parts = text.split(&head).skip(1);
+    let inside = parts.map(|part| part.split_once(']').unwrap().0);
+    inside
+        .map(|list| list.split(',').map(str::trim).collect())
+        .collect()
+}
+
+#[test]
+fn a_grammar_is_written_in_each_format_and_read_again() {
+    let folder = folder();
+    for grammar in [HONDA, LILY] {
+        let all = ["--format", "glb,usda,ply,obj,swc,lsys"];
+        let files = told(&mut export(Path::new(grammar), folder.path(), &all));
+        assert_eq!(files.len(), 6);
+        let triangles = count(&files[0], "triangles");
+        assert!(triangles > 5000);
+        for file in &files {
+            assert_eq!(file["bytes"], fs::metadata(path(file)).unwrap().len());
+            assert_eq!(file.get("triangles").is_some(), file.get("bound").is_some());
+        }
+        for surface in [&files[0], &files[2], &files[3]] {
+            assert_eq!(count(surface, "triangles"), triangles);
+            assert_eq!(inspected(&path(surface)), triangles, "{surface}");
+        }
+        let usd = fs::read_to_string(path(&files[1])).unwrap();
+        assert!(usd.starts_with("#usda 1.0\n") && usd.contains("upAxis = \"Y\""));
+        let [counts, indices, points, normals] = [
+            "int[] faceVertexCounts",
+            "int[] faceVertexIndices",
+            "point3f[] points",
+            "normal3f[] normals",
+        ]
+        .map(|name| lists(&usd, name));
+        let faces: usize = counts.iter().map(Vec::len).sum();
+        assert_eq!(faces as u64, triangles);
+        for mesh in 0..counts.len() {
+            assert!(counts[mesh].iter().all(|corners| *corners == "3"));
+            assert_eq!(indices[mesh].len(), 3 * counts[mesh].len());
+            // Each vertex is three numbers.
+            let vertices = points[mesh].len() / 3;
+            assert_eq!(normals[mesh].len() / 3, vertices);
+            let largest = indices[mesh]
+                .iter()
+                .map(|index| index.parse::<usize>().unwrap());
+            assert_eq!(largest.max().unwrap(), vertices - 1, "none is left over");
+        }
+        assert_eq!(
+            fs::read_to_string(path(&files[5])).unwrap(),
+            fs::read_to_string(grammar).unwrap()
+        );
+    }
+    // The skeleton and the grammar say the same tree.
+    let derived = folder.path().join("derived.swc");
+    succeed(ramus().args(["derive", HONDA, "--export"]).arg(&derived));
+    let [own, other] =
+        [&derived, &folder.path().join("honda.swc")].map(|path| fs::read(path).unwrap());
+    assert!(own == other);
+}
+
+#[test]
+fn levels_have_fewer_triangles_and_are_off_by_more_and_budgets_are_held() {
+    let folder = folder();
+    let levels = ["--format", "ply", "--lod", "0,1,2,3,4"];
+    let files = told(&mut export(Path::new(HONDA), folder.path(), &levels));
+    for (level, pair) in files.windows(2).enumerate() {
+        assert_eq!(count(&pair[1], "level"), level as u64 + 1);
+        assert!(count(&pair[1], "triangles") < count(&pair[0], "triangles"));
+        assert!(pair[1]["bound"].as_f64() > pair[0]["bound"].as_f64());
+    }
+    for file in &files {
+        assert_eq!(inspected(&path(file)), count(file, "triangles"));
+    }
+    for most in [20_000, 5000, 1000, 100] {
+        let files = told(&mut export(
+            Path::new(HONDA),
+            folder.path(),
+            &["--format", "ply", "--triangles", &most.to_string()],
+        ));
+        let triangles = inspected(&path(&files[0]));
+        assert_eq!(count(&files[0], "triangles"), triangles);
+        assert!((most / 4..=most).contains(&triangles), "{most} {triangles}");
+    }
+}
+
+#[test]
+fn individuals_differ_by_their_seeds_and_a_seed_is_one_of_them() {
+    let folder = folder();
+    let project = folder.path().join("tree.ramus");
+    succeed(
+        ramus()
+            .args(["replay", FIRST_TREE, "--project"])
+            .arg(&project),
+    );
+    let chance = write(
+        folder.path(),
+        "chance.lsys",
+        "steps 5\nseed 3\naxiom !(0.1) A\nA -> F(1) [ +(uniform(20, 50)) A ] -(uniform(10, 40)) A\n",
+    );
+    for file in [&project, &chance] {
+        let into = |name: &str| folder.path().join(name);
+        let options = ["--format", "glb", "--seed", "4", "--count", "5"];
+        let files = told(&mut export(file, &into("first"), &options));
+        let again = told(&mut export(file, &into("second"), &options));
+        let bytes = |files: &[Value]| -> Vec<Vec<u8>> {
+            files
+                .iter()
+                .map(|file| fs::read(path(file)).unwrap())
+                .collect()
+        };
+        let [first, second] = [bytes(&files), bytes(&again)];
+        assert!(first == second, "the same each time");
+        let different: std::collections::HashSet<&Vec<u8>> = first.iter().collect();
+        assert_eq!(different.len(), 5);
+        let seeds: Vec<u64> = files.iter().map(|file| count(file, "seed")).collect();
+        assert_eq!(seeds, [4, 5, 6, 7, 8]);
+        let alone = ["--format", "glb", "--seed", "6"];
+        let alone = told(&mut export(file, &into("alone"), &alone));
+        assert!(
+            fs::read(path(&alone[0])).unwrap() == first[2],
+            "the same alone"
+        );
+        let stem = file.file_stem().unwrap().to_str().unwrap();
+        assert!(into("first").join(format!("{stem}-8.glb")).is_file());
+    }
+    // A grammar with its seed written into it grows the same individual.
+    let options = ["--format", "lsys,swc", "--seed", "9"];
+    let files = told(&mut export(
+        &chance,
+        &folder.path().join("seeded"),
+        &options,
+    ));
+    let derived = folder.path().join("derived.swc");
+    succeed(
+        ramus()
+            .arg("derive")
+            .arg(path(&files[0]))
+            .arg("--export")
+            .arg(&derived),
+    );
+    assert!(fs::read(derived).unwrap() == fs::read(path(&files[1])).unwrap());
+}
+
+#[test]
+fn numbers_are_told_before_anything_is_written() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let options = ["--format", "glb,swc", "--dry-run"];
+    let printed = succeed(&mut export(Path::new(HONDA), &out, &options));
+    let lines: Vec<&str> = printed.lines().collect();
+    assert!(
+        lines[0].contains("honda.glb: 1023 segments, 24560 triangles, off by "),
+        "{printed}"
+    );
+    assert!(lines[0].contains(" kB"), "{printed}");
+    assert!(
+        lines[2].starts_with("2 files of 24560 triangles would be written"),
+        "{printed}"
+    );
+    assert!(!out.exists());
+    succeed(&mut export(
+        Path::new(HONDA),
+        &out,
+        &["--format", "glb,swc"],
+    ));
+    let names = fs::read_dir(&out).unwrap().count();
+    assert_eq!(names, 2, "nothing else is left there");
+}
+
+#[test]
+fn what_cannot_be_exported_is_said_in_a_sentence() {
+    let folder = folder();
+    let at = |name: &str, text: &str| write(folder.path(), name, text);
+    let taken = at("taken", "a file");
+    let out = folder.path().join("out");
+    let swc = at("young.swc", "1 3 0 0 0 1 -1\n2 3 0 9 0 1 1\n");
+    let endless = at("endless.lsys", "axiom A\nA -> F A\n");
+    let nothing = at("nothing.lsys", "steps 2\naxiom A\n");
+    let wrong = at("wrong.lsys", "axiom [ F\n");
+    let huge = at("huge.lsys", "steps 60\naxiom F\nF -> F F F\n");
+    for (file, out, options, part) in [
+        (
+            folder.path().join("none.lsys"),
+            &out,
+            ["--format", "glb"],
+            "check that it is there",
+        ),
+        (
+            folder.path().join("none.ramus"),
+            &out,
+            ["--format", "glb"],
+            "none.ramus",
+        ),
+        (
+            swc,
+            &out,
+            ["--format", "glb"],
+            "neither a project (.ramus) nor a grammar",
+        ),
+        (
+            endless,
+            &out,
+            ["--format", "glb"],
+            "states no number of steps",
+        ),
+        (nothing, &out, ["--format", "glb"], "draws nothing"),
+        (wrong, &out, ["--format", "glb"], "wrong.lsys"),
+        (huge, &out, ["--format", "glb"], "huge.lsys"),
+        (
+            PathBuf::from(HONDA),
+            &out,
+            ["--format=glb", "--triangles=3"],
+            "so few triangles",
+        ),
+        (PathBuf::from(HONDA), &taken, ["--format", "glb"], "taken"),
+    ] {
+        let done = export(&file, out, &options).output().unwrap();
+        let said = text(&done.stderr);
+        assert_eq!(done.status.code(), Some(1), "{said}");
+        let lines: Vec<&str> = said
+            .lines()
+            .filter(|line| line.starts_with("ramus: "))
+            .collect();
+        assert!(
+            lines.len() == 1 && lines[0].contains(part),
+            "{part}: {said}"
+        );
+    }
+    // Wrong usage is told as such.
+    for options in [["--format", "stl"], ["--lod", "9"], ["--angles", "-3"]] {
+        let done = export(Path::new(HONDA), &out, &options).output().unwrap();
+        assert_eq!(done.status.code(), Some(2), "{options:?}");
+    }
+    // Nothing is written over the grammar itself.
+    let own = at("own.lsys", "steps 1\naxiom F\nF -> F F\n");
+    let done = export(&own, folder.path(), &["--format", "lsys"])
+        .output()
+        .unwrap();
+    assert!(!done.status.success() && text(&done.stderr).contains("would be overwritten"));
+}
