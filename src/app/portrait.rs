@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use image::RgbaImage;
 use ramus_xr::{Fov, Frame, Pose, View};
@@ -79,6 +79,47 @@ pub fn of_drawing(
     set_widths: bool,
     backdrop: Backdrop,
 ) -> Result<RgbaImage> {
+    let (scene, view) = sitting(drawing, pixels, set_widths, 1)?;
+    let gpu = open_gpu()?;
+    let mut picture = Picture::before(&gpu, pixels, pixels, backdrop)?;
+    picture.draw_whole(&scene, &[view, view], None)?;
+    let [left, _] = picture.read(None)?;
+    Ok(left)
+}
+
+/// Draws several, each as [`of_drawing`] does, in rows of as many as there are rows or one more; each is `pixels` wide and high.
+///
+/// # Errors
+/// As [`of_drawing`].
+pub fn sheet(drawings: Vec<Drawing>, pixels: u32, backdrop: Backdrop) -> Result<RgbaImage> {
+    let count = u32::try_from(drawings.len()).unwrap_or(u32::MAX);
+    let columns = (1..=count).find(|side| side.saturating_mul(*side) >= count);
+    let columns = columns.unwrap_or(1);
+    let rows = count.div_ceil(columns).max(1);
+    let [width, height] = [columns, rows].map(|many| many.saturating_mul(pixels));
+    let mut sheet: Option<RgbaImage> = None;
+    let gpu = open_gpu()?;
+    let mut picture = Picture::before(&gpu, pixels, pixels, backdrop)?;
+    for (place, drawing) in (0..count).zip(drawings) {
+        let (scene, view) = sitting(drawing, pixels, true, u64::from(place) + 1)?;
+        picture.draw_whole(&scene, &[view, view], None)?;
+        let [left, _] = picture.read(None)?;
+        let at = [place % columns, place / columns].map(|at| i64::from(at * pixels));
+        // Places that are left over look as what is behind the others.
+        let behind = *left.get_pixel(0, 0);
+        let sheet = sheet.get_or_insert_with(|| RgbaImage::from_pixel(width, height, behind));
+        image::imageops::replace(sheet, &left, at[0], at[1]);
+    }
+    sheet.ok_or_else(|| anyhow!("there is no individual to draw"))
+}
+
+/// A drawing where it is to be drawn, and from where it is seen.
+fn sitting(
+    drawing: Drawing,
+    pixels: u32,
+    set_widths: bool,
+    revision: u64,
+) -> Result<(Scene, View)> {
     let params = PortraitParams::default();
     if drawing.is_empty() {
         bail!(
@@ -126,7 +167,7 @@ pub fn of_drawing(
             tree: Arc::new(tree),
             organs: Arc::new(organs),
             radius_before: Arc::default(),
-            revision: 1,
+            revision,
             world_from_tree,
             growth: 1.0,
             newest: u32::MAX,
@@ -134,11 +175,7 @@ pub fn of_drawing(
         ..Scene::default()
     };
     let view = looking_at(eye, target, params.field);
-    let gpu = open_gpu()?;
-    let mut picture = Picture::before(&gpu, pixels, pixels, backdrop)?;
-    picture.draw_whole(&scene, &[view, view], None)?;
-    let [left, _] = picture.read(None)?;
-    Ok(left)
+    Ok((scene, view))
 }
 
 /// Field of view of a picture of the stage in radians: narrower than a headset's, which stretches what is at its edges.

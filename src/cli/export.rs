@@ -12,12 +12,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::inputs::grammar_text;
-use super::outputs::{check_places, not_over_each_other};
+use super::outputs::{check_places, not_over_each_other, picture_file};
 use super::print_result;
 use super::progress::{Progress, start_watch};
-use crate::app::export;
 use crate::app::store::read_project;
 use crate::app::trees;
+use crate::app::{export, portrait};
 use crate::lsystem::Grammar;
 use crate::sketch;
 use crate::tree::detail::{Detail, coarser, triangles_of};
@@ -28,8 +28,11 @@ use crate::tree::{Drawing, Organs};
 
 /// How far the individuals of a sketch differ where nothing else is said: degrees and percent.
 const OWN_SPREAD: [f32; 2] = [12.0, 15.0];
-/// Individuals and levels at most.
+/// Files, and individuals in one picture, at most.
 const FILES_MOST: usize = 100_000;
+const SHEET_MOST: u32 = 400;
+/// Pixels of one picture at most: half a gigabyte.
+const PIXELS_MOST: u64 = 1 << 27;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct Args {
@@ -40,10 +43,16 @@ pub(super) struct Args {
         long,
         value_enum,
         value_name = "FORMAT",
-        required = true,
+        required_unless_present = "sheet",
         value_delimiter = ','
     )]
     format: Vec<Format>,
+    /// Draw all individuals into one picture (.png)
+    #[arg(long, value_name = "FILE", value_parser = picture_file())]
+    sheet: Option<PathBuf>,
+    /// Width and height of each individual in that picture, pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=2048))]
+    size: u32,
     /// The folder to write to, which is made if it is not there
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     out: PathBuf,
@@ -179,6 +188,14 @@ pub(super) fn run(args: &Args) -> Result<()> {
         "{} files are too many for one command: take a smaller --count",
         all().count()
     );
+    let pixels = u64::from(args.count) * u64::from(args.size).pow(2);
+    ensure!(
+        args.sheet.is_none() || args.count <= SHEET_MOST && pixels <= PIXELS_MOST,
+        "one picture of {} individuals of {} pixels is too large: take a smaller --count or --size",
+        args.count,
+        args.size
+    );
+    let all = || all().chain(&args.sheet);
     not_over_each_other(Some(&args.file), all().map(PathBuf::as_path), None)?;
     if !args.dry_run {
         std::fs::create_dir_all(&args.out).with_context(|| {
@@ -191,7 +208,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     start_watch();
     let began = Instant::now();
-    let mut told: Vec<Told> = Vec::new();
+    let (mut told, mut sheet) = (Vec::<Told>::new(), Vec::new());
     let done = AtomicUsize::new(0);
     let mut progress = Progress::new("exporting");
     let mut printed = Ok(());
@@ -200,11 +217,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .chunks(rayon::current_num_threads())
         .zip(files.chunks(rayon::current_num_threads()))
     {
-        let ready: Vec<Vec<Ready>> = seeds
+        let made: Vec<(Vec<Ready>, Drawing)> = seeds
             .par_iter()
             .zip(files)
             .map(|(seed, files)| ready(args, &source, *seed, spread, files))
             .collect::<Result<_>>()?;
+        let (ready, drawings): (Vec<Vec<Ready>>, Vec<Drawing>) = made.into_iter().unzip();
+        if args.sheet.is_some() && !args.dry_run {
+            sheet.extend(drawings);
+        }
         if !args.json {
             printed = printed.and(print_result("the list", |out| {
                 let mut lines = ready.iter().flatten();
@@ -225,6 +246,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
         );
     }
     drop(progress);
+    if let Some(path) = args.sheet.as_ref().filter(|_| !args.dry_run) {
+        let draw = || portrait::sheet(sheet, args.size, portrait::PAPER);
+        let picture = Progress::during("drawing", draw).context("cannot draw the individuals")?;
+        export::png(&picture, path)?;
+    }
     finish(args, &told, began.elapsed().as_secs_f64(), printed)
 }
 
@@ -247,10 +273,17 @@ fn finish(args: &Args, told: &[Told], seconds: f64, printed: Result<()>) -> Resu
     } else {
         "written"
     };
+    let several = if told.len() == 1 { "file" } else { "files" };
+    let sheet = args.sheet.as_ref().map_or_else(String::new, |path| {
+        format!(
+            " and a picture of {} individuals, {},",
+            args.count,
+            path.display()
+        )
+    });
     tell!(
-        "{} {} of {triangles} triangles {what} in {seconds:.1} s",
-        told.len(),
-        if told.len() == 1 { "file" } else { "files" }
+        "{} {several} of {triangles} triangles{sheet} {what} in {seconds:.1} s",
+        told.len()
     );
     Ok(())
 }
@@ -356,14 +389,14 @@ struct Ready {
     grammar: Option<String>,
 }
 
-/// All of an individual.
+/// All files of an individual, and what it is.
 fn ready(
     args: &Args,
     source: &Source,
     seed: u64,
     spread: Spread,
     files: &[File],
-) -> Result<Vec<Ready>> {
+) -> Result<(Vec<Ready>, Drawing)> {
     let name = args.file.display().to_string();
     let (drawing, grammar) = match source {
         Source::Grammar(grammar, text) => {
@@ -451,7 +484,7 @@ fn ready(
             });
         }
     }
-    Ok(ready)
+    Ok((ready, drawing))
 }
 
 /// A grammar's text with another seed.

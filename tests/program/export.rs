@@ -193,6 +193,36 @@ fn individuals_differ_by_their_seeds_and_a_seed_is_one_of_them() {
 }
 
 #[test]
+fn individuals_are_drawn_into_one_picture() {
+    if !can_draw() {
+        return;
+    }
+    let folder = folder();
+    let picture = folder.path().join("sheet.png");
+    let out = folder.path().join("out");
+    let mut command = export(
+        Path::new(HONDA),
+        &out,
+        &["--count", "5", "--angles", "15", "--size", "64"],
+    );
+    succeed(command.arg("--sheet").arg(&picture));
+    let sheet = image::open(&picture).unwrap().into_rgb8();
+    assert_eq!(sheet.dimensions(), (3 * 64, 2 * 64));
+    let dark = |column: u32, row: u32| {
+        let cell = image::imageops::crop_imm(&sheet, 64 * column, 64 * row, 64, 64).to_image();
+        let pixels = cell.pixels().filter(|pixel| pixel.0[1] < 150).count();
+        (pixels, cell.into_raw())
+    };
+    let cells: Vec<_> = (0..5).map(|at| dark(at % 3, at / 3)).collect();
+    for (at, (pixels, cell)) in cells.iter().enumerate() {
+        assert!((60..1500).contains(pixels), "{at}: {pixels}");
+        assert!(cells[..at].iter().all(|(_, other)| other != cell), "{at}");
+    }
+    assert_eq!(dark(2, 1).0, 0, "nothing stands in the sixth place");
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 0);
+}
+
+#[test]
 fn numbers_are_told_before_anything_is_written() {
     let folder = folder();
     let out = folder.path().join("out");
