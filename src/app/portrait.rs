@@ -91,7 +91,7 @@ pub fn of_drawing(
 ///
 /// # Errors
 /// As [`of_drawing`].
-pub fn sheet(drawings: Vec<Drawing>, pixels: u32, backdrop: Backdrop) -> Result<RgbaImage> {
+pub fn sheet(drawings: &[Arc<Drawing>], pixels: u32, backdrop: Backdrop) -> Result<RgbaImage> {
     let count = u32::try_from(drawings.len()).unwrap_or(u32::MAX);
     let columns = (1..=count).find(|side| side.saturating_mul(*side) >= count);
     let columns = columns.unwrap_or(1);
@@ -101,7 +101,7 @@ pub fn sheet(drawings: Vec<Drawing>, pixels: u32, backdrop: Backdrop) -> Result<
     let gpu = open_gpu()?;
     let mut picture = Picture::before(&gpu, pixels, pixels, backdrop)?;
     for (place, drawing) in (0..count).zip(drawings) {
-        let (scene, view) = sitting(drawing, pixels, true, u64::from(place) + 1)?;
+        let (scene, view) = sitting(Drawing::clone(drawing), pixels, true, u64::from(place) + 1)?;
         picture.draw_whole(&scene, &[view, view], None)?;
         let [left, _] = picture.read(None)?;
         let at = [place % columns, place / columns].map(|at| i64::from(at * pixels));

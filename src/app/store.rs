@@ -35,7 +35,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// A file cannot be read.
-    #[error("cannot read {path}: {source}", path = path.display())]
+    #[error("cannot read {path} ({source}): check that it is there and may be read", path = path.display())]
     Read {
         /// What the system said.
         source: io::Error,

@@ -98,7 +98,7 @@ pub fn of_swc(path: &Path) -> Result<Held> {
 /// What is wrong with the grammar, or why it cannot be grown.
 pub fn of_grammar(text: &str, name: &str) -> Result<Held> {
     let grammar = Grammar::parse(text, name).map_err(|errors| anyhow!("{errors}"))?;
-    let (Drawing { tree, .. }, factor) = grown(&grammar, None, name)?;
+    let (Drawing { tree, .. }, factor) = grown(&grammar, None, name, 1)?;
     let mut remarks: Vec<String> = grammar.remarks().iter().map(ToString::to_string).collect();
     if let Some(factor) = factor {
         remarks.push(format!(
@@ -116,16 +116,22 @@ pub fn of_grammar(text: &str, name: &str) -> Result<Held> {
 }
 
 /// What a grammar draws after so many steps, or the number that it states, and by what its widths were multiplied, where they were far too large for metres.
+/// So many share the memory, being grown beside each other.
 ///
 /// # Errors
 /// That no number of steps is stated, or why it cannot be grown.
-pub fn grown(grammar: &Grammar, steps: Option<u32>, name: &str) -> Result<(Drawing, Option<f32>)> {
+pub fn grown(
+    grammar: &Grammar,
+    steps: Option<u32>,
+    name: &str,
+    beside: usize,
+) -> Result<(Drawing, Option<f32>)> {
     let never = AtomicBool::new(false);
     let steps = steps.or(grammar.steps()).ok_or_else(|| {
         anyhow!("{name} states no number of steps: write one into it, such as `steps 5`")
     })?;
     // An eighth of what is free is left to everybody else.
-    let room = memory::room().map_or(u64::MAX, |room| room / 8 * 7);
+    let room = memory::room().map_or(u64::MAX, |room| room / 8 * 7 / beside.max(1) as u64);
     let limits = Limits {
         bytes: Limits::default().bytes.min(room),
         ..Limits::default()

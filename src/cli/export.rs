@@ -2,8 +2,8 @@
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Once};
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
@@ -20,16 +20,17 @@ use crate::app::trees;
 use crate::app::{export, portrait};
 use crate::lsystem::Grammar;
 use crate::sketch;
+use crate::tree::Drawing;
 use crate::tree::detail::{Detail, coarser, triangles_of};
-use crate::tree::export::ExportParams;
+use crate::tree::export::{ExportParams, Swc};
 use crate::tree::file::write_atomically;
+use crate::tree::organs::refined_len;
 use crate::tree::vary::{Spread, varied};
-use crate::tree::{Drawing, Organs};
 
 /// How far the individuals of a sketch differ where nothing else is said: degrees and percent.
 const OWN_SPREAD: [f32; 2] = [12.0, 15.0];
 /// Files, and individuals in one picture, at most.
-const FILES_MOST: usize = 100_000;
+const FILES_MOST: u64 = 100_000;
 const SHEET_MOST: u32 = 400;
 /// Pixels of one picture at most: half a gigabyte.
 const PIXELS_MOST: u64 = 1 << 27;
@@ -178,16 +179,25 @@ pub(super) fn run(args: &Args) -> Result<()> {
         Source::Grammar(grammar, _) => grammar.seed(),
         Source::Sketch(..) => 0,
     });
-    let seeds: Vec<u64> = (0..u64::from(args.count))
-        .map(|one| first.saturating_add(one))
-        .collect();
+    let Some(last) = first.checked_add(u64::from(args.count) - 1) else {
+        bail!(
+            "seeds end at {}: take a smaller --seed or --count",
+            u64::MAX
+        );
+    };
+    let each = files(args, first).len() as u64;
+    ensure!(
+        u64::from(args.count) * each <= FILES_MOST,
+        "{} files are too many for one command: take a smaller --count",
+        u64::from(args.count) * each
+    );
+    ensure!(
+        spread == Spread::NONE || !args.format.contains(&Format::Lsys),
+        "a grammar does not say how its individuals are turned and longer by --angles and --lengths: leave lsys out, or set both to 0"
+    );
+    let seeds: Vec<u64> = (first..=last).collect();
     let files: Vec<Vec<File>> = seeds.iter().map(|seed| files(args, *seed)).collect();
     let all = || files.iter().flatten().map(|file| &file.path);
-    ensure!(
-        all().count() <= FILES_MOST,
-        "{} files are too many for one command: take a smaller --count",
-        all().count()
-    );
     let pixels = u64::from(args.count) * u64::from(args.size).pow(2);
     ensure!(
         args.sheet.is_none() || args.count <= SHEET_MOST && pixels <= PIXELS_MOST,
@@ -198,6 +208,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let all = || all().chain(&args.sheet);
     not_over_each_other(Some(&args.file), all().map(PathBuf::as_path), None)?;
     if !args.dry_run {
+        ensure!(
+            !args.out.is_file(),
+            "{} is a file: name a folder with --out",
+            args.out.display()
+        );
         std::fs::create_dir_all(&args.out).with_context(|| {
             format!(
                 "cannot make the folder {}: check that it may be written",
@@ -217,12 +232,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .chunks(rayon::current_num_threads())
         .zip(files.chunks(rayon::current_num_threads()))
     {
-        let made: Vec<(Vec<Ready>, Drawing)> = seeds
+        let made: Vec<(Vec<Ready>, Arc<Drawing>)> = seeds
             .par_iter()
             .zip(files)
             .map(|(seed, files)| ready(args, &source, *seed, spread, files))
             .collect::<Result<_>>()?;
-        let (ready, drawings): (Vec<Vec<Ready>>, Vec<Drawing>) = made.into_iter().unzip();
+        let (ready, drawings): (Vec<Vec<Ready>>, Vec<Arc<Drawing>>) = made.into_iter().unzip();
         if args.sheet.is_some() && !args.dry_run {
             sheet.extend(drawings);
         }
@@ -247,7 +262,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     drop(progress);
     if let Some(path) = args.sheet.as_ref().filter(|_| !args.dry_run) {
-        let draw = || portrait::sheet(sheet, args.size, portrait::PAPER);
+        let draw = || portrait::sheet(&sheet, args.size, portrait::PAPER);
         let picture = Progress::during("drawing", draw).context("cannot draw the individuals")?;
         export::png(&picture, path)?;
     }
@@ -345,17 +360,24 @@ fn spread(args: &Args, source: &Source) -> Spread {
 /// The files of an individual.
 fn files(args: &Args, seed: u64) -> Vec<File> {
     let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
-    let one = match args.count {
-        1 => String::new(),
-        _ => format!("-{seed}"),
+    let one = match args.seed.is_some() || args.count > 1 {
+        true => format!("-{seed}"),
+        false => String::new(),
     };
-    let mut files = Vec::new();
-    let levels = if args.triangles.is_some() {
-        &[0]
-    } else {
-        args.lod.as_slice()
-    };
+    let mut files: Vec<File> = Vec::new();
+    let mut levels = args.lod.clone();
+    levels.sort_unstable();
+    levels.dedup();
+    if args.triangles.is_some() {
+        levels = vec![0];
+    }
+    let mut formats = Vec::new();
     for format in &args.format {
+        // What is named twice is written once.
+        if formats.contains(format) {
+            continue;
+        }
+        formats.push(*format);
         let mut add = |level: Option<u32>, part: String| {
             let name = format!("{stem}{one}{part}.{}", format.ending());
             let path = args.out.join(name);
@@ -369,8 +391,8 @@ fn files(args: &Args, seed: u64) -> Vec<File> {
             add(None, String::new());
             continue;
         }
-        for level in levels {
-            let part = match levels {
+        for level in &levels {
+            let part = match levels.as_slice() {
                 [_] => String::new(),
                 _ => format!("-lod{level}"),
             };
@@ -385,7 +407,7 @@ struct Ready {
     told: Told,
     format: Format,
     sides: u32,
-    drawing: Drawing,
+    drawing: Arc<Drawing>,
     grammar: Option<String>,
 }
 
@@ -396,104 +418,145 @@ fn ready(
     seed: u64,
     spread: Spread,
     files: &[File],
-) -> Result<(Vec<Ready>, Drawing)> {
+) -> Result<(Vec<Ready>, Arc<Drawing>)> {
     let name = args.file.display().to_string();
     let (drawing, grammar) = match source {
         Source::Grammar(grammar, text) => {
-            let text = match seed == grammar.seed() {
-                true => text.clone(),
-                false => seeded(text, seed),
-            };
-            let (drawing, _) =
-                trees::grown(&(**grammar).clone().with_seed(seed), args.steps, &name)?;
+            let mut text = text.clone();
+            if seed != grammar.seed() {
+                text = stating(&text, "seed", seed);
+            }
+            if let Some(steps) = args.steps.filter(|steps| grammar.steps() != Some(*steps)) {
+                text = stating(&text, "steps", u64::from(steps));
+            }
+            let grammar = (**grammar).clone().with_seed(seed);
+            let beside = rayon::current_num_threads().min(args.count as usize);
+            let (drawing, factor) = trees::grown(&grammar, args.steps, &name, beside)?;
+            if let Some(factor) = factor {
+                // Once, not for each individual.
+                static SAID: Once = Once::new();
+                SAID.call_once(|| {
+                    whisper!(
+                        "the widths of {name} are far too large for metres and were multiplied by {factor:.2e}"
+                    );
+                });
+            }
             (drawing, text)
         }
         Source::Sketch(sketch, step) => {
             let grown = sketch::grow(sketch, *step, &AtomicBool::new(false))
                 .with_context(|| format!("cannot grow {name}"))?;
-            let drawing = Drawing {
-                tree: grown.tree,
-                organs: Organs::default(),
-            };
-            (drawing, sketch.grammar_text())
+            // Step 1 shows the axiom.
+            let steps = u64::from(step.saturating_sub(1));
+            let text = stating(&sketch.grammar_text(), "steps", steps);
+            (Drawing::from(grown.tree), text)
         }
     };
-    let drawing = varied(&drawing, seed, spread);
+    let drawing = Arc::new(varied(&drawing, seed, spread));
     ensure!(
         !drawing.is_empty(),
         "{name} draws nothing after its steps, so there is no file to write"
     );
-    let mut known: Option<(Detail, Drawing, u64)> = None;
-    let mut known_level = None;
+    let mut levels: Vec<(Option<u32>, Coarse)> = Vec::new();
     let mut ready = Vec::new();
     for file in files {
-        let mut told = Told {
-            file: file.path.clone(),
-            seed,
-            level: file.level,
-            segments: drawing.tree.segment_count(),
-            triangles: None,
-            bound: None,
-            bytes: None,
+        let of = |coarse: &Coarse| Ready {
+            told: Told {
+                file: file.path.clone(),
+                seed,
+                level: file.level,
+                segments: coarse.segments,
+                triangles: Some(coarse.triangles),
+                bound: Some(coarse.bound),
+                bytes: Some(estimated(file.format, coarse)),
+            },
+            format: file.format,
+            sides: coarse.sides,
+            drawing: Arc::clone(&coarse.drawing),
+            grammar: None,
         };
-        if !file.format.is_surface() {
-            told.bytes = Some(match file.format {
-                Format::Lsys => grammar.len() as u64,
-                format => estimated(format, told.segments, 0, 3),
-            });
-            ready.push(Ready {
-                told,
-                format: file.format,
-                sides: 3,
-                drawing: drawing.clone(),
-                grammar: Some(grammar.clone()),
-            });
+        if file.format.is_surface() {
+            if !levels.iter().any(|(level, _)| *level == file.level) {
+                levels.push((file.level, coarse(args, &name, &drawing, file.level)?));
+            }
+            let known = levels.iter().find(|(level, _)| *level == file.level);
+            ready.extend(known.map(|(_, coarse)| of(coarse)));
             continue;
         }
-        if known.is_none() || known_level != file.level {
-            let (detail, coarse) = match args.triangles {
-                Some(budget) => Detail::of_budget(&drawing, budget).ok_or_else(|| {
-                    anyhow!("{name}: no tree has so few triangles as {budget}: give a larger --triangles")
-                })?,
-                None => {
-                    let detail = Detail::level(&drawing.tree, file.level.unwrap_or(0));
-                    (detail, coarser(&drawing, detail.within))
-                }
-            };
-            let triangles = triangles_of(&coarse, detail.sides);
-            known = Some((detail, coarse, triangles));
-            known_level = file.level;
+        if file.format == Format::Swc {
+            // What it cannot hold is said before anything is written.
+            Swc::new(&drawing.tree)
+                .with_context(|| format!("cannot write {}", file.path.display()))?;
         }
-        if let Some((detail, coarse, triangles)) = &known {
-            let thickest = drawing.tree.radius.iter().copied().fold(0.0, f32::max);
-            told.segments = coarse.tree.segment_count();
-            told.triangles = Some(*triangles);
-            told.bound = Some(detail.bound(thickest));
-            told.bytes = Some(estimated(
-                file.format,
-                told.segments,
-                *triangles,
-                detail.sides,
-            ));
-            ready.push(Ready {
-                told,
-                format: file.format,
-                sides: detail.sides,
-                drawing: coarse.clone(),
-                grammar: None,
-            });
-        }
+        let segments = drawing.tree.segment_count();
+        let lines = 55 * segments as u64;
+        ready.push(Ready {
+            told: Told {
+                file: file.path.clone(),
+                seed,
+                level: None,
+                segments,
+                triangles: None,
+                bound: None,
+                bytes: Some(match file.format {
+                    Format::Lsys => grammar.len() as u64,
+                    _ => lines,
+                }),
+            },
+            format: file.format,
+            sides: 3,
+            drawing: Arc::clone(&drawing),
+            grammar: Some(grammar.clone()),
+        });
     }
     Ok((ready, drawing))
 }
 
-/// A grammar's text with another seed.
-fn seeded(text: &str, seed: u64) -> String {
+/// A level of detail of an individual.
+struct Coarse {
+    drawing: Arc<Drawing>,
+    sides: u32,
+    segments: usize,
+    triangles: u64,
+    bound: f32,
+}
+
+/// A level of detail, or what a number of triangles allows.
+fn coarse(args: &Args, name: &str, drawing: &Drawing, level: Option<u32>) -> Result<Coarse> {
+    let (detail, coarse) = match args.triangles {
+        Some(budget) => Detail::of_budget(drawing, budget).ok_or_else(|| {
+            anyhow!("{name}: no tree has so few triangles as {budget}: give a larger --triangles")
+        })?,
+        None => {
+            let detail = Detail::level(&drawing.tree, level.unwrap_or(0));
+            (detail, coarser(drawing, detail.within))
+        }
+    };
+    let thickest = drawing.tree.radius.iter().copied().fold(0.0, f32::max);
+    let nodes = usize::try_from(refined_len(&coarse.tree, &coarse.organs)).unwrap_or(usize::MAX);
+    Ok(Coarse {
+        sides: detail.sides,
+        segments: nodes.saturating_sub(coarse.tree.root_count()),
+        triangles: triangles_of(&coarse, detail.sides),
+        bound: detail.bound(thickest),
+        drawing: Arc::new(coarse),
+    })
+}
+
+/// A grammar's text that states another number.
+fn stating(text: &str, word: &str, number: u64) -> String {
     let states = |line: &str, word: &str| line.split_whitespace().next() == Some(word);
-    let own = format!("seed {seed}\n");
+    let own = format!("{word} {number}\n");
     let mut lines: Vec<&str> = text.split_inclusive('\n').collect();
-    match lines.iter().position(|line| states(line, "seed")) {
-        Some(at) => lines[at] = &own,
+    match lines.iter().position(|line| states(line, word)) {
+        Some(at) => {
+            // A statement goes on in lines that begin with a space.
+            let more = lines[at + 1..].iter();
+            let more =
+                more.take_while(|line| line.starts_with([' ', '\t']) && !line.trim().is_empty());
+            let end = at + 1 + more.count();
+            lines.splice(at..end, [own.as_str()]);
+        }
         None => {
             let axiom = lines.iter().position(|line| states(line, "axiom"));
             lines.insert(axiom.unwrap_or(0), &own);
@@ -502,17 +565,17 @@ fn seeded(text: &str, seed: u64) -> String {
     lines.concat()
 }
 
-/// Bytes that a file takes, about.
-fn estimated(format: Format, segments: usize, triangles: u64, sides: u32) -> u64 {
+/// Bytes that a surface takes as a file, about.
+fn estimated(format: Format, coarse: &Coarse) -> u64 {
+    let triangles = coarse.triangles;
     // Tubes have a corner more in each ring than sides, for the texture's seam.
-    let vertices = triangles + triangles / u64::from(sides);
+    let vertices = triangles + triangles / u64::from(coarse.sides);
     match format {
-        Format::Glb => 32 * vertices + 12 * triangles + 150_000,
+        Format::Glb => 32 * vertices + 12 * triangles + 119_000,
         Format::Ply => 35 * vertices + 13 * triangles,
         Format::Usda => 88 * vertices + 27 * triangles,
         Format::Obj => 75 * vertices + 45 * triangles,
-        Format::Swc => 55 * segments as u64,
-        Format::Lsys => 0,
+        Format::Swc | Format::Lsys => 0,
     }
 }
 
@@ -522,15 +585,16 @@ fn written(args: &Args, file: Ready) -> Result<Told> {
         mut told,
         format,
         sides,
-        drawing: Drawing { tree, organs },
+        drawing,
         grammar,
     } = file;
+    let Drawing { tree, organs } = &*drawing;
     if args.dry_run {
         return Ok(told);
     }
     match (format, grammar) {
         (Format::Lsys, Some(text)) => write_atomically(&told.file, text.as_bytes())?,
-        _ => export::drawing_with(&tree, &organs, &ExportParams { sides }, &told.file)?,
+        _ => export::drawing_with(tree, organs, &ExportParams { sides }, &told.file)?,
     }
     told.bytes = size_of_file(&told.file);
     Ok(told)

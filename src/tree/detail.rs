@@ -1,17 +1,18 @@
 //! A drawing with fewer segments, as a coarser level of detail: what is short goes, what is nearly straight becomes one.
 //!
 //! **The bound.** No point of the full tree's wood is farther from the coarser one's than [`Detail::bound`], nor the other way round: `within`, and what a
-//! ring of so few corners lacks of its circle. A branch goes that reaches no farther than a third of `within` from the node it grows from; a chord
-//! stands for the nodes of a branch that are no farther from it than another third, and whose radii are so near to its own; so two thirds are what
-//! a center line is off by, and one is what a radius is. Tips narrow to a point over their last segment (see [`super::tubes`]), so what is thicker
-//! than a third keeps it. What the tree carries stays where it is.
+//! ring of so few corners lacks of its circle. Each of four things takes a fourth of `within` at most: a branch goes that reaches no farther from the node it
+//! grows from; a chord stands for the nodes of a branch that are no farther from it; radii, of which a chord's change evenly, are off by no more; and no bend,
+//! old or new, thins a tube by more (see [`super::tubes`]) where one tree has it and the other has not. What continues an axis still does; where the wood
+//! is thicker than a fourth, a tip, which narrows to a point, keeps its last segment. What the tree carries stays where it is.
 
 use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::axes::axis_children;
 use super::organs::{Organist, refined};
-use super::tubes::{CAPPED, STARTS, segments};
+use super::tubes::{CAPPED, SHARP_BEND_COSINE, STARTS, segments};
 use super::{Drawing, NO_PARENT, Node, Organs, Tree};
 
 /// Nodes that one chord stands for at most: what bounds the time.
@@ -49,7 +50,7 @@ impl Detail {
     pub fn bound(&self, radius: f32) -> f32 {
         #[allow(clippy::cast_precision_loss, reason = "at most 64")]
         let half_corner = PI / self.sides.max(3) as f32;
-        self.within + (radius + self.within / 3.0) * (1.0 - half_corner.cos())
+        self.within + (radius + self.within / 4.0) * (1.0 - half_corner.cos())
     }
 
     /// The finest detail whose drawing has no more triangles than a budget, with that drawing; none where not even the coarsest has.
@@ -112,8 +113,9 @@ pub fn coarser(drawing: &Drawing, within: f32) -> Drawing {
         .as_ref()
         .map_or(&drawing.organs.paints, |fine| &fine.paints);
     let number = fine.as_ref().map(|fine| fine.number.as_slice());
-    let within = within / 3.0;
-    let stays = staying(tree, within);
+    let within = within / 4.0;
+    let axis = axis_children(tree);
+    let stays = staying(tree, &axis, within);
     let mut only = vec![NO_PARENT; tree.len()];
     let mut several = vec![false; tree.len()];
     for node in (0..tree.len()).filter(|node| stays[*node]) {
@@ -136,26 +138,45 @@ pub fn coarser(drawing: &Drawing, within: f32) -> Drawing {
     };
     let mut made_paints = Vec::new();
     let mut now = vec![NO_PARENT; tree.len()];
-    // The node that each node's chord begins at, and how many nodes that chord has passed.
-    let mut begins: Vec<(u32, u32)> = vec![(NO_PARENT, 0); tree.len()];
-    let mut run = Vec::new();
+    let mut chords = vec![Chord::default(); tree.len()];
+    let near = Near {
+        tree,
+        axis: &axis,
+        within,
+    };
     for node in (0..tree.len()).filter(|node| stays[*node]) {
+        let number = u32::try_from(node).unwrap_or(NO_PARENT);
         let Some(parent) = parent_of(tree, node) else {
             now[node] = made.push(of(tree, node, NO_PARENT));
             made_paints.push(paint(node));
             continue;
         };
-        let passed = match now[parent] {
-            NO_PARENT => begins[parent],
-            _ => (u32::try_from(parent).unwrap_or(NO_PARENT), 0),
+        let chord = match now[parent] {
+            NO_PARENT => Chord {
+                passed: chords[parent].passed + 1,
+                ..chords[parent]
+            },
+            _ => Chord {
+                from: u32::try_from(parent).unwrap_or(NO_PARENT),
+                first: number,
+                passed: 0,
+            },
         };
-        begins[node] = (passed.0, passed.1 + 1);
+        chords[node] = chord;
+        let begin = now[chord.from as usize];
         let narrows = |next: u32| only[next as usize] == NO_PARENT && tree.radius[node] > within;
-        let may_pass = !ends(node) && passed.1 < CHORD && !narrows(only[node]);
-        if may_pass && is_near(tree, passed.0, node, only[node], within, &mut run) {
+        let may_pass = !ends(node) && chord.passed < CHORD && !narrows(only[node]);
+        let before = made.parent[begin as usize];
+        let arrives = (before != NO_PARENT)
+            .then(|| made.position[begin as usize] - made.position[before as usize]);
+        if may_pass && near.passes(chord, node, only[node], arrives) {
             continue;
         }
-        now[node] = made.push(of(tree, node, now[passed.0 as usize]));
+        let mut one = of(tree, node, begin);
+        // The axis goes on in what it went on in.
+        let is_axis = axis[chord.from as usize] == chord.first;
+        one.order = made.order[begin as usize].saturating_add(u16::from(!is_axis));
+        now[node] = made.push(one);
         made_paints.push(paint(node));
     }
     let kept = |node: u32| {
@@ -203,28 +224,77 @@ fn of(tree: &Tree, node: usize, parent: u32) -> Node {
     }
 }
 
-/// Whether all nodes after one, up to another, are near the chord from the one to what comes behind the other.
-fn is_near(
-    tree: &Tree,
+/// Where a chord begins, the first node behind that, and how many nodes it has passed.
+#[derive(Clone, Copy, Debug, Default)]
+struct Chord {
     from: u32,
-    last: usize,
-    next: u32,
+    first: u32,
+    passed: u32,
+}
+
+/// What is near enough.
+struct Near<'a> {
+    tree: &'a Tree,
+    axis: &'a [u32],
     within: f32,
-    run: &mut Vec<usize>,
-) -> bool {
-    run.clear();
-    let mut at = Some(last);
-    while let Some(between) = at.filter(|at| *at != from as usize) {
-        run.push(between);
-        at = parent_of(tree, between);
+}
+
+impl Near<'_> {
+    /// Whether a chord may pass a node on its way to the next; `arrives` is the direction in which the chord before it arrives.
+    fn passes(&self, chord: Chord, node: usize, next: u32, arrives: Option<Vec3>) -> bool {
+        let Self { tree, axis, within } = *self;
+        let (from, next) = (chord.from as usize, next as usize);
+        let [start, stop] = [from, next].map(|at| tree.position[at]);
+        let is_axis = axis[from] == chord.first;
+        let [mut thick, thin] = [from, next].map(|at| tree.radius[at]);
+        if !is_axis {
+            // As laterals begin.
+            thick = thick.min(thin);
+        }
+        let along = stop - start;
+        let step = |at: usize| {
+            parent_of(tree, at).map_or(Vec3::ZERO, |before| {
+                tree.position[at] - tree.position[before]
+            })
+        };
+        let onward = axis[next];
+        let bends = [
+            (from, arrives.filter(|_| is_axis), along),
+            (node, Some(step(node)), step(next)),
+            (
+                next,
+                (onward != NO_PARENT).then_some(along),
+                if onward == NO_PARENT {
+                    along
+                } else {
+                    step(onward as usize)
+                },
+            ),
+        ];
+        let is_even = bends.iter().all(|(at, into, out)| {
+            into.is_none_or(|into| thinned(tree.radius[*at], into, *out) <= within)
+        });
+        let mut at = Some(node);
+        let mut between = || {
+            at.filter(|at| *at != from)
+                .inspect(|now| at = parent_of(tree, *now))
+        };
+        is_even
+            && std::iter::from_fn(&mut between).all(|between| {
+                let (off, part) = from_chord(tree.position[between], start, stop);
+                let radius = thick + (thin - thick) * part;
+                off <= within && (tree.radius[between] - radius).abs() <= within
+            })
     }
-    let [start, stop] = [from as usize, next as usize].map(|at| tree.position[at]);
-    let [thick, thin] = [from as usize, next as usize].map(|at| tree.radius[at]);
-    run.iter().all(|between| {
-        let (off, along) = from_chord(tree.position[*between], start, stop);
-        let radius = thick + (thin - thick) * along;
-        off <= within && (tree.radius[*between] - radius).abs() <= within
-    })
+}
+
+/// By how much a bend thins a tube of some radius, whose ring stands half-way; of a bend at which the tube ends and begins anew, by all of it.
+fn thinned(radius: f32, into: Vec3, out: Vec3) -> f32 {
+    let cosine = into.normalize_or_zero().dot(out.normalize_or_zero());
+    match cosine > SHARP_BEND_COSINE {
+        true => radius * (1.0 - f32::midpoint(1.0, cosine).max(0.0).sqrt()),
+        false => radius,
+    }
 }
 
 /// How far a point is from a chord, and where along it is nearest, 0 to 1.
@@ -238,27 +308,33 @@ fn from_chord(point: Vec3, start: Vec3, stop: Vec3) -> (f32, f32) {
     (point.distance(start + along * place), place)
 }
 
-/// Nodes that stay: those whose branches reach farther, their thickness included; of each root at least the branch that reaches farthest.
-fn staying(tree: &Tree, within: f32) -> Vec<bool> {
+/// Nodes that stay: those whose branches reach farther, their thickness included, and of axes what keeps tips and laterals as they are.
+fn staying(tree: &Tree, axis: &[u32], within: f32) -> Vec<bool> {
     let mut reach = vec![0.0_f32; tree.len()];
-    let mut farthest = vec![(f32::NEG_INFINITY, 0); tree.len()];
     for node in (0..tree.len()).rev() {
         let own = reach[node].max(tree.radius[node]);
         if let Some(parent) = parent_of(tree, node) {
             let from_parent = own + tree.position[node].distance(tree.position[parent]);
             reach[node] = from_parent;
             reach[parent] = reach[parent].max(from_parent);
-            if from_parent > farthest[parent].0 {
-                farthest[parent] = (from_parent, node);
-            }
+        }
+    }
+    let is_axis = |parent: usize, node: usize| axis[parent] as usize == node;
+    // Where the next tip would narrow though the tree is thick, or a lateral would be an axis and begin as thick. Of no tree all goes.
+    let mut needs_axis: Vec<bool> = (0..tree.len())
+        .map(|node| tree.radius[node] > within || tree.parent[node] == NO_PARENT)
+        .collect();
+    for (node, reach) in reach.iter().enumerate() {
+        if let Some(parent) = parent_of(tree, node).filter(|parent| !is_axis(*parent, node)) {
+            let is_thinner = tree.radius[parent] - tree.radius[node] > within;
+            needs_axis[parent] |= *reach > within && is_thinner;
         }
     }
     let mut stays = vec![false; tree.len()];
     for node in 0..tree.len() {
         stays[node] = parent_of(tree, node).is_none_or(|parent| {
-            // The next tip would narrow where the tree is thick; and of no tree all goes.
-            let is_thick = tree.radius[parent] > within || tree.parent[parent] == NO_PARENT;
-            stays[parent] && (reach[node] > within || is_thick && farthest[parent].1 == node)
+            let goes_on = needs_axis[parent] && is_axis(parent, node);
+            stays[parent] && (reach[node] > within || goes_on)
         });
     }
     stays

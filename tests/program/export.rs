@@ -174,22 +174,25 @@ fn individuals_differ_by_their_seeds_and_a_seed_is_one_of_them() {
         let stem = file.file_stem().unwrap().to_str().unwrap();
         assert!(into("first").join(format!("{stem}-8.glb")).is_file());
     }
-    // A grammar with its seed written into it grows the same individual.
-    let options = ["--format", "lsys,swc", "--seed", "9"];
-    let files = told(&mut export(
-        &chance,
-        &folder.path().join("seeded"),
-        &options,
-    ));
-    let derived = folder.path().join("derived.swc");
-    succeed(
-        ramus()
-            .arg("derive")
-            .arg(path(&files[0]))
-            .arg("--export")
-            .arg(&derived),
-    );
-    assert!(fs::read(derived).unwrap() == fs::read(path(&files[1])).unwrap());
+    // A grammar with its seed and its steps written into it grows the same individual, and so does a sketch's.
+    let seeded = ["--format", "lsys,swc", "--seed", "9", "--steps", "6"];
+    let spread = ["--format", "lsys,swc", "--steps", "7"];
+    for (file, options) in [(&chance, seeded.as_slice()), (&project, &spread)] {
+        let files = told(&mut export(file, &folder.path().join("seeded"), options));
+        let derived = folder.path().join("derived.swc");
+        let mut derive = ramus();
+        derive.arg("derive").arg(path(&files[0])).arg("--export");
+        derive.arg(&derived);
+        if file == &project {
+            derive.args(["--widths", "da-vinci"]);
+        }
+        succeed(&mut derive);
+        assert!(fs::read(&derived).unwrap() == fs::read(path(&files[1])).unwrap());
+    }
+    // What is named twice is written once.
+    let twice = ["--format", "ply,ply", "--lod", "2,2"];
+    let files = told(&mut export(&chance, &folder.path().join("twice"), &twice));
+    assert_eq!(files.len(), 1);
 }
 
 #[test]
@@ -259,6 +262,7 @@ fn what_cannot_be_exported_is_said_in_a_sentence() {
     let nothing = at("nothing.lsys", "steps 2\naxiom A\n");
     let wrong = at("wrong.lsys", "axiom [ F\n");
     let huge = at("huge.lsys", "steps 60\naxiom F\nF -> F F F\n");
+    let gaps = at("gaps.lsys", "steps 0\naxiom F(1) [ f(1) F(1) ] F(1)\n");
     for (file, out, options, part) in [
         (
             folder.path().join("none.lsys"),
@@ -293,7 +297,26 @@ fn what_cannot_be_exported_is_said_in_a_sentence() {
             ["--format=glb", "--triangles=3"],
             "so few triangles",
         ),
-        (PathBuf::from(HONDA), &taken, ["--format", "glb"], "taken"),
+        (
+            PathBuf::from(HONDA),
+            &taken,
+            ["--format", "glb"],
+            "taken is a file",
+        ),
+        (gaps.clone(), &out, ["--format", "glb,swc"], "gaps.swc"),
+        (gaps, &out, ["--dry-run", "--format=swc"], "gaps.swc"),
+        (
+            PathBuf::from(HONDA),
+            &out,
+            ["--format=lsys", "--angles=5"],
+            "leave lsys out",
+        ),
+        (
+            PathBuf::from(HONDA),
+            &out,
+            ["--format=glb", "--count=4294967295"],
+            "are too many",
+        ),
     ] {
         let done = export(&file, out, &options).output().unwrap();
         let said = text(&done.stderr);
@@ -306,7 +329,11 @@ fn what_cannot_be_exported_is_said_in_a_sentence() {
             lines.len() == 1 && lines[0].contains(part),
             "{part}: {said}"
         );
+        assert!(!out.join("gaps.glb").exists(), "all or nothing of a tree");
     }
+    let last = ["--format=glb", "--seed=18446744073709551615", "--count=2"];
+    let done = export(Path::new(HONDA), &out, &last).output().unwrap();
+    assert!(!done.status.success() && text(&done.stderr).contains("seeds end at"));
     // Wrong usage is told as such.
     for options in [["--format", "stl"], ["--lod", "9"], ["--angles", "-3"]] {
         let done = export(Path::new(HONDA), &out, &options).output().unwrap();
