@@ -175,52 +175,7 @@ struct All<'a> {
 pub(super) fn run(args: &Args) -> Result<()> {
     let source = source(args)?;
     let spread = spread(args, &source);
-    let first = args.seed.unwrap_or(match &source {
-        Source::Grammar(grammar, _) => grammar.seed(),
-        Source::Sketch(..) => 0,
-    });
-    let Some(last) = first.checked_add(u64::from(args.count) - 1) else {
-        bail!(
-            "seeds end at {}: take a smaller --seed or --count",
-            u64::MAX
-        );
-    };
-    let each = files(args, first).len() as u64;
-    ensure!(
-        u64::from(args.count) * each <= FILES_MOST,
-        "{} files are too many for one command: take a smaller --count",
-        u64::from(args.count) * each
-    );
-    ensure!(
-        spread == Spread::NONE || !args.format.contains(&Format::Lsys),
-        "a grammar does not say how its individuals are turned and longer by --angles and --lengths: leave lsys out, or set both to 0"
-    );
-    let seeds: Vec<u64> = (first..=last).collect();
-    let files: Vec<Vec<File>> = seeds.iter().map(|seed| files(args, *seed)).collect();
-    let all = || files.iter().flatten().map(|file| &file.path);
-    let pixels = u64::from(args.count) * u64::from(args.size).pow(2);
-    ensure!(
-        args.sheet.is_none() || args.count <= SHEET_MOST && pixels <= PIXELS_MOST,
-        "one picture of {} individuals of {} pixels is too large: take a smaller --count or --size",
-        args.count,
-        args.size
-    );
-    let all = || all().chain(&args.sheet);
-    not_over_each_other(Some(&args.file), all().map(PathBuf::as_path), None)?;
-    if !args.dry_run {
-        ensure!(
-            !args.out.is_file(),
-            "{} is a file: name a folder with --out",
-            args.out.display()
-        );
-        std::fs::create_dir_all(&args.out).with_context(|| {
-            format!(
-                "cannot make the folder {}: check that it may be written",
-                args.out.display()
-            )
-        })?;
-        check_places(all())?;
-    }
+    let (seeds, files) = planned(args, &source, spread)?;
     start_watch();
     let began = Instant::now();
     let (mut told, mut sheet) = (Vec::<Told>::new(), Vec::new());
@@ -267,6 +222,57 @@ pub(super) fn run(args: &Args) -> Result<()> {
         export::png(&picture, path)?;
     }
     finish(args, &told, began.elapsed().as_secs_f64(), printed)
+}
+
+/// The seeds and the files of each, if all may be asked for and written.
+fn planned(args: &Args, source: &Source, spread: Spread) -> Result<(Vec<u64>, Vec<Vec<File>>)> {
+    let first = args.seed.unwrap_or(match source {
+        Source::Grammar(grammar, _) => grammar.seed(),
+        Source::Sketch(..) => 0,
+    });
+    let Some(last) = first.checked_add(u64::from(args.count) - 1) else {
+        bail!(
+            "seeds end at {}: take a smaller --seed or --count",
+            u64::MAX
+        );
+    };
+    let each = files(args, first).len() as u64;
+    ensure!(
+        u64::from(args.count) * each <= FILES_MOST,
+        "{} files are too many for one command: take a smaller --count",
+        u64::from(args.count) * each
+    );
+    ensure!(
+        spread == Spread::NONE || !args.format.contains(&Format::Lsys),
+        "a grammar does not say how its individuals are turned and longer by --angles and --lengths: leave lsys out, or set both to 0"
+    );
+    let seeds: Vec<u64> = (first..=last).collect();
+    let files: Vec<Vec<File>> = seeds.iter().map(|seed| files(args, *seed)).collect();
+    let all = || files.iter().flatten().map(|file| &file.path);
+    let pixels = u64::from(args.count) * u64::from(args.size).pow(2);
+    ensure!(
+        args.sheet.is_none() || args.count <= SHEET_MOST && pixels <= PIXELS_MOST,
+        "one picture of {} individuals of {} pixels is too large: take a smaller --count or --size",
+        args.count,
+        args.size
+    );
+    let all = || all().chain(&args.sheet);
+    not_over_each_other(Some(&args.file), all().map(PathBuf::as_path), None)?;
+    if !args.dry_run {
+        ensure!(
+            !args.out.is_file(),
+            "{} is a file: name a folder with --out",
+            args.out.display()
+        );
+        std::fs::create_dir_all(&args.out).with_context(|| {
+            format!(
+                "cannot make the folder {}: check that it may be written",
+                args.out.display()
+            )
+        })?;
+        check_places(all())?;
+    }
+    Ok((seeds, files))
 }
 
 /// What is told at the end.

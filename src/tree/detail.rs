@@ -11,9 +11,9 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::axes::axis_children;
-use super::organs::{Organist, refined};
+use super::organs::{Organist, Paint, refined};
 use super::tubes::{CAPPED, SHARP_BEND_COSINE, STARTS, segments};
-use super::{Drawing, NO_PARENT, Node, Organs, Tree};
+use super::{Drawing, NO_PARENT, Node, Tree};
 
 /// Nodes that one chord stands for at most: what bounds the time.
 const CHORD: u32 = 64;
@@ -84,7 +84,14 @@ impl Detail {
 /// A tree's size: the diagonal of the box that holds its nodes.
 #[must_use]
 pub fn size(tree: &Tree) -> f32 {
-    tree.bounds().map_or(0.0, |(low, high)| low.distance(high))
+    // In double precision, where squares of large numbers are none too large.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "a length among single numbers, as they are"
+    )]
+    tree.bounds().map_or(0.0, |(low, high)| {
+        (low.as_dvec3().distance(high.as_dvec3()) as f32).min(f32::MAX)
+    })
 }
 
 /// Triangles of a drawing whose tubes have so many sides.
@@ -109,103 +116,127 @@ pub fn coarser(drawing: &Drawing, within: f32) -> Drawing {
     }
     let fine = refined(&drawing.tree, &drawing.organs, &[]);
     let tree = fine.as_ref().map_or(&drawing.tree, |fine| &fine.tree);
-    let paints = fine
-        .as_ref()
-        .map_or(&drawing.organs.paints, |fine| &fine.paints);
-    let number = fine.as_ref().map(|fine| fine.number.as_slice());
-    let within = within / 4.0;
-    let axis = axis_children(tree);
-    let stays = staying(tree, &axis, within);
-    let mut only = vec![NO_PARENT; tree.len()];
-    let mut several = vec![false; tree.len()];
-    for node in (0..tree.len()).filter(|node| stays[*node]) {
-        if let Some(parent) = parent_of(tree, node) {
-            several[parent] |= only[parent] != NO_PARENT;
-            only[parent] = u32::try_from(node).unwrap_or(NO_PARENT);
-        }
-    }
-    let paint = |node: usize| paints.get(node).copied().unwrap_or_default();
-    // Where a chord may not pass: at roots, forks, tips, and where the look changes.
-    let ends = |node: usize| {
-        let next = only[node] as usize;
-        let is_between =
-            !several[node] && only[node] != NO_PARENT && parent_of(tree, node).is_some();
-        !is_between || paint(next) != paint(node) || tree.letter[next] != tree.letter[node]
+    let paints = match &fine {
+        Some(fine) => &fine.paints,
+        None => &drawing.organs.paints,
     };
-    let mut made = Tree {
-        letters: tree.letters.clone(),
-        ..Tree::default()
-    };
-    let mut made_paints = Vec::new();
-    let mut now = vec![NO_PARENT; tree.len()];
-    let mut chords = vec![Chord::default(); tree.len()];
-    let near = Near {
-        tree,
-        axis: &axis,
-        within,
-    };
-    for node in (0..tree.len()).filter(|node| stays[*node]) {
-        let number = u32::try_from(node).unwrap_or(NO_PARENT);
-        let Some(parent) = parent_of(tree, node) else {
-            now[node] = made.push(of(tree, node, NO_PARENT));
-            made_paints.push(paint(node));
-            continue;
-        };
-        let chord = match now[parent] {
-            NO_PARENT => Chord {
-                passed: chords[parent].passed + 1,
-                ..chords[parent]
-            },
-            _ => Chord {
-                from: u32::try_from(parent).unwrap_or(NO_PARENT),
-                first: number,
-                passed: 0,
-            },
-        };
-        chords[node] = chord;
-        let begin = now[chord.from as usize];
-        let narrows = |next: u32| only[next as usize] == NO_PARENT && tree.radius[node] > within;
-        let may_pass = !ends(node) && chord.passed < CHORD && !narrows(only[node]);
-        let before = made.parent[begin as usize];
-        let arrives = (before != NO_PARENT)
-            .then(|| made.position[begin as usize] - made.position[before as usize]);
-        if may_pass && near.passes(chord, node, only[node], arrives) {
-            continue;
-        }
-        let mut one = of(tree, node, begin);
-        // The axis goes on in what it went on in.
-        let is_axis = axis[chord.from as usize] == chord.first;
-        one.order = made.order[begin as usize].saturating_add(u16::from(!is_axis));
-        now[node] = made.push(one);
-        made_paints.push(paint(node));
-    }
+    let merged = Merged::new(tree, paints, within / 4.0);
     let kept = |node: u32| {
-        let fine = number.map_or(Some(node), |number| number.get(node as usize).copied());
-        let known = fine.and_then(|node| now.get(node as usize).copied());
+        let number = match &fine {
+            Some(fine) => fine.number.get(node as usize).copied(),
+            None => Some(node),
+        };
+        let known = number.and_then(|number| merged.now.get(number as usize).copied());
         known.unwrap_or(NO_PARENT)
     };
-    let mut organs = Organs {
-        paints: if paints.is_empty() {
-            Vec::new()
-        } else {
-            made_paints
-        },
-        smooth: Vec::new(),
-        ..drawing.organs.clone()
-    };
-    organs
-        .polygons
-        .iter_mut()
-        .for_each(|one| one.node = kept(one.node));
-    organs
-        .spheres
-        .iter_mut()
-        .for_each(|one| one.node = kept(one.node));
-    organs
-        .placed
-        .iter_mut()
-        .for_each(|one| one.node = kept(one.node));
-    Drawing { tree: made, organs }
+    let mut organs = drawing.organs.clone();
+    let polygons = organs.polygons.iter_mut().map(|one| &mut one.node);
+    let spheres = organs.spheres.iter_mut().map(|one| &mut one.node);
+    let placed = organs.placed.iter_mut().map(|one| &mut one.node);
+    polygons
+        .chain(spheres)
+        .chain(placed)
+        .for_each(|node| *node = kept(*node));
+    organs.smooth.clear();
+    organs.paints = merged.paints;
+    Drawing {
+        tree: merged.tree,
+        organs,
+    }
+}
+
+/// A tree whose short branches are gone and whose chords are segments.
+#[derive(Default)]
+struct Merged {
+    tree: Tree,
+    /// Of each node; empty where there were none.
+    paints: Vec<Paint>,
+    /// For each node of the full tree its number here, or [`NO_PARENT`].
+    now: Vec<u32>,
+}
+
+impl Merged {
+    fn new(tree: &Tree, paints: &[Paint], within: f32) -> Self {
+        let axis = axis_children(tree);
+        let stays = staying(tree, &axis, within);
+        let bears = bearing(tree, &stays);
+        let near = Near {
+            tree,
+            axis: &axis,
+            within,
+        };
+        let mut merged = Self {
+            now: vec![NO_PARENT; tree.len()],
+            ..Self::default()
+        };
+        merged.tree.letters.clone_from(&tree.letters);
+        let paint = |node: usize| paints.get(node).copied().unwrap_or_default();
+        let looks_alike = |one: usize, other: usize| {
+            paint(one) == paint(other) && tree.letter[one] == tree.letter[other]
+        };
+        let mut chords = vec![Chord::default(); tree.len()];
+        for (number, node) in (0..).zip(0..tree.len()).filter(|(_, node)| stays[*node]) {
+            let mut made = of(tree, node, NO_PARENT);
+            if let Some(parent) = parent_of(tree, node) {
+                let chord = match merged.now[parent] {
+                    NO_PARENT => chords[parent].on(),
+                    _ => Chord::new(tree.parent[node], number),
+                };
+                chords[node] = chord;
+                let begin = merged.now[chord.from as usize];
+                let may_pass = |next: u32| {
+                    // A tip narrows over its last segment.
+                    let narrows =
+                        bears[next as usize] == Bears::Nothing && tree.radius[node] > within;
+                    chord.passed < CHORD && !narrows && looks_alike(node, next as usize)
+                };
+                if let Bears::One(next) = bears[node]
+                    && may_pass(next)
+                    && near.passes(chord, node, next, merged.arrives(begin))
+                {
+                    continue;
+                }
+                // The axis goes on in what it went on in.
+                let is_axis = axis[chord.from as usize] == chord.first;
+                let order = merged.tree.order[begin as usize];
+                made.order = order.saturating_add(u16::from(!is_axis));
+                made.parent = begin;
+            }
+            merged.now[node] = merged.tree.push(made);
+            if !paints.is_empty() {
+                merged.paints.push(paint(node));
+            }
+        }
+        merged
+    }
+
+    /// In which direction the segment of a node arrives, if it has one.
+    fn arrives(&self, node: u32) -> Option<Vec3> {
+        let parent = parent_of(&self.tree, node as usize)?;
+        Some(self.tree.position[node as usize] - self.tree.position[parent])
+    }
+}
+
+/// Which of a node's children stay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Bears {
+    Nothing,
+    One(u32),
+    Several,
+}
+
+/// What stays of each node's children.
+fn bearing(tree: &Tree, stays: &[bool]) -> Vec<Bears> {
+    let mut bears = vec![Bears::Nothing; tree.len()];
+    for (number, node) in (0..).zip(0..tree.len()).filter(|(_, node)| stays[*node]) {
+        if let Some(parent) = parent_of(tree, node) {
+            bears[parent] = match bears[parent] {
+                Bears::Nothing => Bears::One(number),
+                Bears::One(_) | Bears::Several => Bears::Several,
+            };
+        }
+    }
+    bears
 }
 
 fn parent_of(tree: &Tree, node: usize) -> Option<usize> {
@@ -230,6 +261,24 @@ struct Chord {
     from: u32,
     first: u32,
     passed: u32,
+}
+
+impl Chord {
+    fn new(from: u32, first: u32) -> Self {
+        Self {
+            from,
+            first,
+            passed: 0,
+        }
+    }
+
+    /// One node farther.
+    fn on(self) -> Self {
+        Self {
+            passed: self.passed + 1,
+            ..self
+        }
+    }
 }
 
 /// What is near enough.

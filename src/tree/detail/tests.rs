@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::tree::mesh::mesh;
-use crate::tree::organs::{Paint, Sphere};
+use crate::tree::organs::{Organs, Paint, Sphere};
 use crate::tree::tubes::TubeSegment;
 
 /// How a node grows: from which before, where to, and how much thinner it is.
