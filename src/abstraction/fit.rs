@@ -22,6 +22,7 @@ use super::solving::{OF_TREES, ORDERS, STEPS, of_orders, solved};
 use super::table::Table;
 use crate::lsystem::Limits;
 use crate::tree::Tree;
+use crate::tree::draws::Draws;
 use crate::tree::measure::Measures;
 
 /// How a fit is made.
@@ -342,7 +343,7 @@ impl<'a> Search<'a> {
 
     /// Draws a candidate. How far it is from what is wanted before anything was solved for; none where it has another number of tips.
     fn drawn(&self, number: u64, elite: &[Form], cancel: &AtomicBool) -> Option<(f64, Params)> {
-        let mut random = Random::new(self.seed, number);
+        let mut random = Draws::new(self.seed, number);
         let params = self.proposed(&mut random, elite);
         // Some tips die before they have grown: they are tips of the string alone.
         let most = self.tips + self.tips / 2 + 2;
@@ -371,7 +372,7 @@ impl<'a> Search<'a> {
         Some((shape, candidate.params))
     }
 
-    fn proposed(&self, random: &mut Random, elite: &[Form]) -> Params {
+    fn proposed(&self, random: &mut Draws, elite: &[Form]) -> Params {
         let near = random.uniform(0.0, 1.0) < 0.5 && !elite.is_empty();
         #[allow(
             clippy::cast_possible_truncation,
@@ -480,27 +481,3 @@ fn brief(tree: &Tree) -> Table {
 
 /// Seeds are told in files: numbers that all programs read exactly.
 const SEEDS: u64 = (1 << 32) - 1;
-
-/// Random numbers of one candidate (SplitMix64; Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn new(seed: u64, number: u64) -> Self {
-        let mut random = Self(seed ^ number.wrapping_mul(0xD134_2543_DE82_EF95));
-        random.next();
-        random
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        bits ^ (bits >> 31)
-    }
-
-    fn uniform(&mut self, from: f64, to: f64) -> f64 {
-        let part = (self.next() >> 11) as f64 / (1_u64 << 53) as f64;
-        from + part * (to - from)
-    }
-}

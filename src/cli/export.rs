@@ -2,7 +2,7 @@
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Once};
 use std::time::Instant;
 
@@ -74,10 +74,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     count: u32,
     /// Degrees that branches of individuals are turned at most; of a sketch 12 where it has a seed or a count, else 0
-    #[arg(long, value_name = "DEGREES", value_parser = within::<90>)]
+    #[arg(long, value_name = "DEGREES", value_parser = up_to_90)]
     angles: Option<f32>,
     /// Percent that segments of individuals are longer or shorter at most; of a sketch 15 where it has a seed or a count, else 0
-    #[arg(long, value_name = "PERCENT", value_parser = within::<90>)]
+    #[arg(long, value_name = "PERCENT", value_parser = up_to_90)]
     lengths: Option<f32>,
     /// Only tell what would be written, with triangles and bytes
     #[arg(long)]
@@ -121,14 +121,12 @@ impl Format {
     }
 }
 
-/// A number from 0 to a most.
-fn within<const MOST: u32>(text: &str) -> Result<f32, String> {
+/// Degrees or percent that individuals may differ by.
+fn up_to_90(text: &str) -> Result<f32, String> {
     let number: f32 = text.parse().map_err(|_| "no number".to_owned())?;
-    #[allow(clippy::cast_precision_loss, reason = "small")]
-    let most = MOST as f32;
-    match (0.0..=most).contains(&number) {
+    match (0.0..=90.0).contains(&number) {
         true => Ok(number),
-        false => Err(format!("expected a number from 0 to {MOST}")),
+        false => Err("expected a number from 0 to 90".to_owned()),
     }
 }
 
@@ -179,7 +177,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     start_watch();
     let began = Instant::now();
     let (mut told, mut sheet) = (Vec::<Told>::new(), Vec::new());
-    let done = AtomicUsize::new(0);
+    let mut done = 0;
     let mut progress = Progress::new("exporting");
     let mut printed = Ok(());
     // As many at a time as there are threads, so that memory is bounded and the numbers come in order, before the files.
@@ -210,10 +208,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
             })
             .collect::<Result<_>>()?;
         told.extend(written.into_iter().flatten());
-        progress.show(
-            done.fetch_add(seeds.len(), Ordering::Relaxed) + seeds.len(),
-            args.count as usize,
-        );
+        done += seeds.len();
+        progress.show(done, args.count as usize);
     }
     drop(progress);
     if let Some(path) = args.sheet.as_ref().filter(|_| !args.dry_run) {

@@ -16,6 +16,7 @@ pub mod bark;
 mod cells;
 pub mod compare;
 pub mod detail;
+pub(crate) mod draws;
 pub(crate) mod error;
 pub mod export;
 pub mod file;

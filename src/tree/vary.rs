@@ -7,6 +7,7 @@
 use glam::{Quat, Vec3};
 
 use super::axes::axis_children;
+use super::draws::Draws;
 use super::{Drawing, NO_PARENT, Tree};
 
 /// How far individuals differ.
@@ -24,27 +25,6 @@ impl Spread {
         angle: 0.0,
         length: 0.0,
     };
-}
-
-/// Draws numbers from 0 to 1 for a node.
-struct Draws(u64);
-
-impl Draws {
-    fn of(seed: u64, node: usize) -> Self {
-        let mut draws = Self(seed ^ (node as u64).wrapping_mul(0xD1B5_4A32_D192_ED03));
-        draws.next();
-        draws
-    }
-
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        #[allow(clippy::cast_precision_loss, reason = "24 bits fit")]
-        let number = ((mixed ^ (mixed >> 31)) >> 40) as f32;
-        number / 16_777_216.0
-    }
 }
 
 /// The individual of a seed; with no spread it is the drawing itself.
@@ -65,10 +45,15 @@ pub fn varied(drawing: &Drawing, seed: u64, spread: Spread) -> Drawing {
         }
         let before = parent[node] as usize;
         let step = position[node] - position[before];
-        let mut draws = Draws::of(seed, node);
-        let longer = 1.0 + spread.length * (2.0 * draws.next() - 1.0);
-        let around = draws.next() * std::f32::consts::TAU;
-        let by = draws.next() * spread.angle;
+        let mut draws = Draws::new(seed, node as u64);
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "positions are single, and so are their factors and angles"
+        )]
+        let mut up_to = |most: f64| draws.uniform(0.0, most) as f32;
+        let longer = 1.0 + spread.length * (up_to(2.0) - 1.0);
+        let around = up_to(std::f64::consts::TAU);
+        let by = up_to(1.0) * spread.angle;
         let leaves = axis[before] as usize != node;
         let own = match step.try_normalize().filter(|_| leaves) {
             Some(ahead) => {
