@@ -1,22 +1,33 @@
 #!/usr/bin/env bash
-# Times derivation beside other engines, models read beside other libraries, and centerlines beside VMTK's. npm's and PyPI's are fetched
-# into the target folder where node and Python are; what cannot be had is left out.
-# `scripts/peers.sh [engines|models [FORMAT]|centerlines [MODEL…]]`
+# Times derivation beside other engines, models read beside other libraries, and centerlines beside VMTK's; times, judges and draws exported trees beside
+# ez-tree's. npm's and PyPI's are fetched into the target folder where node and Python are; what cannot be had is left out.
+# `scripts/peers.sh [engines|models [FORMAT]|centerlines [MODEL…]|trees [SPECIES…]]`
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 target=${CARGO_TARGET_DIR:-$repository/target}
+modules=$target/peers/node_modules
 
 run() { # BINARY ARGUMENTS
     CARGO_TARGET_DIR=$target cargo run --release --quiet --manifest-path "$repository/benches/peers/Cargo.toml" --bin "$1" -- "${@:2}"
 }
 
-engines() {
-    local modules=$target/peers/node_modules
-    if command -v npm >/dev/null && [ ! -d "$modules/lindenmayer" ]; then
-        npm install --prefix "$target/peers" --no-audit --no-fund --loglevel=error lindenmayer@1.5.4 >/dev/null ||
-            echo "npm's lindenmayer cannot be fetched"
+# Fetches packages of npm in the versions that are wanted.
+packages() { # NAME@VERSION…
+    local package missing=()
+    for package in "$@"; do
+        if ! grep -qsF "\"version\": \"${package##*@}\"" "$modules/${package%@*}/package.json"; then missing+=("$package"); fi
+    done
+    if [ ${#missing[@]} = 0 ]; then return; fi
+    if ! command -v npm >/dev/null ||
+        ! npm install --prefix "$target/peers" --no-audit --no-fund --loglevel=error "${missing[@]}" >/dev/null; then
+        echo "npm's ${missing[*]} cannot be fetched"
+        return 1
     fi
+}
+
+engines() {
+    packages lindenmayer@1.5.4 || true
     RAYON_NUM_THREADS=1 run ramus-peers "$modules"
 }
 
@@ -80,6 +91,84 @@ centerlines() ( # [MODEL…]
     PYTHONDONTWRITEBYTECODE=1 "$target/peers/vmtk/bin/python" "$repository/benches/peers/beside_vmtk.py" "$target/release/ramus" "$folder" "${models[@]}"
 )
 
+# ez-tree's preset that is nearest to a species: it has oaks, ashes, aspens, pines and bushes.
+nearest() { # SPECIES
+    case $1 in
+    oak) echo oak-medium ;;
+    birch) echo aspen-medium ;;
+    spruce) echo pine-medium ;;
+    maple) echo ash-medium ;;
+    willow) echo ash-large ;;
+    apple) echo bush-1 ;;
+    *) return 1 ;;
+    esac
+}
+
+# Warnings are told, an error ends the run; so does a file that the validator cannot judge.
+valid() { # FILE
+    local told
+    told=$(node "$repository/scripts/validate-glb.mjs" --modules "$modules" "$1") || true
+    echo "$told"
+    [[ $told == *": 0 errors,"* ]]
+}
+
+# How fast individuals are grown and written, of three runs the middle one. ez-tree has one thread, and writes nothing.
+grown() { # FILE FOLDER THREADS (0: all)
+    local name
+    name=$(basename "${1%.*}")
+    for _ in 1 2 3; do
+        RAYON_NUM_THREADS=$3 "$target/release/ramus" export "$1" --format glb --count 20 --angles 10 --lengths 10 --out "$2" --json
+    done | sed -E 's/.*"triangles":([0-9]+),"seconds":([-0-9.e]+).*/\1 \2/' | sort -g -k 2 | awk -v name="$name" -v threads="${3/#0/all}" \
+        'NR == 2 { printf "Ramus %s  %d triangles  %.4f s  %.2f million/s  (20 files, threads: %s)\n", name, $1, $2, $1 / $2 / 1e6, threads }'
+}
+
+draw() { # SHEET LABEL=FILE…
+    if ! command -v blender >/dev/null; then
+        echo "$1 is not drawn: there is no Blender (Debian's packages blender and python3-numpy)"
+        return
+    fi
+    blender --background --factory-startup --python-exit-code 1 --python "$repository/benches/peers/pictures.py" -- "$1" 640 "${@:2}" >"$1.log"
+}
+
+trees() ( # [SPECIES…]
+    local folder=$target/peers/trees names=() name file preset pictures times
+    packages three@0.187.0 @dgreenheck/ez-tree@1.1.0 gltf-validator@2.0.0-dev.3.10 || return 0
+    CARGO_TARGET_DIR=$target cargo build --release --quiet --manifest-path "$repository/Cargo.toml" --bin ramus
+    mkdir -p "$folder"
+    # Into memory, where there is a place for it: it is not the disk that is timed.
+    times=$(mktemp -d /dev/shm/ramus-peers.XXXXXX 2>/dev/null || mktemp -d "$folder/times.XXXXXX")
+    # shellcheck disable=SC2064
+    trap "rm -rf '$times'" EXIT
+    if [ -n "${1:-}" ]; then
+        names=("$@")
+    else
+        for file in "$repository"/assets/species/*.{lsys,ramus}; do
+            if [ -f "$file" ]; then names+=("$(basename "${file%.*}")"); fi
+        done
+    fi
+    for name in "${names[@]}"; do
+        # Any grammar can be named, too.
+        for file in "$repository"/assets/{species,grammars}/"$name".{lsys,ramus} ""; do
+            if [ -f "$file" ]; then break; fi
+        done
+        if [ -z "$file" ]; then
+            echo "there is no $name among the species and the grammars" >&2
+            return 1
+        fi
+        "$target/release/ramus" export "$file" --format glb --out "$folder"
+        valid "$folder/$name.glb"
+        grown "$file" "$times" 1
+        grown "$file" "$times" 0
+        pictures=("Ramus $name=$folder/$name.glb")
+        if preset=$(nearest "$name"); then
+            node "$repository/benches/peers/ez_tree.mjs" "$modules" --time "$preset"
+            node "$repository/benches/peers/ez_tree.mjs" "$modules" "$folder" "$preset"
+            pictures+=("ez-tree $preset=$folder/$preset.glb")
+        fi
+        draw "$folder/$name.png" "${pictures[@]}"
+    done
+)
+
 # Whether a name has one of some parts in it; all names do where none is asked for.
 chosen() { # NAME [PART…]
     local name=$1 part
@@ -96,10 +185,11 @@ all)
     engines
     models ""
     centerlines ""
+    trees ""
     ;;
-engines | models | centerlines) "$what" "${@:2}" ;;
+engines | models | centerlines | trees) "$what" "${@:2}" ;;
 *)
-    echo "scripts/peers.sh knows engines, models and centerlines, not $what" >&2
+    echo "scripts/peers.sh knows engines, models, centerlines and trees, not $what" >&2
     exit 1
     ;;
 esac

@@ -3,7 +3,6 @@
 // from the same numbers by the same instructions, so they meet bit for bit.
 #include "shared/light.wgsl"
 #include "shared/look.wgsl"
-#include "shared/noise.wgsl"
 
 struct Segment {
     start: vec3f,
@@ -20,6 +19,9 @@ struct Segment {
 @group(1) @binding(0) var<storage, read> segments: array<Segment>;
 // The numbers of the segments that end a tube.
 @group(1) @binding(1) var<storage, read> caps: array<u32>;
+// sRGB colour, and the height in its fourth part.
+@group(1) @binding(3) var bark: texture_2d_array<f32>;
+@group(1) @binding(4) var bark_sampler: sampler;
 
 const SIDES = 8u;
 const GROWING = 1u;
@@ -151,14 +153,14 @@ fn shadow_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) in
     return frame.shadow_from_world * vec4f(s.world + s.outward * max(finest - radius, 0.0), 1.0);
 }
 
-// Height of the bark, 0 in the furrows to 1 on the ridges; `along` in circumferences, so that it looks the
-// same on a trunk and on a twig.
-fn furrows(around: vec2f, along: f32) -> f32 {
-    let p = vec3f(around.x * 1.8, along * 2.2, around.y * 1.8);
-    let bend = noise(p * vec3f(0.9, 1.0, 0.9) + 11.0) * 1.1;
-    let ridge = 1.0 - abs(2.0 * noise(vec3f(p.x * 1.7 + bend, p.y, p.z * 1.7 - bend)) - 1.0);
-    let fine = noise(vec3f(p.x * 5.0, p.y * 3.0, p.z * 5.0));
-    return clamp(ridge * ridge * 0.75 + fine * 0.35, 0.0, 1.0);
+// The bark's picture at a place about the tube and along it, in circumferences, so that it looks the same on a trunk and on a twig: colour, and height from 0
+// in furrows to 1 on ridges.
+fn bark_at(around: vec2f, along: f32) -> vec4f {
+    let turn = vec2f(atan2(around.y, around.x) * 0.15915494, along);
+    // The angle jumps once round the trunk; its slope does not.
+    let dx = vec2f((around.x * dpdx(around.y) - around.y * dpdx(around.x)) * 0.15915494, dpdx(along));
+    let dy = vec2f((around.x * dpdy(around.y) - around.y * dpdy(around.x)) * 0.15915494, dpdy(along));
+    return textureSampleGrad(bark, bark_sampler, turn, 0, dx, dy);
 }
 
 @fragment
@@ -166,15 +168,17 @@ fn tree_fragment(point: Point) -> @location(0) vec4f {
     let radius = max(point.bark.y, 1e-5);
     let around = point.around / max(length(point.around), 1e-3);
     let smooth_normal = normalize(point.normal);
+    let picture = bark_at(around, point.bark.x);
+    let height = picture.a;
     // Relief from the height's slope on the screen; none where the furrows are finer than pixels.
     let dx = dpdx(point.world);
     let dy = dpdy(point.world);
     let pixel = max(length(dx), length(dy));
     let size = radius * frame.tree.y;
     let fine = 1.0 - smoothstep(0.05, 0.6, pixel / max(size, 1e-6));
-    // Furrows finer than pixels would flicker: there the bark has its mean colour.
-    let height = mix(0.5, furrows(around, point.bark.x), fine);
-    let relief = 0.22 * size * fine;
+    // Number 0: young twigs' colour, how deep furrows are, their roughness.
+    let young = looks[0];
+    let relief = 0.22 * young.color.w * size * fine;
     let across = cross(dy, smooth_normal);
     let down = cross(smooth_normal, dx);
     let det = dot(dx, across);
@@ -182,10 +186,8 @@ fn tree_fragment(point: Point) -> @location(0) vec4f {
     var normal = abs(det) * smooth_normal - slope;
     normal = normalize(normal + smooth_normal * (abs(det) * 0.15 + 1e-20));
 
-    let old = mix(vec3f(0.055, 0.038, 0.026), vec3f(0.27, 0.205, 0.150), height);
-    let young = mix(vec3f(0.105, 0.090, 0.050), vec3f(0.20, 0.185, 0.105), height);
     let shoot = mix(vec3f(0.11, 0.17, 0.055), vec3f(0.17, 0.26, 0.085), height);
-    var albedo = mix(young, old, smoothstep(0.003, 0.018, radius));
+    var albedo = mix(young.color.rgb * (0.75 + 0.5 * height), picture.rgb, smoothstep(0.003, 0.018, radius));
     albedo = mix(albedo, shoot, point.bark.w * 0.8);
 
     let offset = point.world - point.eye;

@@ -15,7 +15,6 @@ use crate::lsystem::{Grammar, Limits, TurtleParams, draw};
 use crate::mesh::unit::Unit;
 use crate::mesh::{Mesh, ReadLimits};
 use crate::sketch;
-use crate::tree::radii::{self, FitParams};
 use crate::tree::{Drawing, Tree, import};
 
 /// What a file holds.
@@ -148,7 +147,7 @@ pub fn grown(
     };
     let mut drawing =
         draw(grammar, &string, &turtle, &never).map_err(|error| anyhow!("{name}: {error}"))?;
-    let factor = radii::fit(&mut drawing.tree, &FitParams::default());
+    let factor = grammar.finish(&mut drawing);
     Ok((drawing, factor))
 }
 

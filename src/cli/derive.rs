@@ -23,7 +23,7 @@ use crate::lsystem::{
 use crate::render::{self, RenderError};
 use crate::sketch::Sketch;
 use crate::tree::organs::{Organist, refined_len};
-use crate::tree::radii::{self, FitParams, RadiusParams};
+use crate::tree::radii::{self, RadiusParams};
 use crate::tree::{Drawing, Organs, tubes};
 
 #[derive(Debug, ClapArgs)]
@@ -278,7 +278,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         let (asked, name) = ((args.json, outputs().next().is_some()), named());
         let (printed, drawing) =
             unwritten::stream(&grammar, steps, &limits, asked, &name, explain)?;
-        return printed.and(drawing.map_or(Ok(()), |drawing| write(args, drawing, steps, &radii)));
+        return printed.and(drawing.map_or(Ok(()), |drawing| write(args, &grammar, drawing, steps, &radii)));
     }
     if let Some(wanted) = wanted
         && unwritten::print(wanted, &grammar, steps, &limits, explain)?
@@ -345,11 +345,17 @@ pub(super) fn run(args: &Args) -> Result<()> {
             args.time.unwrap_or(f64::from(steps))
         );
     }
-    printed.and(write(args, drawing, steps, &radii))
+    printed.and(write(args, &grammar, drawing, steps, &radii))
 }
 
 /// Writes the files that are asked for, if there is anything to write into them.
-fn write(args: &Args, drawing: Drawing, steps: u32, radii: &RadiusParams) -> Result<()> {
+fn write(
+    args: &Args,
+    grammar: &Grammar,
+    drawing: Drawing,
+    steps: u32,
+    radii: &RadiusParams,
+) -> Result<()> {
     let outputs = || args.export.iter().chain(&args.png);
     let bare = drawing.tree.segment_count() == 0;
     let skeleton = outputs().find(|path| bare && is_skeleton(path));
@@ -370,7 +376,7 @@ fn write(args: &Args, drawing: Drawing, steps: u32, radii: &RadiusParams) -> Res
         );
     }
     // What the tree itself takes is taken.
-    write_files(args, drawing, radii, Budget::of(args))
+    write_files(args, grammar, drawing, radii, Budget::of(args))
 }
 
 /// What a drawing has besides segments, as a part of a sentence.
@@ -425,6 +431,7 @@ const RADII_BYTES: usize = 16;
 
 fn write_files(
     args: &Args,
+    grammar: &Grammar,
     mut drawing: Drawing,
     radius_params: &RadiusParams,
     budget: Budget,
@@ -433,11 +440,15 @@ fn write_files(
         return Ok(());
     }
     let factor = match args.widths {
-        Widths::Auto => radii::fit(&mut drawing.tree, &FitParams::default()),
-        Widths::Metres => None,
+        Widths::Auto => grammar.finish(&mut drawing),
+        Widths::Metres => {
+            grammar.dress_up(&mut drawing);
+            None
+        }
         Widths::DaVinci => {
             budget.check("the radii", &drawing, RADII_BYTES, 0)?;
             radii::da_vinci(&mut drawing.tree, radius_params, u32::MAX);
+            grammar.dress_up(&mut drawing);
             None
         }
     };

@@ -20,7 +20,10 @@ use super::record::{self, Recorded};
 use super::shape::{Shape, Wrap};
 use super::string::ModuleString;
 use super::unwritten::Unwritten;
+use crate::tree::Drawing;
+use crate::tree::foliage::{Dress, Season};
 use crate::tree::organs::Palette;
+use crate::tree::radii::{self, FitParams, RadiusParams};
 
 /// A grammar that has been read and checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +58,10 @@ pub struct Grammar {
     pub(crate) palette: Palette,
     /// What `~` places.
     pub(crate) surfaces: Vec<NamedSurface>,
+    /// Bark, leaves and season.
+    pub(crate) dress: Dress,
+    /// Da Vinci's rule in the place of the turtle's widths.
+    pub(crate) widths: Option<RadiusParams>,
     /// For each symbol that begins with `~` and names no shape its surface.
     pub(crate) surface_of: Vec<Option<u16>>,
     /// The turtle answers queries after each step.
@@ -570,6 +577,38 @@ impl Grammar {
     #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+
+    /// What its trees wear.
+    #[must_use]
+    pub fn dress(&self) -> &Dress {
+        &self.dress
+    }
+
+    /// The same grammar at another time of the year.
+    #[must_use]
+    pub fn with_season(mut self, season: Season) -> Self {
+        self.dress.season = season;
+        self
+    }
+
+    /// Makes what the turtle drew what it looks like: radii by the grammar's `widths`, or fitted where they are far too large for metres, whose factor is
+    /// returned; then bark and leaves.
+    pub fn finish(&self, drawing: &mut Drawing) -> Option<f32> {
+        let factor = match &self.widths {
+            Some(params) => {
+                radii::da_vinci(&mut drawing.tree, params, u32::MAX);
+                None
+            }
+            None => radii::fit(&mut drawing.tree, &FitParams::default()),
+        };
+        self.dress_up(drawing);
+        factor
+    }
+
+    /// Adds bark and leaves to what the turtle drew, whose radii are as they are to be drawn.
+    pub fn dress_up(&self, drawing: &mut Drawing) {
+        self.dress.put_on(&drawing.tree, &mut drawing.organs, self.seed);
     }
 
     /// The same grammar with another seed: another individual of the same kind.

@@ -1,4 +1,5 @@
-//! Statements about looks: `colour 3 = 0.2 0.6 0.1`, `material 1 = roughness 0.4`, `surface L = leaf`.
+//! Statements about looks: `colour 3 = 0.2 0.6 0.1`, `material 1 = roughness 0.4`, `surface L = leaf`, `bark oak`, `bears maple size 0.12`,
+//! `season autumn`, `widths da-vinci tip 0.003`.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +9,10 @@ use super::error::{GrammarError, nearest};
 use super::expression::signed;
 use super::names::{Names, Symbol};
 use super::source::Cursor;
+use crate::tree::bark::Bark;
+use crate::tree::foliage::{Bearing, Dress, NUMBERS, Ranks, Season, kinds};
 use crate::tree::organs::{BUILT_IN, MOST_CORNERS, Material, Palette, Surface};
+use crate::tree::radii::RadiusParams;
 
 /// A dictionary entry that `~` places.
 #[derive(Clone, Debug, PartialEq)]
@@ -200,4 +204,139 @@ fn outline(cursor: &mut Cursor<'_>, at: usize) -> Result<Surface, GrammarError> 
             "this outline spans no area; expected at least three corners `(x y z)` that do not lie on a line".into(),
         )
     })
+}
+
+/// Kinds of leaves, blossoms and fruit beyond which no grammar goes.
+const MOST_BEARINGS: usize = 64;
+
+/// One of some words, with what it means.
+fn one_of<T>(
+    cursor: &mut Cursor<'_>,
+    words: impl IntoIterator<Item = (&'static str, T)>,
+) -> Result<T, GrammarError> {
+    cursor.skip_blank();
+    let at = cursor.pos();
+    let word = cursor.identifier().unwrap_or_default();
+    let mut known = Vec::new();
+    for (name, value) in words {
+        if name == word {
+            return Ok(value);
+        }
+        known.push(name);
+    }
+    let listed = known.join(", ");
+    if word.is_empty() {
+        return Err(cursor.expected(&format!("one of {listed}")));
+    }
+    let word: String = word.chars().take(40).collect();
+    let hint = nearest(&word, known.iter().copied())
+        .map_or(String::new(), |n| format!("; the nearest known one is `{n}`"));
+    Err(cursor.error_at(at, format!("found `{word}`; expected one of {listed}{hint}")))
+}
+
+/// Reads `oak`, after `bark`.
+pub(crate) fn bark(cursor: &mut Cursor<'_>) -> Result<Bark, GrammarError> {
+    one_of(cursor, Bark::ALL.map(|bark| (bark.name(), bark)))
+}
+
+/// Reads `autumn`, after `season`.
+pub(crate) fn season(cursor: &mut Cursor<'_>) -> Result<Season, GrammarError> {
+    one_of(cursor, Season::ALL.map(|season| (season.name(), season)))
+}
+
+/// Reads `maple size 0.12 every 0.05 in spring summer`, after `bears`; a letter of the grammar's surfaces may stand for the kind.
+pub(crate) fn bears(
+    dress: &mut Dress,
+    surfaces: &[NamedSurface],
+    cursor: &mut Cursor<'_>,
+) -> Result<(), GrammarError> {
+    cursor.skip_blank();
+    let at = cursor.pos();
+    if dress.bears.len() >= MOST_BEARINGS {
+        let message = format!("a tree bears at most {MOST_BEARINGS} kinds of leaves, blossoms and fruit");
+        return Err(cursor.error_at(at, message));
+    }
+    let word = cursor.clone().identifier().unwrap_or_default();
+    let own = surfaces.iter().find(|named| named.name == word);
+    let mut bearing = if let Some(named) = own {
+        cursor.identifier();
+        Bearing::of_surface(&named.name, &named.surface)
+    } else {
+        Bearing::of(one_of(cursor, kinds().map(|kind| (kind.name, kind)))?)
+    };
+    while !cursor.at_end() {
+        option(&mut bearing, cursor)?;
+    }
+    dress.bears.push(bearing);
+    Ok(())
+}
+
+/// Reads one option of a bearing.
+fn option(bearing: &mut Bearing, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
+    const WORDS: [&str; 4] = ["ranked", "spiral", "tips", "in"];
+    let names = NUMBERS.iter().map(|(name, _)| *name).chain(WORDS);
+    let name = one_of(cursor, names.map(|name| (name, name)))?;
+    match name {
+        "ranked" => bearing.ranks = Ranks::Two,
+        "spiral" => bearing.ranks = Ranks::Spiral,
+        "tips" => bearing.tips = true,
+        "in" => {
+            bearing.seasons = [false; 4];
+            loop {
+                let season = season(cursor)?;
+                for (one, there) in Season::ALL.iter().zip(&mut bearing.seasons) {
+                    *there |= *one == season;
+                }
+                let next = cursor.clone().identifier().unwrap_or_default();
+                if !Season::ALL.iter().any(|one| one.name() == next) {
+                    return Ok(());
+                }
+            }
+        }
+        name => {
+            let bounds = NUMBERS.iter().find(|(known, _)| *known == name);
+            let [least, most] = bounds.map_or([0.0; 2], |(_, bounds)| *bounds);
+            bearing.set(name, number_within(cursor, name, [least, most])?);
+        }
+    }
+    Ok(())
+}
+
+/// A number within bounds.
+fn number_within(
+    cursor: &mut Cursor<'_>,
+    what: &str,
+    [least, most]: [f32; 2],
+) -> Result<f32, GrammarError> {
+    cursor.skip_blank();
+    let at = cursor.pos();
+    let value = signed(cursor)?;
+    #[expect(clippy::cast_possible_truncation, reason = "what is beyond is refused")]
+    let narrow = value as f32;
+    if (least..=most).contains(&narrow) {
+        return Ok(narrow);
+    }
+    Err(cursor.error_at(
+        at,
+        format!("found `{value}`; expected {what} as a number from {least} to {most}"),
+    ))
+}
+
+/// Reads `metres`, or `da-vinci tip 0.004 exponent 2`, after `widths`: none for the turtle's own.
+pub(crate) fn widths(cursor: &mut Cursor<'_>) -> Result<Option<RadiusParams>, GrammarError> {
+    cursor.skip_blank();
+    if cursor.take("metres") {
+        return Ok(None);
+    }
+    if !cursor.take("da-vinci") {
+        return Err(cursor.expected("`metres` or `da-vinci`"));
+    }
+    let mut params = RadiusParams::default();
+    while !cursor.at_end() {
+        match one_of(cursor, [("tip", true), ("exponent", false)])? {
+            true => params.tip_radius = number_within(cursor, "tip", RadiusParams::TIP_RADIUS)?,
+            false => params.exponent = number_within(cursor, "exponent", RadiusParams::EXPONENT)?,
+        }
+    }
+    Ok(Some(params))
 }

@@ -23,7 +23,9 @@ use super::query::{ANSWERS, Query};
 use super::shape::{Shape, Wrap};
 use super::source::{Block, Cursor, Source, Statement};
 use super::string::ModuleString;
+use crate::tree::foliage::Dress;
 use crate::tree::organs::Palette;
+use crate::tree::radii::RadiusParams;
 
 mod statements;
 
@@ -49,6 +51,8 @@ pub(crate) struct Parser {
     shapes: Vec<Shape>,
     shape_names: BTreeSet<String>,
     surfaces: Vec<NamedSurface>,
+    dress: Dress,
+    widths: Option<RadiusParams>,
     palette: Palette,
     wrap: Wrap,
     /// Statements that may stand only once.
@@ -457,6 +461,8 @@ impl Parser {
             shape_of,
             palette: self.palette,
             surfaces: self.surfaces,
+            dress: self.dress,
+            widths: self.widths,
             surface_of,
             has_queries,
             names: self.names,

@@ -13,9 +13,11 @@ use super::error::{GrammarError, GrammarErrors, nearest};
 pub(crate) const MAX_SOURCE_BYTES: usize = 256 << 20;
 
 /// The words that begin a statement.
-pub(crate) const KEYWORDS: [&str; 21] = [
+pub(crate) const KEYWORDS: [&str; 25] = [
     "angle",
     "axiom",
+    "bark",
+    "bears",
     "colour",
     "consider",
     "const",
@@ -29,11 +31,13 @@ pub(crate) const KEYWORDS: [&str; 21] = [
     "material",
     "module",
     "order",
+    "season",
     "seed",
     "shape",
     "steps",
     "surface",
     "tropism",
+    "widths",
     "wrap",
 ];
 

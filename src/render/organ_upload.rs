@@ -1,7 +1,7 @@
-//! Polygons, spheres and surfaces of a tree on their way to the device: triangles in chunks, as the tree's segments go.
+//! Polygons and spheres of a tree on their way to the device: triangles in chunks, as the tree's segments go.
 //!
-//! Every vertex is written out where it stands. Instances of a few surfaces would take a tenth of the memory, but polygons, which are as
-//! many, have none in common, and one path serves all three; a leaf of 55 vertices takes 1.8 kB, a hundred thousand of them 180 MB.
+//! Every vertex is written out where it stands: polygons have none in common, and spheres are few. Placed surfaces go as instances, in
+//! `leaf_upload`.
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -52,7 +52,7 @@ pub(crate) struct OrganChunk {
 }
 
 impl OrganChunk {
-    /// All organs of a placed tree; any thread.
+    /// All polygons and spheres of a placed tree; any thread.
     pub(crate) fn all(
         gpu: &Gpu,
         placed: &PlacedTree,
@@ -69,7 +69,7 @@ impl OrganChunk {
         };
         let mut organist = Organist::new(&placed.organs);
         let mut chunks = Vec::new();
-        for index in 0..placed.organs.len() {
+        for index in 0..placed.organs.polygons.len() + placed.organs.spheres.len() {
             let (more, _) = organist.size(index);
             if !maker.vertices.is_empty() && maker.vertices.len() + more > most {
                 chunks.extend(maker.chunk(gpu)?);

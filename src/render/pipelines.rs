@@ -359,6 +359,8 @@ pub(crate) struct Pipelines {
     pub(crate) shadow: Pipeline,
     pub(crate) organs: Pipeline,
     pub(crate) organ_shadow: Pipeline,
+    pub(crate) leaves: Pipeline,
+    pub(crate) leaf_shadow: Pipeline,
     pub(crate) rods: Pipeline,
     pub(crate) ghosts: Pipeline,
     pub(crate) solids: Pipeline,
@@ -378,7 +380,14 @@ impl Pipelines {
             Kind::STORAGE_BUFFER,
             Kind::STORAGE_BUFFER,
         ];
-        let tree_layout = Layout::new(gpu, &[&frame, &[Kind::STORAGE_BUFFER; 3]], 0)?;
+        let chunk = [
+            Kind::STORAGE_BUFFER,
+            Kind::STORAGE_BUFFER,
+            Kind::STORAGE_BUFFER,
+            Kind::SAMPLED_IMAGE,
+            Kind::SAMPLER,
+        ];
+        let tree_layout = Layout::new(gpu, &[&frame, &chunk], 0)?;
         let board_layout = Layout::new(gpu, &[&frame, &[Kind::SAMPLED_IMAGE, Kind::SAMPLER]], 0)?;
 
         let immediates = u32::try_from(size_of::<ModelData>()).unwrap_or(0);
@@ -448,6 +457,13 @@ impl Pipelines {
             fragment: Some(shaders::organ::ORGAN_FRAGMENT),
             cull: vk::CullModeFlags::NONE,
             ..solid
+        };
+        let leaves = PipelineDesc {
+            name: "the leaves' pipeline",
+            spirv: shaders::leaf::SPIRV,
+            vertex: shaders::leaf::LEAF_VERTEX,
+            fragment: Some(shaders::leaf::LEAF_FRAGMENT),
+            ..organs
         };
         let faces = PipelineDesc {
             name: "the models' pipeline",
@@ -529,6 +545,11 @@ impl Pipelines {
             organ_shadow: pipeline(cast(PipelineDesc {
                 vertex: shaders::organ::ORGAN_SHADOW_VERTEX,
                 ..organs
+            }))?,
+            leaves: pipeline(leaves)?,
+            leaf_shadow: pipeline(cast(PipelineDesc {
+                vertex: shaders::leaf::LEAF_SHADOW_VERTEX,
+                ..leaves
             }))?,
             rods: pipeline(rods)?,
             ghosts: pipeline(PipelineDesc {

@@ -9,6 +9,8 @@ mod choice;
 mod models;
 mod record;
 
+use std::sync::Arc;
+
 use ash::vk;
 use glam::{Mat4, Vec3, Vec4};
 
@@ -29,8 +31,11 @@ use super::{
     selection::{Chosen, OldRoom, Selection},
     shadow::{self, Shadow, ShadowKey},
     target::{Attachments, Target},
+    texture::Texture,
     tree_upload::{COPY_BYTES, Scratch, TreeUpload, upload_size},
 };
+use crate::mesh::{paint::Pixels, textured::Layers};
+use crate::tree::bark::Bark;
 use crate::world::scene::{Color, MOST_PANELS, PlacedTree, Scene};
 
 /// How both eyes are drawn.
@@ -138,6 +143,24 @@ pub struct DrawReport {
     pub model: Option<u64>,
 }
 
+/// A bark's picture on the device once these commands are done, and the memory that they copy it from.
+fn bark_picture(
+    gpu: &Gpu,
+    commands: vk::CommandBuffer,
+    bark: Bark,
+) -> Result<(Arc<Texture>, Option<Buffer>), RenderError> {
+    let colour = &bark.maps().colour;
+    let layers = Layers::of(Pixels {
+        size_px: [colour.width(), colour.height()],
+        rgba: colour.as_raw().clone(),
+    });
+    let mut picture = Texture::new(gpu, ["the bark", "the bark on its way"], &layers)?;
+    let mut all = u64::MAX;
+    picture.copy(gpu, commands, &mut all);
+    let staging = picture.take();
+    Ok((Arc::new(picture), staging))
+}
+
 /// What waits until the frames that use it are done.
 enum Garbage {
     Tree(#[allow(dead_code, reason = "kept to be dropped later")] TreeUpload),
@@ -160,6 +183,8 @@ pub struct Renderer {
     hidden: Hidden,
     tree: Option<TreeUpload>,
     coming: Option<TreeUpload>,
+    /// The bark that trees were last covered by.
+    bark: Option<(Bark, Arc<Texture>)>,
     shapes: Vec<Geometry>,
     colours: Vec<Colours>,
     selection: Selection,
@@ -231,6 +256,7 @@ impl Renderer {
             shadow,
             tree: None,
             coming: None,
+            bark: None,
             shapes: Vec::new(),
             colours: Vec::new(),
             selection,
@@ -499,14 +525,30 @@ impl Renderer {
             .get(1)
             .copied()
             .unwrap_or_default();
-        let count = u32::try_from(coming.chunks.len() + coming.organs.len())
-            .unwrap_or(u32::MAX)
-            .max(1);
+        let bark = coming.bark;
+        let picture = match &self.bark {
+            Some((known, picture)) if *known == bark => Arc::clone(picture),
+            _ => {
+                let (picture, staging) = bark_picture(&self.gpu, commands, bark)?;
+                self.garbage.extend(staging.map(|buffer| (self.frame, Garbage::Buffer(buffer))));
+                self.bark = Some((bark, Arc::clone(&picture)));
+                picture
+            }
+        };
+        let chunks = coming.chunks.len() + coming.organs.len() + coming.leaves.len();
+        let count = u32::try_from(chunks).unwrap_or(u32::MAX).max(1);
         let pool = Pool::new(
             &self.gpu,
             count,
-            &[(vk::DescriptorType::STORAGE_BUFFER, 3 * count)],
+            &[
+                (vk::DescriptorType::STORAGE_BUFFER, 3 * count),
+                (vk::DescriptorType::SAMPLED_IMAGE, count),
+                (vk::DescriptorType::SAMPLER, count),
+            ],
         )?;
+        let image = [picture.described()];
+        let repeated = self.pipelines.image_samplers.handles[0];
+        let sampler = [vk::DescriptorImageInfo::default().sampler(repeated)];
         let looks = coming.looks.handle;
         let tubes = coming
             .chunks
@@ -517,7 +559,11 @@ impl Renderer {
             .organs
             .iter_mut()
             .map(|chunk| (&mut chunk.set, chunk.vertices.handle, chunk.vertices.handle));
-        for (set, first, second) in tubes.chain(organs) {
+        let leaves = coming
+            .leaves
+            .iter_mut()
+            .map(|chunk| (&mut chunk.set, chunk.leaves.handle, chunk.corners.handle));
+        for (set, first, second) in tubes.chain(organs).chain(leaves) {
             *set = pool.set(layout)?;
             let buffers = [first, second, looks].map(whole_buffer);
             let writes = [0, 1, 2].map(|binding| {
@@ -527,9 +573,24 @@ impl Renderer {
                     .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
                     .buffer_info(std::slice::from_ref(&buffers[binding as usize]))
             });
-            // SAFETY: the set is new, the buffers live as long as it.
-            unsafe { self.gpu.device.update_descriptor_sets(&writes, &[]) };
+            let write = |binding: u32, kind, info| {
+                vk::WriteDescriptorSet::default()
+                    .dst_set(*set)
+                    .dst_binding(binding)
+                    .descriptor_type(kind)
+                    .image_info(info)
+            };
+            let images = [
+                write(3, vk::DescriptorType::SAMPLED_IMAGE, &image),
+                write(4, vk::DescriptorType::SAMPLER, &sampler),
+            ];
+            // SAFETY: the set is new; buffers, image and sampler live as long as it.
+            unsafe {
+                self.gpu.device.update_descriptor_sets(&writes, &[]);
+                self.gpu.device.update_descriptor_sets(&images, &[]);
+            }
         }
+        coming.picture = Some(picture);
         coming.pool = Some(pool);
         self.garbage.extend(
             coming

@@ -6,16 +6,19 @@
 //! A storage buffer may be limited to 128 MiB, so large trees are cut into chunks of
 //! whole batches, each with its own buffers and descriptor set.
 
+use std::sync::Arc;
+
 use ash::vk;
 use glam::Vec3;
 use gpu_allocator::MemoryLocation;
 
 use super::{
     error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, meshes::BATCH,
-    organ_upload::OrganChunk, staging::Staging,
+    leaf_upload::LeafChunk, organ_upload::OrganChunk, staging::Staging, texture::Texture,
 };
 use crate::{
     tree::{
+        bark::Bark,
         organs::{LookTable, paint_segments, refined},
         tubes::{self, CAPPED, LETTER_SHIFT, PAINTED, SegmentBuilder, TubeSegment},
     },
@@ -69,8 +72,13 @@ pub struct TreeUpload {
     pub(crate) segments: u32,
     pub(crate) bounds: Bounds,
     pub(crate) chunks: Vec<Chunk>,
-    /// Polygons, spheres and surfaces.
+    /// Polygons and spheres.
     pub(crate) organs: Vec<OrganChunk>,
+    /// Surfaces.
+    pub(crate) leaves: Vec<LeafChunk>,
+    /// What plain segments are covered by, and its picture, once the renderer has taken the upload.
+    pub(crate) bark: Bark,
+    pub(crate) picture: Option<Arc<Texture>>,
     /// Colours and materials.
     pub(crate) looks: Buffer,
     /// The chunks' sets, once the renderer has taken the upload.
@@ -108,7 +116,9 @@ impl TreeUpload {
         scratch
             .builder
             .build(tree, radius_before, placed.newest, &mut scratch.segments);
-        let mut looks = LookTable::default();
+        let mut looks = LookTable::of(placed.organs.bark);
+        // Painted here, where there is time.
+        placed.organs.bark.maps();
         paint_segments(
             &placed.tree,
             &placed.organs,
@@ -125,8 +135,10 @@ impl TreeUpload {
         )?;
         if !placed.organs.is_bare() {
             upload.organs = OrganChunk::all(gpu, placed, &mut looks)?;
+            upload.leaves = LeafChunk::all(gpu, placed, &mut looks)?;
             upload.bounds.include(placed.organs.bounds());
         }
+        upload.bark = placed.organs.bark;
         upload.looks = look_buffer(gpu, &looks)?;
         Ok(upload)
     }
@@ -165,6 +177,9 @@ impl TreeUpload {
             bounds: bounds(segments),
             chunks,
             organs: Vec::new(),
+            leaves: Vec::new(),
+            bark: Bark::default(),
+            picture: None,
             looks: look_buffer(gpu, &LookTable::default())?,
             pool: None,
         })
@@ -183,13 +198,18 @@ impl TreeUpload {
                 .organs
                 .iter_mut()
                 .all(|chunk| chunk.copy(gpu, commands, &mut budget))
+            && self
+                .leaves
+                .iter_mut()
+                .all(|chunk| chunk.copy(gpu, commands, &mut budget))
     }
 
     /// Staging memory that is not needed any more; the caller frees it when the device is done.
     pub(crate) fn take_staging(&mut self) -> impl Iterator<Item = Buffer> {
         let organs = self.organs.iter_mut().map(OrganChunk::take_staging);
         let tubes = self.chunks.iter_mut().map(|chunk| chunk.staging.take());
-        tubes.chain(organs).flatten()
+        let leaves = self.leaves.iter_mut().map(LeafChunk::take_staging);
+        tubes.chain(organs).chain(leaves).flatten()
     }
 }
 

@@ -20,6 +20,7 @@ pub(crate) mod draws;
 pub(crate) mod error;
 pub mod export;
 pub mod file;
+pub mod foliage;
 pub mod growth;
 pub mod import;
 pub mod measure;

@@ -32,8 +32,10 @@ impl Default for RadiusParams {
 }
 
 impl RadiusParams {
-    const TIP_RADIUS: [f32; 2] = [1e-6, 10.0];
-    const EXPONENT: [f32; 2] = [1.0, 4.0];
+    /// Bounds of the tips' radius, metres.
+    pub const TIP_RADIUS: [f32; 2] = [1e-6, 10.0];
+    /// Bounds of the exponent.
+    pub const EXPONENT: [f32; 2] = [1.0, 4.0];
 
     /// Checks that both values lie in their ranges.
     ///

@@ -61,6 +61,7 @@ pub(super) fn tokens<'a>(
         "module" => reader.declarations()?,
         "shape" | "surface" => reader.shape()?,
         "colour" | "material" => reader.look()?,
+        "bark" | "season" | "bears" | "widths" => reader.words()?,
         "order" | "wrap" | "context" | "dialect" => {
             reader.identifier(true)?;
         }
@@ -419,6 +420,20 @@ impl<'a> Reader<'a, '_> {
                 self.signed(true)?;
             }
             self.try_sign(",", false);
+        }
+        Some(())
+    }
+
+    /// Words, which may have hyphens, and numbers.
+    fn words(&mut self) -> Option<()> {
+        while !self.cursor.at_end() {
+            if self.identifier(true).is_none() {
+                self.signed(true)?;
+                continue;
+            }
+            if self.try_sign("-", false) {
+                self.identifier(false)?;
+            }
         }
         Some(())
     }

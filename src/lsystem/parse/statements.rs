@@ -116,7 +116,7 @@ impl Parser {
         let keyword = statement.keyword;
         if !matches!(
             keyword,
-            "" | "ignore" | "shape" | "surface" | "colour" | "material" | "growth"
+            "" | "ignore" | "shape" | "surface" | "colour" | "material" | "growth" | "bears"
         ) {
             self.once(cursor, keyword)?;
         }
@@ -211,6 +211,19 @@ impl Parser {
             }
             "colour" => look::colour(&mut self.palette, cursor),
             "material" => look::material(&mut self.palette, cursor),
+            "bark" => {
+                self.dress.bark = look::bark(cursor)?;
+                Ok(())
+            }
+            "season" => {
+                self.dress.season = look::season(cursor)?;
+                Ok(())
+            }
+            "bears" => look::bears(&mut self.dress, &self.surfaces, cursor),
+            "widths" => {
+                self.widths = look::widths(cursor)?;
+                Ok(())
+            }
             "surface" => {
                 cursor.skip_blank();
                 let at = cursor.pos();

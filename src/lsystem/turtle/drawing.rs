@@ -184,7 +184,8 @@ impl Canvas for DrawingCanvas<'_> {
             scale: narrow(scale),
             birth: by.birth,
             node: pen.node,
-        });
+light: 1.0,
+});
         Ok(())
     }
 }

@@ -79,6 +79,27 @@ pub struct Part {
 }
 
 impl Layers {
+    /// One image with its mip levels.
+    #[must_use]
+    pub fn of(image: Pixels) -> Self {
+        let mut layers = Self {
+            size_px: image.size_px,
+            count: 1,
+            texels: Vec::new(),
+        };
+        layers.push(image);
+        layers
+    }
+
+    /// Adds a level and all smaller ones.
+    fn push(&mut self, mut level: Pixels) {
+        self.texels.extend_from_slice(&level.rgba);
+        while level.size_px != [1, 1] {
+            level = halved(&level);
+            self.texels.extend_from_slice(&level.rgba);
+        }
+    }
+
     /// Stretches all images to the largest one's size, and makes mip levels. `None` when somebody asked to stop.
     pub(super) fn new(
         images: Vec<Pixels>,
@@ -98,12 +119,7 @@ impl Layers {
             if cancel.load(Ordering::Relaxed) {
                 return None;
             }
-            let mut level = stretched(image, size_px);
-            layers.texels.extend_from_slice(&level.rgba);
-            while level.size_px != [1, 1] {
-                level = halved(&level);
-                layers.texels.extend_from_slice(&level.rgba);
-            }
+            layers.push(stretched(image, size_px));
         }
         Some(layers)
     }

@@ -51,6 +51,7 @@ impl Renderer {
         self.begin(pass, &info, self.shadow.extent(), 0);
         self.record_tubes(pass, self.pipelines.shadow.handle, report);
         self.record_organs(pass, self.pipelines.organ_shadow.handle, report);
+        self.record_leaves(pass, self.pipelines.leaf_shadow.handle, report);
         self.end(pass);
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         full_barrier(
@@ -233,6 +234,7 @@ impl Renderer {
         self.record_tubes(pass, self.pipelines.tubes.handle, report);
         self.record_caps(pass, report);
         self.record_organs(pass, self.pipelines.organs.handle, report);
+        self.record_leaves(pass, self.pipelines.leaves.handle, report);
         self.record_models(pass, block, report);
         self.record_instances(pass, report);
         self.record_panels(pass, block, report);
@@ -349,6 +351,23 @@ impl Renderer {
                 ..Run::default()
             };
             self.draw_run(pass, run, 0..1, report);
+        }
+        self.bind_indices(pass, &self.meshes.indices, vk::IndexType::UINT16);
+    }
+
+    fn record_leaves(&self, pass: &Pass<'_>, pipeline: vk::Pipeline, report: &mut DrawReport) {
+        let Some(tree) = pass.tree.filter(|tree| !tree.leaves.is_empty()) else {
+            return;
+        };
+        self.bind(pass, pipeline);
+        for chunk in &tree.leaves {
+            self.bind_chunk(pass, chunk.set);
+            self.bind_indices(pass, &chunk.indices, vk::IndexType::UINT32);
+            let run = Run {
+                count: chunk.count,
+                ..Run::default()
+            };
+            self.draw_run(pass, run, 0..chunk.batches, report);
         }
         self.bind_indices(pass, &self.meshes.indices, vk::IndexType::UINT16);
     }

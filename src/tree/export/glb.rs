@@ -5,7 +5,6 @@
 //! Specification: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html> (§4.4 for the chunks).
 
 use std::io::{self, Write};
-use std::sync::OnceLock;
 
 use bytemuck::cast_slice;
 use serde_json::{Value, json};
@@ -13,7 +12,7 @@ use serde_json::{Value, json};
 use super::ExportParams;
 use super::surface::{Group, Matter, Surface};
 use crate::tree::organs::{Colour, Organs};
-use crate::tree::{Tree, TreeError, bark};
+use crate::tree::{Tree, TreeError};
 
 /// glTF's number for f32.
 const FLOAT: u32 = 5126;
@@ -46,8 +45,8 @@ pub struct Glb<'a> {
     /// All before the binary chunk's contents.
     head: Vec<u8>,
     surface: Surface<'a>,
-    /// Empty where nothing is bark.
-    texture: Vec<u8>,
+    /// Colour, normal and roughness of bark, where there is any.
+    pictures: Option<&'static [Vec<u8>; 3]>,
 }
 
 impl<'a> Glb<'a> {
@@ -61,12 +60,12 @@ impl<'a> Glb<'a> {
             .groups
             .iter()
             .any(|group| group.matter == Matter::Bark);
-        let texture = if has_bark { bark_png()? } else { Vec::new() };
-        let head = head(tree, organs, params, &surface, texture.len())?;
+        let pictures = has_bark.then(|| organs.bark.pngs()).transpose()?;
+        let head = head(tree, organs, params, &surface, pictures)?;
         Ok(Self {
             head,
             surface,
-            texture,
+            pictures,
         })
     }
 
@@ -100,20 +99,13 @@ impl<'a> Glb<'a> {
                 out.write_all(cast_slice(&indices))
             })?;
         }
-        let mut texture = self.texture.clone();
-        pad(&mut texture, 0);
-        out.write_all(&texture)
+        for picture in self.pictures.into_iter().flatten() {
+            out.write_all(picture)?;
+            let padding = picture.len().next_multiple_of(4) - picture.len();
+            out.write_all(&[0; 3][..padding])?;
+        }
+        Ok(())
     }
-}
-
-/// The picture of bark, painted once for all files.
-fn bark_png() -> Result<Vec<u8>, TreeError> {
-    static PAINTED: OnceLock<Vec<u8>> = OnceLock::new();
-    if let Some(painted) = PAINTED.get() {
-        return Ok(painted.clone());
-    }
-    let painted = bark::png(&bark::BarkParams::default())?;
-    Ok(PAINTED.get_or_init(|| painted).clone())
 }
 
 /// A linear colour as glTF's vertices hold it.
@@ -188,17 +180,19 @@ impl Lists {
 fn material(matter: Matter, organs: &Organs) -> Value {
     match matter {
         Matter::Bark => json!({
-            "name": "bark",
+            "name": format!("bark {}", organs.bark.name()),
             "pbrMetallicRoughness": {
                 "baseColorTexture": { "index": 0 },
+                "metallicRoughnessTexture": { "index": 2 },
                 "metallicFactor": 0.0,
-                "roughnessFactor": 0.9,
             },
+            "normalTexture": { "index": 1 },
+            "occlusionTexture": { "index": 2 },
         }),
         Matter::Painted(index) => {
             let material = organs.palette.material(index);
             json!({
-                "name": format!("material {index}"),
+                "name": organs.palette.name(index),
                 "doubleSided": true,
                 "pbrMetallicRoughness": {
                     "metallicFactor": material.metallic,
@@ -215,15 +209,17 @@ fn head(
     organs: &Organs,
     params: &ExportParams,
     surface: &Surface<'_>,
-    texture: usize,
+    pictures: Option<&[Vec<u8>; 3]>,
 ) -> Result<Vec<u8>, TreeError> {
     let mut lists = Lists::default();
     for group in &surface.groups {
         lists.group(group, organs);
     }
-    let image = lists.views.len();
-    if texture > 0 {
-        lists.view(texture, None);
+    let mut images = Vec::new();
+    for (name, picture) in ["colour", "normal", "roughness"].iter().zip(pictures.into_iter().flatten()) {
+        let name = format!("bark {} {name}", organs.bark.name());
+        images.push(json!({ "name": name, "bufferView": lists.views.len(), "mimeType": "image/png" }));
+        lists.view(picture.len(), None);
     }
     let mut document = json!({
         "asset": { "version": "2.0", "generator": concat!("Ramus ", env!("CARGO_PKG_VERSION")) },
@@ -240,13 +236,13 @@ fn head(
         "bufferViews": lists.views,
         "buffers": [{ "byteLength": lists.bytes }],
     });
-    if texture > 0 {
-        document["textures"] = json!([{ "sampler": 0, "source": 0 }]);
+    if !images.is_empty() {
+        let textures = (0..images.len()).map(|source| json!({ "sampler": 0, "source": source }));
+        document["textures"] = textures.collect();
         // Linear with mipmaps, repeating.
         document["samplers"] =
             json!([{ "magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497 }]);
-        document["images"] =
-            json!([{ "name": "bark", "bufferView": image, "mimeType": "image/png" }]);
+        document["images"] = images.into();
     }
     let binary_length = lists.bytes;
     let mut text = document.to_string().into_bytes();

@@ -6,6 +6,8 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use crate::tree::bark::Bark;
+
 /// Red, green and blue, linear, each 0 to 1.
 pub type Colour = [f32; 3];
 
@@ -90,6 +92,7 @@ pub fn bark_colour() -> Colour {
 pub struct Palette {
     colours: BTreeMap<u16, Colour>,
     materials: BTreeMap<u16, Material>,
+    names: BTreeMap<u16, String>,
 }
 
 impl Palette {
@@ -97,6 +100,22 @@ impl Palette {
     pub fn set_colour(&mut self, index: u16, colour: [f32; 3]) -> bool {
         let value = colour.map(|part| linear(part.clamp(0.0, 1.0)));
         self.colours.insert(index, value).is_none()
+    }
+
+    /// Gives a colour (linear) to an index.
+    pub fn set_linear(&mut self, index: u16, colour: Colour) {
+        self.colours.insert(index, colour.map(|part| part.clamp(0.0, 1.0)));
+    }
+
+    /// Names a material, for files that have names for them.
+    pub fn set_name(&mut self, index: u16, name: &str) {
+        self.names.insert(index, name.to_owned());
+    }
+
+    /// The name of a material.
+    #[must_use]
+    pub fn name(&self, index: u16) -> String {
+        self.names.get(&index).cloned().unwrap_or_else(|| format!("material {index}"))
     }
 
     /// Gives a material to an index; false where it has one.
@@ -149,8 +168,19 @@ pub struct LookTable {
 
 impl Default for LookTable {
     fn default() -> Self {
+        Self::of(Bark::default())
+    }
+}
+
+impl LookTable {
+    /// With the bark that a tree has: the colour of young twigs, how deep furrows are; roughness in furrows and on ridges.
+    #[must_use]
+    pub fn of(bark: Bark) -> Self {
+        let params = bark.params();
+        let [r, g, b] = params.young.map(|part| linear(part / 255.0));
+        let [low, high] = params.roughness;
         Self {
-            rows: vec![[0.27, 0.205, 0.15, 0.9, 0.0, 0.0, 0.0, 0.0]],
+            rows: vec![[r, g, b, params.relief, low, high, 0.0, 0.0]],
             materials: vec![0],
             number_of: HashMap::new(),
         }

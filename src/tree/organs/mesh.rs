@@ -145,10 +145,11 @@ impl<'a> Organist<'a> {
             for (at, position) in surface.positions.iter().enumerate() {
                 let normal = surface.normals.get(at).copied().unwrap_or(Vec3::Z);
                 let colour = surface.colour(at, &organs.palette, placed.paint.colour);
+                let own = placed.orientation * if mirrored { -normal } else { normal };
                 vertex(
                     into,
                     placed.position + placed.orientation * (*position * placed.scale),
-                    placed.orientation * if mirrored { -normal } else { normal },
+                    rounded(own, placed.position - organs.crown, surface.rounded),
                     colour,
                 );
             }
@@ -188,6 +189,17 @@ impl Surface {
             Some(colour) if !tone.fixed => colour,
             _ => tone.colour,
         }
+    }
+}
+
+/// A leaf's normal with as much of its crown's in it; on the side that it is on.
+fn rounded(own: Vec3, outward: Vec3, share: f32) -> Vec3 {
+    match outward.try_normalize() {
+        Some(outward) if share > 0.0 => {
+            let outward = if own.dot(outward) < 0.0 { -outward } else { outward };
+            own.lerp(outward, share).normalize_or(own)
+        }
+        _ => own,
     }
 }
 

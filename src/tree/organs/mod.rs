@@ -10,9 +10,11 @@
 
 use glam::{Quat, Vec3};
 
+use super::bark::Bark;
 use super::{NO_PARENT, Tree};
 
 mod cylinder;
+mod leaves;
 mod look;
 mod mesh;
 mod paint;
@@ -73,6 +75,8 @@ pub struct Placed {
     pub birth: u32,
     /// The node it hangs on, or [`NO_PARENT`].
     pub node: u32,
+    /// Parts of the sky's light that reach it, 0 to 1.
+    pub light: f32,
 }
 
 /// A segment that is part of a generalized cylinder.
@@ -89,8 +93,12 @@ pub struct Smooth {
 /// Invariants (checked by [`Organs::validate`]): nodes exist in the tree, numbers are finite, scales and radii fit, `smooth` runs up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Organs {
+    /// What plain segments are covered by.
+    pub bark: Bark,
     /// What the indices of colours and materials mean.
     pub palette: Palette,
+    /// The middle of the crown: normals of leaves point away from it.
+    pub crown: Vec3,
     /// Surfaces that are placed.
     pub surfaces: Vec<Surface>,
     /// Colour and material of each node's segment; empty, or shorter than the tree, where all the rest is plain.

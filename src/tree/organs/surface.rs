@@ -10,8 +10,9 @@ use super::look::{BROWN, Colour, from_bytes};
 use super::polygon::Triangulator;
 
 /// Names of the shapes that need no outline.
-pub const BUILT_IN: [&str; 8] = [
-    "leaf", "needle", "petal", "flower", "bell", "disc", "sphere", "cone",
+pub const BUILT_IN: [&str; 18] = [
+    "leaf", "needle", "petal", "flower", "bell", "disc", "sphere", "cone", "maple", "oak", "birch",
+    "willow", "ovate", "needles", "pinnule", "spines", "blossom", "fruit",
 ];
 
 /// Leaf green, sRGB: the own colour of leaves and polygons.
@@ -41,6 +42,8 @@ pub struct Surface {
     pub tones: Vec<Tone>,
     /// A sheet with two sides, such as a leaf; else it is closed.
     pub thin: bool,
+    /// How far its normals are those of the crown that it stands in, 0 to 1.
+    pub rounded: f32,
 }
 
 impl Surface {
@@ -60,6 +63,16 @@ impl Surface {
                 made
             }
             "cone" => Self::cone(),
+            "maple" => Self::maple(),
+            "oak" => Self::oak(),
+            "birch" => Self::birch(),
+            "willow" => Self::willow(),
+            "ovate" => Self::ovate(),
+            "needles" => Self::needles(),
+            "pinnule" => Self::pinnule(),
+            "spines" => Self::spines(),
+            "blossom" => Self::blossom(),
+            "fruit" => Self::fruit(),
             _ => return None,
         })
     }
@@ -75,7 +88,7 @@ impl Surface {
         Some(made)
     }
 
-    fn new(own: [u8; 3], thin: bool) -> Self {
+    pub(super) fn new(own: [u8; 3], thin: bool) -> Self {
         Self {
             tones: vec![Tone {
                 colour: from_bytes(own),
@@ -253,8 +266,81 @@ impl Surface {
         self.tone.resize(self.positions.len(), 0);
     }
 
+    /// One triangle of its own, its normal from [`Self::smooth`].
+    pub(super) fn sheet(&mut self, corners: [Vec3; 3]) {
+        for corner in corners {
+            self.indices.push(index(self.positions.len()));
+            self.positions.push(corner);
+        }
+    }
+
+    /// A fan of triangles from `center` along an outline; the other way round where it is `mirrored`.
+    pub(super) fn fan(&mut self, center: Vec3, outline: &[Vec3], mirrored: bool) {
+        let first = index(self.positions.len());
+        self.positions.push(center);
+        self.positions.extend_from_slice(outline);
+        for at in 1..index(outline.len()) {
+            let [a, b] = if mirrored { [at + 1, at] } else { [at, at + 1] };
+            self.indices.extend([first, first + a, first + b]);
+        }
+    }
+
+    /// The triangles between two rows of rib and edge; those of no area are left out.
+    pub(super) fn strip(&mut self, last: [Vec3; 2], next: [Vec3; 2], mirrored: bool) {
+        let first = index(self.positions.len());
+        self.positions.extend([last[0], last[1], next[0], next[1]]);
+        let mut add = |[a, b, c]: [u32; 3]| {
+            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+            self.indices.extend(corners.map(|at| first + at));
+        };
+        if last[0] != last[1] {
+            add([0, 1, 2]);
+        }
+        if next[0] != next[1] {
+            add(if last[0] == last[1] { [0, 3, 2] } else { [1, 3, 2] });
+        }
+    }
+
+    /// A flat heart of six corners that looks ahead, of a colour that stays.
+    pub(super) fn heart(&mut self, colour: [u8; 3], ahead: f32, radius: f32) {
+        self.smooth();
+        self.tones.push(Tone {
+            colour: from_bytes(colour),
+            fixed: true,
+        });
+        let at = |side: u8| {
+            let (sin, cos) = (TAU * f32::from(side) / 6.0).sin_cos();
+            Vec3::new(radius * cos, ahead, -radius * sin)
+        };
+        self.fan(Vec3::Y * (ahead + 0.04), &(0..=6).map(at).collect::<Vec<_>>(), false);
+        self.tone.resize(self.positions.len(), 1);
+    }
+
+    /// Normals of what has none yet, the same at vertices that lie in one place; vertices nothing uses point up.
+    pub(super) fn smooth(&mut self) {
+        let done = self.normals.len();
+        let place = |i: u32| self.positions.get(i as usize).copied().unwrap_or_default();
+        let mut sums: std::collections::HashMap<[u32; 3], Vec3> = std::collections::HashMap::new();
+        let key = |p: Vec3| p.to_array().map(|x| (x + 0.0).to_bits());
+        for corners in self.indices.chunks_exact(3) {
+            if corners.iter().any(|i| (*i as usize) < done) {
+                continue;
+            }
+            let [a, b, c] = [corners[0], corners[1], corners[2]].map(place);
+            let normal = (b - a).cross(c - a);
+            for corner in [a, b, c] {
+                *sums.entry(key(corner)).or_default() += normal;
+            }
+        }
+        for position in &self.positions[done..] {
+            let sum = sums.get(&key(*position)).copied().unwrap_or_default();
+            self.normals.push(sum.normalize_or(Vec3::Z));
+        }
+        self.tone.resize(self.positions.len(), 0);
+    }
+
     /// An ellipsoid.
-    fn ball(&mut self, center: Vec3, radii: Vec3, sides: u32, rows: u32, tone: u8) {
+    pub(super) fn ball(&mut self, center: Vec3, radii: Vec3, sides: u32, rows: u32, tone: u8) {
         let first = index(self.positions.len());
         for (unit, _) in unit_sphere(sides, rows) {
             self.vertex(center + unit * radii, (unit / radii).normalize(), tone);

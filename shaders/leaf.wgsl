@@ -1,0 +1,125 @@
+// Leaves, blossoms and fruit: one surface many times, eight an instance. Twin of the buffers: src/render/leaf_upload.rs.
+#include "shared/light.wgsl"
+#include "shared/octahedral.wgsl"
+#include "shared/look.wgsl"
+
+struct Leaf {
+    place: vec3f,
+    scale: f32,
+    // Where it unfolds from while it grows.
+    base: vec3f,
+    look: u32,
+    // A quaternion, four snorm16.
+    orientation: vec2u,
+    // Of the sky's light.
+    light: f32,
+    // Bit 0: it grows.
+    flags: u32,
+}
+
+struct Corner {
+    place: vec3f,
+    // Octahedral, two snorm16.
+    normal: u32,
+    // 0: the leaf's look, else a look's number and 1.
+    look: u32,
+    thin: u32,
+}
+
+@group(1) @binding(0) var<storage, read> leaves: array<Leaf>;
+// The first one is the crown's middle; its normal: how round normals are; its look: how many corners follow.
+@group(1) @binding(1) var<storage, read> corners: array<Corner>;
+
+const THIN = 0x80000000u;
+
+struct Point {
+    @builtin(position) position: vec4f,
+    @location(0) world: vec3f,
+    // Of the sheet itself.
+    @location(1) normal: vec3f,
+    // Out of the crown; its length: how much of it.
+    @location(2) outward: vec3f,
+    @location(3) @interpolate(flat) look: u32,
+    @location(4) @interpolate(flat) eye: vec3f,
+    @location(5) @interpolate(flat) light: f32,
+}
+
+struct Spot {
+    leaf: Leaf,
+    corner: Corner,
+    q: vec4f,
+    local: vec3f,
+}
+
+fn turn(q: vec4f, p: vec3f) -> vec3f {
+    let t = 2.0 * cross(q.xyz, p);
+    return p + q.w * t + cross(q.xyz, t);
+}
+
+fn spot(vertex: u32, instance: u32) -> Spot {
+    let count = corners[0].look;
+    var out: Spot;
+    out.leaf = leaves[instance * 8u + vertex / count];
+    out.corner = corners[1u + vertex % count];
+    let packed = vec4f(unpack2x16snorm(out.leaf.orientation.x), unpack2x16snorm(out.leaf.orientation.y));
+    out.q = packed * inverseSqrt(max(dot(packed, packed), 1e-12));
+    let place = out.leaf.place + turn(out.q, out.corner.place) * out.leaf.scale;
+    let grows = (out.leaf.flags & 1u) != 0u && frame.tree.x < 1.0;
+    out.local = select(place, out.leaf.base + frame.tree.x * (place - out.leaf.base), grows);
+    return out;
+}
+
+@vertex
+fn leaf_vertex(
+    @builtin(vertex_index) vertex: u32,
+    @builtin(instance_index) instance: u32,
+    @builtin(view_index) view: u32,
+) -> Point {
+    let s = spot(vertex, instance);
+    let v = frame.views[view];
+    let header = corners[0];
+    let inside_out = select(1.0, -1.0, s.leaf.scale < 0.0);
+    let outward = s.leaf.place - header.place;
+    var out: Point;
+    out.world = (frame.world_from_tree * vec4f(s.local, 1.0)).xyz;
+    out.position = v.clip_from_world * vec4f(out.world, 1.0);
+    out.normal = (frame.world_from_tree * vec4f(turn(s.q, unfolded(s.corner.normal)) * inside_out, 0.0)).xyz;
+    out.outward = normalize((frame.world_from_tree * vec4f(outward, 0.0)).xyz + vec3f(0.0, 1e-6, 0.0))
+        * bitcast<f32>(header.normal);
+    out.look = select(s.leaf.look, s.corner.look - 1u, s.corner.look != 0u) | select(0u, THIN, header.thin != 0u);
+    out.eye = v.eye.xyz;
+    out.light = s.leaf.light;
+    return out;
+}
+
+@vertex
+fn leaf_shadow_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4f {
+    let world = (frame.world_from_tree * vec4f(spot(vertex, instance).local, 1.0)).xyz;
+    return frame.shadow_from_world * vec4f(world, 1.0);
+}
+
+@fragment
+fn leaf_fragment(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let look = looks[point.look & ~THIN];
+    let thin = (point.look & THIN) != 0u;
+    let offset = point.world - point.eye;
+    let to_eye = -normalize(offset);
+    let sheet = normalize(point.normal);
+    let facing = select(sheet, -sheet, thin && !front);
+    // Rounded: the crown shades as one body and not as a heap of sheets that flicker.
+    let round = length(point.outward);
+    let aligned = select(sheet, -sheet, dot(sheet, point.outward) < 0.0);
+    let normal = normalize(select(facing, mix(aligned, point.outward / max(round, 1e-6), round), round > 0.0));
+    let toward = dot(facing, frame.sun.xyz);
+    let sunny = sunlight(point.world, select(facing, -facing, thin && toward < 0.0));
+    // What lies deep in the crown sees little of the sky.
+    let open = mix(0.22, 1.0, point.light);
+    var color = glossy(look, normal, to_eye, sunny) * open;
+    if thin {
+        // What shines through a leaf is yellower than the leaf.
+        let through = look.color.rgb * vec3f(1.25, 1.10, 0.45);
+        let from_behind = max(-toward, 0.0) * 0.55 + 0.12 * max(dot(-to_eye, frame.sun.xyz), 0.0);
+        color += through * SUN_COLOR * (from_behind * sunny);
+    }
+    return vec4f(air(color, offset), 1.0);
+}

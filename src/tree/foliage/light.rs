@@ -1,0 +1,171 @@
+//! How much of the sky a place in a crown sees: the leaves of a tree as a cloud on a grid of cells.
+//!
+//! Leaf area per cell is optical depth (a random leaf stops half of the light that its area meets: Monsi and Saeki 1953, G = 1/2). One sweep from the
+//! top layer down adds it up along each of nine directions, straight up and towards eight neighbours of the layer above; what arrives is
+//! the mean of exp(−depth), weighted as a level ground would be lit. Cells times nine, whatever the number of leaves.
+
+use glam::{UVec3, Vec3};
+
+/// Cells along the longest side.
+const CELLS: f32 = 40.0;
+
+/// Directions: steps to a neighbour's column for each layer up.
+const DIRECTIONS: [[i32; 2]; 9] = [
+    [0, 0],
+    [1, 0],
+    [-1, 0],
+    [0, 1],
+    [0, -1],
+    [1, 1],
+    [1, -1],
+    [-1, 1],
+    [-1, -1],
+];
+
+/// Light on a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    low: Vec3,
+    cell: f32,
+    size: UVec3,
+    /// 0 (dark) to 1 (open sky), x fastest, then z, then y.
+    arrives: Vec<f32>,
+}
+
+impl Light {
+    /// The light among leaves: where they are, and the area of each in square metres. None where there are none.
+    #[must_use]
+    pub fn among(leaves: &[(Vec3, f32)]) -> Option<Self> {
+        let (low, high) = leaves.iter().filter(|(place, _)| place.is_finite()).fold(
+            (Vec3::INFINITY, Vec3::NEG_INFINITY),
+            |(low, high), (place, _)| (low.min(*place), high.max(*place)),
+        );
+        let longest = (high - low).max_element();
+        if !longest.is_finite() || longest < 0.0 {
+            return None;
+        }
+        let cell = (longest / CELLS).max(1e-6);
+        let size = ((high - low) / cell).floor().as_uvec3() + UVec3::ONE;
+        let mut light = Self {
+            low,
+            cell,
+            size,
+            arrives: vec![0.0; (size.x * size.y * size.z) as usize],
+        };
+        for (place, area) in leaves {
+            let at = light.cell_of(*place);
+            if let Some(depth) = light.arrives.get_mut(at) {
+                *depth += 0.5 * area.max(0.0) / (cell * cell);
+            }
+        }
+        light.sweep();
+        Some(light)
+    }
+
+    /// What of the sky's light reaches a place, 0 to 1; above and beside the leaves all of it.
+    #[must_use]
+    pub fn at(&self, place: Vec3) -> f32 {
+        self.arrives.get(self.cell_of(place)).copied().unwrap_or(1.0)
+    }
+
+    /// The cell of a place, the nearest one where it lies outside.
+    fn cell_of(&self, place: Vec3) -> usize {
+        let last = (self.size - UVec3::ONE).as_vec3();
+        let at = ((place - self.low) / self.cell).floor().clamp(Vec3::ZERO, last);
+        let at = at.as_uvec3();
+        ((at.y * self.size.z + at.z) * self.size.x + at.x) as usize
+    }
+
+    /// Turns depths by cell into light by cell.
+    fn sweep(&mut self) {
+        let [width, depth] = [self.size.x as usize, self.size.z as usize];
+        let layer = width * depth;
+        let mut above = vec![[0.0_f32; DIRECTIONS.len()]; layer];
+        let mut here = above.clone();
+        let mut own = vec![0.0_f32; layer];
+        for y in (0..self.size.y as usize).rev() {
+            let cells = &mut self.arrives[y * layer..(y + 1) * layer];
+            own.copy_from_slice(cells);
+            for (at, cell) in cells.iter_mut().enumerate() {
+                let (mut light, mut weights) = (0.0, 0.0);
+                for (number, [dx, dz]) in DIRECTIONS.iter().enumerate() {
+                    let way = steps_up(*dx, *dz);
+                    let from = neighbour(at, *dx, *dz, width, depth);
+                    let before = from.map_or(0.0, |from| above[from][number]);
+                    // Half of a cell's own leaves lie over its middle.
+                    let through = before + 0.5 * way * own[at];
+                    here[at][number] = before + way * own[at];
+                    light += (-through).exp() / way;
+                    weights += 1.0 / way;
+                }
+                *cell = light / weights;
+            }
+            std::mem::swap(&mut above, &mut here);
+        }
+    }
+}
+
+/// How long the way through one layer is, in cells.
+fn steps_up(dx: i32, dz: i32) -> f32 {
+    #[allow(clippy::cast_precision_loss, reason = "1, 2 or 3")]
+    let squares = (1 + dx * dx + dz * dz) as f32;
+    squares.sqrt()
+}
+
+/// The cell of the same layer that lies so far aside.
+fn neighbour(at: usize, dx: i32, dz: i32, width: usize, depth: usize) -> Option<usize> {
+    let x = (at % width).checked_add_signed(dx as isize)?;
+    let z = (at / width).checked_add_signed(dz as isize)?;
+    (x < width && z < depth).then_some(z * width + x)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
+    use super::*;
+
+    #[test]
+    fn it_is_darker_below_leaves_and_open_beside_them() {
+        // A flat roof of leaves over empty space.
+        let mut leaves = Vec::new();
+        for x in 0..40 {
+            for z in 0..40 {
+                leaves.push((Vec3::new(x as f32, 10.0, z as f32) * 0.1, 0.02));
+            }
+        }
+        leaves.push((Vec3::new(2.0, 0.0, 2.0), 0.0));
+        let light = Light::among(&leaves).unwrap();
+        let [under, edge] = [[2.0, 0.1, 2.0], [0.0, 0.1, 0.0]].map(|p| light.at(Vec3::from(p)));
+        // Area index 2: half of it stops light, so straight down exp(−1) arrives, aside less, and from beside the roof more.
+        assert!(under < edge && (0.2..0.6).contains(&under), "{under} {edge}");
+        assert!(light.at(Vec3::new(2.0, 20.0, 2.0)) > light.at(Vec3::new(2.0, 0.9, 2.0)));
+    }
+
+    #[test]
+    fn more_leaves_let_less_light_through_and_none_let_all() {
+        let of = |area: f32| {
+            let leaves: Vec<_> = (0..1000)
+                .map(|i| {
+                    let [x, y, z] = [i % 10, i / 10 % 10, i / 100].map(|n| n as f32 * 0.1);
+                    (Vec3::new(x, y, z), area)
+                })
+                .collect();
+            Light::among(&leaves).unwrap().at(Vec3::new(0.45, 0.0, 0.45))
+        };
+        assert!((of(0.0) - 1.0).abs() < 1e-6);
+        assert!(of(0.001) > of(0.01) && of(0.01) > of(0.1));
+        assert_eq!(Light::among(&[]), None);
+        let one = Light::among(&[(Vec3::ONE, 1.0)]).unwrap();
+        assert!((0.0..1.0).contains(&one.at(Vec3::ONE)));
+    }
+
+    #[test]
+    fn hostile_places_are_no_panic() {
+        let light = Light::among(&[(Vec3::NAN, 1.0), (Vec3::ZERO, f32::NAN), (Vec3::Y, 1.0)]);
+        let light = light.unwrap();
+        for place in [Vec3::NAN, Vec3::INFINITY, Vec3::splat(-1e30)] {
+            assert!(light.at(place).is_finite() || light.at(place).is_nan());
+        }
+        assert!(Light::among(&[(Vec3::splat(f32::MAX), 1.0), (Vec3::splat(f32::MIN), 1.0)]).is_none());
+    }
+}
