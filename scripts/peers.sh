@@ -94,11 +94,11 @@ centerlines() ( # [MODEL…]
 # ez-tree's preset that is nearest to a species: it has oaks, ashes, aspens, pines and bushes.
 nearest() { # SPECIES
     case $1 in
-    oak) echo oak-medium ;;
-    birch) echo aspen-medium ;;
-    spruce) echo pine-medium ;;
-    maple) echo ash-medium ;;
-    willow) echo ash-large ;;
+    oak) echo oak-large ;;
+    birch) echo aspen-large ;;
+    spruce) echo pine-large ;;
+    maple) echo ash-large ;;
+    willow) echo ash-medium ;;
     apple) echo bush-1 ;;
     *) return 1 ;;
     esac
@@ -112,14 +112,17 @@ valid() { # FILE
     [[ $told == *": 0 errors,"* ]]
 }
 
-# How fast individuals are grown and written, of three runs the middle one. ez-tree has one thread, and writes nothing.
+# How fast individuals are grown and written, some ten million triangles of them, of three runs the middle one. ez-tree has one thread, and writes nothing.
 grown() { # FILE FOLDER THREADS (0: all)
-    local name
-    name=$(basename "${1%.*}")
+    local export=("$target/release/ramus" export "$1" --format glb --angles 10 --lengths 10 --out "$2" --json) numbers count
+    numbers='s/.*"triangles":([0-9]+),"seconds":([-0-9.e]+).*/\1 \2/'
+    # What it says besides has been said when the tree itself was written.
+    count=$("${export[@]}" --dry-run 2>/dev/null | sed -E "$numbers" | awk '{ print int(1e7 / $1) + 1 }')
     for _ in 1 2 3; do
-        RAYON_NUM_THREADS=$3 "$target/release/ramus" export "$1" --format glb --count 20 --angles 10 --lengths 10 --out "$2" --json
-    done | sed -E 's/.*"triangles":([0-9]+),"seconds":([-0-9.e]+).*/\1 \2/' | sort -g -k 2 | awk -v name="$name" -v threads="${3/#0/all}" \
-        'NR == 2 { printf "Ramus %s  %d triangles  %.4f s  %.2f million/s  (20 files, threads: %s)\n", name, $1, $2, $1 / $2 / 1e6, threads }'
+        RAYON_NUM_THREADS=$3 "${export[@]}" --count "$count" 2>/dev/null
+    done | sed -E "$numbers" | sort -g -k 2 | awk -v what="Ramus $(basename "${1%.*}")" -v files="$count files, threads: ${3/#0/all}" \
+        'NR == 2 { printf "%s  %d triangles  %.4f s  %.2f million/s  (%s)\n", what, $1, $2, $1 / $2 / 1e6, files }'
+    rm -rf "${2:?}"/*
 }
 
 draw() { # SHEET LABEL=FILE…

@@ -213,7 +213,7 @@ def render(size, file):
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device, cycles.samples, cycles.use_adaptive_sampling = "CPU", SAMPLES, True
-    cycles.adaptive_threshold = 0.02
+    cycles.adaptive_threshold, cycles.adaptive_min_samples = 0.02, 32
     # A crown is many masked leaves deep: what gives up after eight of them is black inside.
     cycles.transparent_max_bounces = 128
     cycles.max_bounces, cycles.sample_clamp_indirect, cycles.seed = 6, 4, 1

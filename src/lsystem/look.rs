@@ -8,9 +8,9 @@ use glam::Vec3;
 use super::error::{GrammarError, nearest};
 use super::expression::signed;
 use super::names::{Names, Symbol};
-use super::source::Cursor;
+use super::source::{Cursor, Source};
 use crate::tree::bark::Bark;
-use crate::tree::foliage::{Bearing, Dress, NUMBERS, Ranks, Season, kinds};
+use crate::tree::foliage::{Bearing, Dress, NUMBERS, Ranks, Season, USUAL_FLARE, kinds};
 use crate::tree::organs::{BUILT_IN, MOST_CORNERS, Material, Palette, Surface};
 use crate::tree::radii::RadiusParams;
 
@@ -234,9 +234,15 @@ fn one_of<T>(
     Err(cursor.error_at(at, format!("found `{word}`; expected one of {listed}{hint}")))
 }
 
-/// Reads `oak`, after `bark`.
-pub(crate) fn bark(cursor: &mut Cursor<'_>) -> Result<Bark, GrammarError> {
-    one_of(cursor, Bark::ALL.map(|bark| (bark.name(), bark)))
+/// Reads `oak flare 0.5`, after `bark`.
+pub(crate) fn bark(dress: &mut Dress, cursor: &mut Cursor<'_>) -> Result<(), GrammarError> {
+    dress.bark = one_of(cursor, Bark::ALL.map(|bark| (bark.name(), bark)))?;
+    dress.flare = USUAL_FLARE;
+    if !cursor.at_end() {
+        one_of(cursor, [("flare", ())])?;
+        dress.flare = number_within(cursor, "flare", [0.0, 4.0])?;
+    }
+    Ok(())
 }
 
 /// Reads `autumn`, after `season`.
@@ -269,6 +275,17 @@ pub(crate) fn bears(
     }
     dress.bears.push(bearing);
     Ok(())
+}
+
+/// Reads what stands behind `bears`, on its own.
+///
+/// # Errors
+/// What is wrong with it and where.
+pub fn bearing(text: &str) -> Result<Bearing, GrammarError> {
+    let source = Source::new("bears".to_owned(), text.to_owned());
+    let mut dress = Dress::default();
+    bears(&mut dress, &[], &mut Cursor::new(&source, 0, text.len()))?;
+    dress.bears.pop().ok_or_else(|| Cursor::new(&source, 0, text.len()).expected("a kind of leaf"))
 }
 
 /// Reads one option of a bearing.

@@ -65,6 +65,7 @@ pub use format::{FormatError, format};
 pub use grammar::Grammar;
 pub use growing::Growing;
 pub use history::History;
+pub use look::bearing;
 pub use names::Symbol;
 pub use record::Recorded;
 pub use shape::shape_frames;

@@ -118,7 +118,7 @@ impl TreeUpload {
             .build(tree, radius_before, placed.newest, &mut scratch.segments);
         let mut looks = LookTable::of(placed.organs.bark);
         // Painted here, where there is time.
-        placed.organs.bark.maps();
+        let _ = placed.organs.bark.maps();
         paint_segments(
             &placed.tree,
             &placed.organs,

@@ -25,6 +25,9 @@ use super::{
     quantize,
 };
 
+/// A new segment's bend, drawn once.
+const BEND: &str = "normal(0, wander)";
+
 /// Displacements on one line of a shape.
 const PER_LINE: usize = 4;
 
@@ -65,6 +68,9 @@ impl Sketch {
             && self.wrap == other.wrap
             && pairs().all(|(own, theirs)| Arc::ptr_eq(own, theirs) || says(own) == says(theirs))
             && self.own_rules == other.own_rules
+            && (Arc::ptr_eq(&self.habit, &other.habit)
+                || (self.habit.grows_as(&other.habit)
+                    && (self.habit.starve == 0.0 || self.leafage() == other.leafage())))
     }
 
     /// The rules as the strokes make them.
@@ -81,15 +87,20 @@ impl Sketch {
             .map(|stroke| self.branchings_on(stroke))
             .collect();
         self.push_declarations(&mut text, &branchings);
+        let habit = &*self.habit;
         let trunk = self
             .strokes
             .first()
-            .map_or("A(0)".to_owned(), |trunk| first_module(trunk));
-        let _ = writeln!(text, "\naxiom {trunk} B");
+            .map_or("A(0)".to_owned(), |trunk| self.first_module(trunk));
+        let turned = if habit.has_tropism() { "T(light) " } else { "" };
+        let _ = writeln!(text, "\naxiom {turned}{trunk} {}", self.end());
         text.push_str("\n# Growth: an end moves on by one segment.\n");
-        for stroke in &self.strokes {
-            let (name, here, next) = (stroke.letter, parameters(stroke), next_parameters(stroke));
-            let _ = writeln!(text, "{name}({here}) > B -> {name}({here}) {name}({next})");
+        for (number, stroke) in self.strokes.iter().enumerate() {
+            self.push_growth(&mut text, stroke, number > 0);
+        }
+        if habit.starve > 0.0 {
+            text.push_str("\n# Starving: an end that is told of too little light goes.\n");
+            text.push_str("B > ?S(l, a) : l < starve -> *\n?S(l, a) : l < starve -> *\n");
         }
         if branchings.iter().any(|on| !on.is_empty()) {
             text.push_str("\n# Branching: the first one stands where it was drawn, each further one is turned about its parent.\n");
@@ -97,7 +108,7 @@ impl Sketch {
         branchings
             .iter()
             .filter(|on| !on.is_empty())
-            .for_each(|on| push_branching(&mut text, on));
+            .for_each(|on| self.push_branching(&mut text, on));
         let decomposed: Vec<&Branching<'_>> = branchings
             .iter()
             .filter(|on| !is_direct(on))
@@ -106,14 +117,102 @@ impl Sketch {
         if !decomposed.is_empty() {
             text.push_str("\ndecompose {\n");
             for branching in decomposed {
-                let (helper, here) = (branching.helper(), parameters(branching.parent));
-                let (condition, bracket) = (branching.condition(), branching.bracket());
+                let (helper, here) = (branching.helper(), self.parameters(branching.parent));
+                let (condition, bracket) = (branching.condition(), self.bracket(branching));
                 let _ = writeln!(text, "  {helper}({here}) : {condition} -> {bracket}");
                 let _ = writeln!(text, "  {helper}({here}) -> *");
             }
             text.push_str("}\n");
         }
+        if habit.has_bends() {
+            text.push_str("\n# Bends: each segment's own two angles turn what follows.\ninterpret {\n");
+            for stroke in &self.strokes {
+                let (name, here) = (stroke.letter, self.parameters(stroke));
+                let _ = writeln!(text, "  {name}({here}) -> +(p) &(q) {name}(x)");
+            }
+            text.push_str("}\n");
+        }
         text
+    }
+
+    /// Growth of one letter; of a branch, with the rests that the trunk's dominance makes.
+    fn push_growth(&self, text: &mut String, stroke: &Stroke, is_branch: bool) {
+        let (name, here, next) = (stroke.letter, self.parameters(stroke), self.next_parameters(stroke));
+        if !(is_branch && self.habit.dominance > 0.0) {
+            let _ = writeln!(text, "{name}({here}) > B -> {name}({here}) {name}({next})");
+            return;
+        }
+        let _ = writeln!(text, "{name}({here}) > B : weight 1 - dominance -> {name}({here}) {name}({next})");
+        let _ = writeln!(text, "{name}({here}) > B : x >= 0, weight dominance -> {name}({here})");
+    }
+
+    /// A growing end.
+    fn end(&self) -> &'static str {
+        if self.habit.starve > 0.0 { "B ?S(1, leafage)" } else { "B" }
+    }
+
+    /// Square metres of leaves that an end is counted for: a quarter of its usual segment's square at full size.
+    fn leafage(&self) -> f64 {
+        let lengths = self.segments().map(|(_, from, to)| f64::from(from.distance(to) * self.scale));
+        let (count, sum) = lengths.fold((0.0, 0.0), |(count, sum), length| (count + 1.0, sum + length));
+        let mean: f64 = if count > 0.0 { sum / count } else { 0.0 };
+        (0.25 * mean * mean).max(1e-4)
+    }
+
+    /// A letter's formal parameters: the segment, the depth of its nesting where that is limited, its bends where shoots wander.
+    fn parameters(&self, stroke: &Stroke) -> String {
+        self.with_more(stroke, "x", "d", ["p", "q"])
+    }
+
+    /// Those of the letter after it.
+    fn parameters_above(&self, stroke: &Stroke) -> String {
+        self.with_more(stroke, "y", "e", ["r", "s"])
+    }
+
+    fn next_parameters(&self, stroke: &Stroke) -> String {
+        self.with_more(stroke, "x+1", "d", [BEND; 2])
+    }
+
+    /// The module that a line of this letter begins with.
+    fn first_module(&self, stroke: &Stroke) -> String {
+        let parameters = self.with_more(stroke, "0", "0", ["0"; 2]);
+        format!("{}({parameters})", stroke.letter)
+    }
+
+    fn with_more(&self, stroke: &Stroke, segment: &str, depth: &str, bends: [&str; 2]) -> String {
+        let mut parameters = segment.to_owned();
+        if depth_limit(stroke).is_some() {
+            parameters = format!("{parameters}, {depth}");
+        }
+        if self.habit.has_bends() {
+            parameters = format!("{parameters}, {}, {}", bends[0], bends[1]);
+        }
+        parameters
+    }
+
+    /// A branch itself.
+    fn bracket(&self, branching: &Branching<'_>) -> String {
+        let child = branching.child;
+        let first = if branching.is_copy() && depth_limit(child).is_some() {
+            let parameters = self.with_more(child, "0", "d+1", ["0"; 2]);
+            format!("{}({parameters})", child.letter)
+        } else {
+            self.first_module(child)
+        };
+        let turn = format!("divergence * ((x+1)/{} - 1)", branching.rate);
+        let mut turns = format!("/({turn})");
+        if self.habit.spread_deg > 0.0 {
+            turns = format!("/({turn} + normal(0, spread)) &(normal(0, spread))");
+        }
+        if self.habit.has_tropism() {
+            let order = match depth_limit(child).filter(|_| branching.is_copy()) {
+                Some(_) => "(d+2)",
+                None if branching.is_copy() => "2",
+                None => "1",
+            };
+            turns = format!("{turns} T(light - gravity * {order})");
+        }
+        format!("[ {turns} {first} {} ]", self.end())
     }
 
     /// The branches on a letter, in the order drawn; its copies of itself count as drawn with it.
@@ -149,6 +248,7 @@ impl Sketch {
             self.scale
         );
         let _ = writeln!(text, "const divergence = {}", self.divergence_deg);
+        self.habit.push_laws(text, self.leafage());
         text.push_str("context literal\n");
         text.push_str(match self.wrap {
             Wrap::CarryHeading => "wrap carry\n",
@@ -162,7 +262,7 @@ impl Sketch {
                 text,
                 "module {}({})",
                 branching.helper(),
-                parameters(branching.parent)
+                self.parameters(branching.parent)
             );
         }
     }
@@ -170,11 +270,25 @@ impl Sketch {
     /// What says how many parameters a letter has; a grammar needs it of longer names alone.
     pub(super) fn declaration(&self, letter: Letter) -> Option<String> {
         let stroke = self.stroke(letter)?;
-        Some(format!("module {letter}({})\n", parameters(stroke)))
+        Some(format!("module {letter}({})\n", self.parameters(stroke)))
+    }
+
+    /// How thick the tree is, and what it wears.
+    fn push_looks(&self, text: &mut String) {
+        let is_dressed = self.habit.bark.is_some() || !self.habit.bears.is_empty();
+        if !is_dressed {
+            return;
+        }
+        text.push_str("\n# What it wears.\n");
+        if self.strokes.iter().all(|one| one.radii.is_empty()) {
+            let _ = writeln!(text, "widths da-vinci tip {} exponent {}", self.tip_radius, self.radius_exponent);
+        }
+        self.habit.push_dress(text);
     }
 
     /// The drawn lines, behind [`Self::rules_text`].
     pub(super) fn push_shapes(&self, text: &mut String) {
+        self.push_looks(text);
         text.push_str("\n# The strokes: one displacement (x y z) a segment; a branch is given in its parent segment's frame.\n");
         if self.strokes.iter().any(|one| !one.radii.is_empty()) {
             text.push_str("# The fourth number is the radius, where a stroke has its own.\n");
@@ -221,16 +335,6 @@ impl Branching<'_> {
             None => at_node,
         }
     }
-
-    /// The branch itself.
-    fn bracket(&self) -> String {
-        let first = if self.is_copy() && depth_limit(self.child).is_some() {
-            format!("{}(0, d+1)", self.child.letter)
-        } else {
-            first_module(self.child)
-        };
-        format!("[ /(divergence * ((x+1)/{} - 1)) {first} B ]", self.rate)
-    }
 }
 
 /// Whether one production without helper modules says it all: every branch at the same segments.
@@ -239,14 +343,11 @@ fn is_direct(on: &[Branching<'_>]) -> bool {
         .all(|pair| pair[0].condition() == pair[1].condition())
 }
 
-fn push_branching(text: &mut String, on: &[Branching<'_>]) {
+impl Sketch {
+fn push_branching(&self, text: &mut String, on: &[Branching<'_>]) {
     let Some(first) = on.first() else { return };
-    let (name, here) = (first.parent.letter, parameters(first.parent));
-    let above = if depth_limit(first.parent).is_some() {
-        "y, e"
-    } else {
-        "y"
-    };
+    let (name, here) = (first.parent.letter, self.parameters(first.parent));
+    let above = self.parameters_above(first.parent);
     let direct = is_direct(on);
     let mut conditions: Vec<String> = Vec::new();
     for condition in on.iter().map(Branching::condition) {
@@ -262,40 +363,14 @@ fn push_branching(text: &mut String, on: &[Branching<'_>]) {
     let _ = write!(text, " -> {name}({here})");
     for branching in on {
         let _ = match direct {
-            true => write!(text, " {}", branching.bracket()),
+            true => write!(text, " {}", self.bracket(branching)),
             false => write!(text, " {}({here})", branching.helper()),
         };
     }
     text.push('\n');
 }
+}
 
 fn depth_limit(stroke: &Stroke) -> Option<u32> {
     stroke.self_similar?.depth_limit
-}
-
-/// A letter's formal parameters: the segment, and the depth of its nesting where that is limited.
-fn parameters(stroke: &Stroke) -> &'static str {
-    if depth_limit(stroke).is_some() {
-        "x, d"
-    } else {
-        "x"
-    }
-}
-
-fn next_parameters(stroke: &Stroke) -> &'static str {
-    if depth_limit(stroke).is_some() {
-        "x+1, d"
-    } else {
-        "x+1"
-    }
-}
-
-/// The module that a line of this letter begins with.
-fn first_module(stroke: &Stroke) -> String {
-    let zero = if depth_limit(stroke).is_some() {
-        "0, 0"
-    } else {
-        "0"
-    };
-    format!("{}({zero})", stroke.letter)
 }

@@ -16,7 +16,7 @@ use super::{BOUNDS, Letter, Predictor, Sketch, SketchError, dictionary::Dictiona
 use crate::{
     lsystem::{Grammar, History, Limits, TurtleParams, interpret},
     tree::{
-        NO_PARENT, Tree,
+        NO_PARENT, Organs, Tree,
         radii::{RadiusParams, da_vinci, da_vinci_given},
     },
 };
@@ -43,7 +43,7 @@ pub const GROW: GrowParams = GrowParams {
 /// a helper for each stroke.
 const MODULES_PER_SEGMENT: u64 = 8;
 
-/// Modules beyond which a sketch with rules of a person's own, of which nothing is known beforehand, is refused.
+/// Modules beyond which a sketch of which nothing is known beforehand (rules of a person's own, ends that rest or starve) is refused.
 const OWN_MODULES: u64 = 4_000_000;
 
 /// Bytes of strings that a [`Grower`] keeps: some twenty steps of a tree of 100,000 segments.
@@ -54,6 +54,8 @@ const KEPT_BYTES: u64 = 64 << 20;
 pub struct Grown {
     /// The tree at full size, its root at the origin; `birth` counts growth steps.
     pub tree: Tree,
+    /// What it wears.
+    pub organs: Organs,
     /// Radius of each node one step earlier.
     pub radius_before: Vec<f32>,
     /// The string, cut to a bound.
@@ -191,8 +193,12 @@ impl Grower {
             Some(given) => da_vinci_given(&mut tree, &params, step, &given),
             None => da_vinci(&mut tree, &params, step),
         };
+        let mut organs = Organs::default();
+        let dress = sketch.habit.dress()?;
+        dress.put_on(&tree, &mut organs, u64::from(sketch.habit.seed));
         Ok(Grown {
             tree,
+            organs,
             radius_before,
             string: string.to_text_within(grammar, string_bytes),
             newest: step,
@@ -209,7 +215,7 @@ fn refused(problem: impl std::fmt::Display) -> SketchError {
 fn limits(sketch: &Sketch, segments: u64) -> Limits {
     let modules_each = MODULES_PER_SEGMENT.saturating_add(sketch.strokes.len() as u64);
     let defaults = Limits::default();
-    if !sketch.own_rules.is_empty() {
+    if !sketch.own_rules.is_empty() || sketch.habit.is_uncertain() {
         return Limits {
             modules: OWN_MODULES,
             ..defaults
@@ -312,6 +318,7 @@ fn root_alone(sketch: &Sketch, step: u32) -> Grown {
     };
     Grown {
         tree,
+        organs: Organs::default(),
         radius_before: vec![sketch.tip_radius],
         string: String::new(),
         newest: step,

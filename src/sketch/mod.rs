@@ -25,6 +25,7 @@ mod dictionary;
 pub mod freehand;
 pub mod grammar;
 pub mod grow;
+pub mod habit;
 pub mod letter;
 pub mod own_rules;
 pub mod predict;
@@ -33,6 +34,7 @@ pub mod symmetry;
 
 pub use freehand::{Freehand, FreehandParams};
 pub use grow::{GROW, GrowParams, Grower, Grown, MAX_SEGMENTS, grow};
+pub use habit::Habit;
 pub use letter::{Letter, UnknownLetter};
 pub use own_rules::{OwnRules, Production};
 pub use predict::{Predictor, predict_segments_within};
@@ -186,6 +188,8 @@ pub struct Sketch {
     pub self_similar_branches: bool,
     /// Productions that a person wrote in the place of the generated ones.
     pub own_rules: Arc<OwnRules>,
+    /// How the tree grows beyond what is drawn, and what it wears.
+    pub habit: Arc<Habit>,
 }
 
 impl Default for Sketch {
@@ -207,6 +211,7 @@ impl Default for Sketch {
             wrap: Wrap::CarryHeading,
             self_similar_branches: true,
             own_rules: Arc::default(),
+            habit: Arc::default(),
         }
     }
 }

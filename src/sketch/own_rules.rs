@@ -49,6 +49,8 @@ fn left_side(line: &str) -> Option<&str> {
 #[must_use]
 pub fn name_of(left: &str) -> String {
     let (modules, condition) = match left.split_once(" :") {
+        // A weight alone is no condition: a branch's growth has one where branches rest.
+        Some((modules, says)) if says.trim_start().starts_with("weight") => (modules, ""),
         Some((modules, _)) => (modules, " :"),
         None => (left, ""),
     };

@@ -32,7 +32,7 @@ pub fn predict_segments_within(sketch: &Sketch, step: u32, most: u64) -> Option<
     if sketch.is_empty() {
         return Some(0);
     }
-    if !sketch.own_rules.is_empty() {
+    if !sketch.own_rules.is_empty() || sketch.habit.is_uncertain() {
         return Some(most);
     }
     let branches = branches(sketch);
@@ -68,7 +68,7 @@ impl Predictor {
         if sketch.is_empty() {
             return Some(0);
         }
-        if !sketch.own_rules.is_empty() {
+        if !sketch.own_rules.is_empty() || sketch.habit.is_uncertain() {
             return predict_segments_within(sketch, step, most);
         }
         let rules = sketch

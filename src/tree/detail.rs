@@ -138,6 +138,8 @@ pub fn coarser(drawing: &Drawing, within: f32) -> Drawing {
         .chain(placed)
         .for_each(|node| *node = kept(*node));
     organs.smooth.clear();
+    // The finer tree's radii have it.
+    organs.flare = 0.0;
     organs.paints = merged.paints;
     Drawing {
         tree: merged.tree,

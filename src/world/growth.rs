@@ -160,6 +160,7 @@ impl Growth {
         self.shown_id = id;
         let Grown {
             tree,
+            organs,
             radius_before,
             string,
             newest,
@@ -167,7 +168,7 @@ impl Growth {
         } = grown;
         let given = Shown {
             tree: Arc::new(tree),
-            organs: Arc::default(),
+            organs: Arc::new(organs),
             radius_before: Arc::new(radius_before),
             newest,
             step,

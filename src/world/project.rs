@@ -17,14 +17,16 @@ use serde::{Deserialize, Serialize};
 use super::document::{Document, EditError, Placement};
 use super::model::Model;
 use crate::sketch::{
-    Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap, own_rules::by_name, quantize,
+    Habit, Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap, own_rules::by_name, quantize,
 };
 
 /// The first field of every project file.
 const FORMAT: &str = "ramus-project";
 /// The newest version this program reads, all older ones too. It writes the oldest that says all: a project
 /// without curves and rules of one's own can be read by a program that knows none.
-const VERSION: u64 = 4;
+const VERSION: u64 = 5;
+/// The first version in which trees have a habit.
+const HABIT: u64 = 5;
 /// The first version in which strokes have radii.
 const RADII: u64 = 4;
 /// The first version with scanned models.
@@ -100,6 +102,9 @@ struct File {
     self_similar_branches: bool,
     #[serde(default)]
     own_rules: OwnRules,
+    /// Since version [`HABIT`].
+    #[serde(default)]
+    habit: Option<Habit>,
     /// Since version [`MODELS`].
     #[serde(default)]
     linked: bool,
@@ -132,7 +137,10 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     let curved = sketch.strokes.iter().any(|stroke| stroke.is_curve());
     let has_models = !document.models.is_empty() || document.linked;
     let thick = sketch.strokes.iter().any(|stroke| !stroke.radii.is_empty());
-    let version = if thick {
+    let has_habit = *sketch.habit != Habit::default();
+    let version = if has_habit {
+        HABIT
+    } else if thick {
         RADII
     } else if has_models {
         MODELS
@@ -160,6 +168,9 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     // Left out where there are none, so that older programs read such projects.
     if !sketch.own_rules.is_empty() {
         field(&mut text, 1, "own_rules", &*sketch.own_rules);
+    }
+    if has_habit {
+        field(&mut text, 1, "habit", &*sketch.habit);
     }
     if has_models {
         field(&mut text, 1, "linked", &document.linked);
@@ -259,6 +270,12 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
             head.version
         )));
     }
+    if head.version < HABIT && file.habit.is_some() {
+        return Err(ProjectError::Malformed(format!(
+            "version {} has no field `habit`",
+            head.version
+        )));
+    }
     if head.version < MODELS && (file.linked || !file.models.is_empty()) {
         return Err(ProjectError::Malformed(format!(
             "version {} has no models",
@@ -309,6 +326,7 @@ fn document_from_file(file: File) -> Document {
         wrap: file.wrap,
         self_similar_branches: file.self_similar_branches,
         own_rules: Arc::new(by_name(file.own_rules)),
+        habit: Arc::new(file.habit.unwrap_or_default().quantized()),
     };
     Document {
         sketch: Arc::new(sketch),

@@ -211,10 +211,7 @@ impl Parser {
             }
             "colour" => look::colour(&mut self.palette, cursor),
             "material" => look::material(&mut self.palette, cursor),
-            "bark" => {
-                self.dress.bark = look::bark(cursor)?;
-                Ok(())
-            }
+            "bark" => look::bark(&mut self.dress, cursor),
             "season" => {
                 self.dress.season = look::season(cursor)?;
                 Ok(())

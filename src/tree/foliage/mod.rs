@@ -34,6 +34,8 @@ const SHADES: u16 = 6;
 const FIRST_INDEX: u16 = 40_000;
 /// The golden angle, radians: from each leaf of a twig to the next.
 const GOLDEN: f32 = 2.399_963_1;
+/// The flare of bark that says none.
+pub const USUAL_FLARE: f32 = 0.5;
 /// Parts of size² that a leaf's area is.
 const AREA: f32 = 0.35;
 
@@ -246,6 +248,8 @@ impl fmt::Display for Bearing {
 pub struct Dress {
     /// Of trunk and branches.
     pub bark: Bark,
+    /// As [`Organs::flare`].
+    pub flare: f32,
     /// The time of the year.
     pub season: Season,
     /// Leaves, blossoms and fruit.
@@ -256,6 +260,7 @@ impl Dress {
     /// Adds to a tree's organs what it wears; radii must be as they are drawn. `seed` chooses sizes and turns.
     pub fn put_on(&self, tree: &Tree, organs: &mut Organs, seed: u64) {
         organs.bark = self.bark;
+        organs.flare = self.flare;
         let newest = tree.birth.iter().copied().max().unwrap_or(0);
         let there = Season::ALL.iter().position(|one| *one == self.season).unwrap_or(0);
         let worn: Vec<&Bearing> =

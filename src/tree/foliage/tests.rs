@@ -24,7 +24,7 @@ fn fork() -> Tree {
 
 fn worn(bearing: Bearing, season: Season, seed: u64) -> Organs {
     let mut organs = Organs::default();
-    let dress = Dress { bark: Bark::Oak, season, bears: vec![bearing] };
+    let dress = Dress { bark: Bark::Oak, season, bears: vec![bearing], ..Dress::default() };
     let tree = fork();
     dress.put_on(&tree, &mut organs, seed);
     organs.validate(&tree).unwrap();

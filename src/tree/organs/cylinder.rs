@@ -9,6 +9,7 @@ use glam::Vec3;
 
 use super::super::tubes::SHARP_BEND_COSINE;
 use super::super::{NO_PARENT, Node, Tree};
+use super::collar::Collars;
 use super::{Organs, Paint};
 
 /// A piece turns by no more than this, radians.
@@ -90,6 +91,10 @@ impl<'a> Cylinders<'a> {
         smooth.binary_search_by_key(&node, |entry| entry.node).ok()
     }
 
+    fn entry_at(&self, node: usize) -> Option<usize> {
+        self.entry(u32::try_from(node).ok()?)
+    }
+
     fn direction(&self, node: u32) -> Option<Vec3> {
         let from = self.tree.position.get(self.parent(node) as usize)?;
         let way = *self.tree.position.get(node as usize)? - *from;
@@ -142,18 +147,24 @@ pub fn refined_len(tree: &Tree, organs: &Organs) -> u64 {
     let cylinders = Cylinders::new(tree, organs);
     let more = |at| cylinders.curve(at).map_or(0, |curve| curve.pieces - 1);
     let more: u64 = (0..organs.smooth.len()).map(|at| u64::from(more(at))).sum();
-    tree.len() as u64 + more
+    let collars = Collars::of(tree, organs).map_or(0, |collars| {
+        let cut = (0..tree.len()).filter(|node| cylinders.entry_at(*node).is_none());
+        cut.map(|node| collars.cuts(node).len() as u64).sum()
+    });
+    tree.len() as u64 + more + collars
 }
 
-/// The finer tree of a valid tree with valid organs; `None` where there is no cylinder that bends, or where the finer one would
+/// The finer tree of a valid tree with valid organs; `None` where there is neither a cylinder that bends nor a branch with a collar, or where the finer one would
 /// have more nodes than 32-bit indices count.
 #[must_use]
 pub fn refined(tree: &Tree, organs: &Organs, radius_before: &[f32]) -> Option<Refined> {
-    if organs.smooth.is_empty() {
+    let collars = Collars::of(tree, organs);
+    if organs.smooth.is_empty() && collars.is_none() {
         return None;
     }
     let nodes = usize::try_from(refined_len(tree, organs)).ok()?;
-    if nodes == tree.len() || nodes >= NO_PARENT as usize {
+    let same = nodes == tree.len() && collars.is_none();
+    if same || nodes >= NO_PARENT as usize {
         return None;
     }
     let cylinders = Cylinders::new(tree, organs);
@@ -181,7 +192,7 @@ pub fn refined(tree: &Tree, organs: &Organs, radius_before: &[f32]) -> Option<Re
         let begins = entry.is_some_and(|(_, entry)| entry.cylinder as usize == node);
         let number = match curve.filter(|curve| curve.pieces > 1) {
             Some(curve) => fine.add_curve(&old, &curve, under, begins),
-            None => fine.add(&old, under, old.position(), old.radii()),
+            None => fine.add_straight(&old, under, collars.as_ref().filter(|_| entry.is_none())),
         };
         fine.number.push(number);
     }
@@ -230,6 +241,24 @@ impl Refined {
             self.paints.push(old.paint);
         }
         number
+    }
+
+    /// The segment that ends at a node, cut where a collar or the root's flare is on it.
+    fn add_straight(&mut self, old: &Old<'_>, mut under: u32, collars: Option<&Collars<'_>>) -> u32 {
+        let (end, radii) = (old.position(), old.radii());
+        let Some(collars) = collars else {
+            return self.add(old, under, end, radii);
+        };
+        if let Some(from) = old.tree.parent.get(old.node).filter(|parent| **parent != NO_PARENT) {
+            let (start, below) = (old.tree.position[*from as usize], old.radii_of(*from as usize));
+            for cut in collars.cuts(old.node) {
+                let thin = if cut.is_lateral { radii } else { [0, 1].map(|i| below[i] + (radii[i] - below[i]) * cut.at) };
+                let thick = thin.map(|radius| cut.thickened(radius));
+                under = self.add(old, under, start.lerp(end, cut.at), thick);
+            }
+        }
+        let thicker = collars.at_end(old.node);
+        self.add(old, under, end, radii.map(|radius| radius * thicker))
     }
 
     fn add_curve(&mut self, old: &Old<'_>, curve: &Curve, mut under: u32, begins: bool) -> u32 {

@@ -13,6 +13,7 @@ use glam::{Quat, Vec3};
 use super::bark::Bark;
 use super::{NO_PARENT, Tree};
 
+mod collar;
 mod cylinder;
 mod leaves;
 mod look;
@@ -95,6 +96,8 @@ pub struct Smooth {
 pub struct Organs {
     /// What plain segments are covered by.
     pub bark: Bark,
+    /// How much thicker the trunk is at the ground, and branches where they leave their parent, in parts of their radius; 0: not at all.
+    pub flare: f32,
     /// What the indices of colours and materials mean.
     pub palette: Palette,
     /// The middle of the crown: normals of leaves point away from it.

@@ -1,0 +1,182 @@
+//! Collars and the root's flare: wood is thicker where a branch leaves its parent and where the trunk meets the ground.
+//!
+//! Only what is drawn and meshed has them; the tree's own radii stay da Vinci's. A branch thickens towards the skin of its parent as
+//! exp(−d/0.9 r), d from the skin, by [`Organs::flare`] of its radius r, never beyond its parent; the trunk towards the ground as exp(−d/1.6 r). So a tube
+//! is cut near its start at a few places whose distances grow, and joins there without an edge (branch collars: Shigo, *Tree Anatomy*, 1994).
+
+use super::super::axes::axis_children;
+use super::super::{NO_PARENT, Tree};
+use super::Organs;
+
+/// Branches thinner than this part of the thickest wood have no collar that anybody sees.
+const LEAST: f32 = 1.0 / 40.0;
+/// A collar dies away over so many radii, and the flare at the root.
+const FADE: f32 = 0.9;
+const ROOT_FADE: f32 = 1.6;
+/// Where a branch's tube is cut, in its radii from its parent's skin, and the trunk's in its own from the ground.
+const CUTS: [f32; 4] = [0.0, 0.6, 1.5, 3.0];
+const ROOT_CUTS: [f32; 5] = [0.35, 0.8, 1.5, 2.5, 4.2];
+
+/// A place where a tube is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cut {
+    /// Part of the segment, from its start, 0 to 1.
+    pub(super) at: f32,
+    /// Times the radius there.
+    times: f32,
+    /// And no more than this.
+    most: f32,
+    /// The segment begins with its end's radius.
+    pub(super) is_lateral: bool,
+}
+
+impl Cut {
+    pub(super) fn thickened(&self, radius: f32) -> f32 {
+        (radius * self.times).min(self.most.max(radius))
+    }
+}
+
+/// Which segments of a tree have collars.
+pub(super) struct Collars<'a> {
+    tree: &'a Tree,
+    flare: f32,
+    /// By node: the child that goes on.
+    axis: Vec<u32>,
+    /// By node of an axis that begins at a root: metres along it; else infinite.
+    above_ground: Vec<f32>,
+    least: f32,
+}
+
+impl<'a> Collars<'a> {
+    pub(super) fn of(tree: &'a Tree, organs: &Organs) -> Option<Self> {
+        if !(organs.flare > 0.0) || tree.segment_count() == 0 {
+            return None;
+        }
+        let axis = axis_children(tree);
+        let mut above_ground = vec![f32::INFINITY; tree.len()];
+        for (node, &parent) in tree.parent.iter().enumerate() {
+            above_ground[node] = match parent {
+                NO_PARENT => 0.0,
+                parent if axis[parent as usize] as usize == node => {
+                    let length = tree.position[node].distance(tree.position[parent as usize]);
+                    above_ground[parent as usize] + length
+                }
+                _ => f32::INFINITY,
+            };
+        }
+        let thickest = tree.radius.iter().copied().fold(0.0, f32::max);
+        Some(Self {
+            tree,
+            flare: organs.flare.min(4.0),
+            axis,
+            above_ground,
+            least: LEAST * thickest,
+        })
+    }
+
+    /// How many times thicker the trunk is so far above the ground.
+    fn flared(&self, above: f32, radius: f32) -> f32 {
+        if radius > 0.0 && above.is_finite() {
+            1.0 + 1.6 * self.flare * (-above / (ROOT_FADE * radius)).exp()
+        } else {
+            1.0
+        }
+    }
+
+    /// How many times thicker the tube is at a node.
+    pub(super) fn at_end(&self, node: usize) -> f32 {
+        self.flared(self.above_ground[node], self.tree.radius[node])
+    }
+
+    /// Where the segment that ends at a node is cut.
+    pub(super) fn cuts(&self, node: usize) -> Vec<Cut> {
+        let tree = self.tree;
+        let parent = tree.parent[node];
+        if parent == NO_PARENT {
+            return Vec::new();
+        }
+        let below = parent as usize;
+        let (own, thick) = (tree.radius[node], tree.radius[below]);
+        let length = tree.position[node].distance(tree.position[below]);
+        if !(length > 0.0) || own < self.least || !own.is_finite() {
+            return Vec::new();
+        }
+        let from_ground = self.above_ground[below];
+        let cut = |way: f32, times, most, is_lateral| Cut { at: way / length, times, most, is_lateral };
+        if self.axis[below] as usize == node {
+            let near = ROOT_CUTS.iter().map(|radii| radii * thick - from_ground);
+            let near = near.filter(|way| from_ground.is_finite() && (0.1 * own..length - 0.1 * own).contains(way));
+            let of = |way| cut(way, self.flared(from_ground + way, thick), f32::INFINITY, false);
+            return near.map(of).collect();
+        }
+        // Out of the parent's tube it comes no sooner than after its radius.
+        let ways = CUTS.iter().map(|radii| (*radii, 0.9 * thick + radii * own));
+        let ways = ways.filter(|(_, way)| *way < 0.95 * length);
+        let of = |(radii, way): (f32, f32)| {
+            let times = 1.0 + self.flare * (-radii / FADE).exp();
+            cut(way, times, 0.98 * thick, true)
+        };
+        ways.map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
+    use glam::Vec3;
+
+    use super::super::{refined, refined_len};
+    use super::*;
+    use crate::tree::Node;
+
+    fn branch() -> Tree {
+        let mut tree = Tree { letters: vec!["F".to_owned()], ..Tree::default() };
+        let nodes = [
+            (NO_PARENT, [0.0, 0.0, 0.0], 0.3, 0),
+            (0, [0.0, 3.0, 0.0], 0.3, 0),
+            (1, [0.0, 5.0, 0.0], 0.25, 0),
+            (1, [2.0, 4.0, 0.0], 0.1, 1),
+            (1, [-1.0, 4.0, 0.0], 0.002, 1),
+        ];
+        for (parent, place, radius, order) in nodes {
+            tree.push(Node { parent, position: Vec3::from(place), radius, letter: 0, order, birth: 0 });
+        }
+        tree
+    }
+
+    #[test]
+    fn a_trunk_is_thickest_at_the_ground_and_a_branch_at_its_parent() {
+        let tree = branch();
+        let organs = Organs { flare: 0.5, ..Organs::default() };
+        let fine = refined(&tree, &organs, &[]).unwrap();
+        fine.tree.validate().unwrap();
+        assert_eq!(fine.tree.len() as u64, refined_len(&tree, &organs));
+        // Upwards the trunk only becomes thinner, to what it was.
+        let trunk = fine.number[1] as usize;
+        let radii: Vec<f32> = (0..=trunk).map(|node| fine.tree.radius[node]).collect();
+        assert!(radii.windows(2).all(|pair| pair[0] > pair[1]), "{radii:?}");
+        assert!((radii[0] - 0.3 * 1.8).abs() < 1e-5 && radii[trunk] < 0.301);
+        // The branch begins thicker, ends as it was, and is nowhere thicker than the trunk; the thin one is left alone.
+        let [foot, tip] = [fine.number[2] as usize + 1, fine.number[3] as usize];
+        let radii: Vec<f32> = (foot..=tip).map(|node| fine.tree.radius[node]).collect();
+        assert!(radii.len() > 3 && radii.windows(2).all(|pair| pair[0] > pair[1]), "{radii:?}");
+        assert!(radii[0] > 0.14 && radii[0] < 0.3 && (radii[radii.len() - 1] - 0.1).abs() < 1e-6);
+        assert_eq!(fine.number[4], fine.number[3] + 1);
+        // All nodes that there were stand where they stood.
+        for (node, number) in fine.number.iter().enumerate() {
+            assert_eq!(fine.tree.position[*number as usize], tree.position[node]);
+        }
+    }
+
+    #[test]
+    fn without_flare_there_is_nothing_to_do() {
+        assert!(refined(&branch(), &Organs::default(), &[]).is_none());
+        let mut tree = branch();
+        for radius in tree.radius.iter_mut() {
+            *radius = 0.0;
+        }
+        let organs = Organs { flare: 0.5, ..Organs::default() };
+        let fine = refined(&tree, &organs, &[]).unwrap();
+        assert_eq!(fine.tree.len(), tree.len());
+    }
+}
