@@ -7,7 +7,6 @@ use anyhow::{Context as _, Result};
 
 use crate::app::export;
 use crate::sketch;
-use crate::tree::Organs;
 use crate::tree::file::write_atomically;
 use crate::world::World;
 use crate::world::document::Document;
@@ -43,8 +42,7 @@ pub fn summary(world: &World) -> String {
 /// Where there is no tree yet or it cannot be written.
 pub fn export(document: &Document, path: &Path) -> Result<()> {
     let grown = sketch::grow(&document.sketch, document.step, &AtomicBool::new(false))?;
-    export::drawing(&grown.tree, &Organs::default(), path)
-        .with_context(|| "the tree was not written")
+    export::drawing(&grown.tree, &grown.organs, path).with_context(|| "the tree was not written")
 }
 
 /// Writes the grammar that the sketch became, to be read, edited and derived.

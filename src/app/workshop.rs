@@ -18,7 +18,7 @@ use crate::app::comparing::Comparing;
 use crate::app::convert::{buttons, input_from_frame};
 use crate::app::finding::Finding;
 use crate::app::scans::Scans;
-use crate::app::store::{Opened, Store, StoreError};
+use crate::app::store::{Opened, Store, StoreError, read_project};
 use crate::app::studies::Studies;
 use crate::app::study::sitting::{Keeper, Sitting};
 use crate::app::takeaway::{Takeaway, Taken};
@@ -28,8 +28,9 @@ use crate::ui::sheet::Tick;
 use crate::ui::{CompareWish, Painted, Panels, Recent, Settings, Wish};
 use crate::world::World;
 use crate::world::board::Buttons;
-use crate::world::document::Document;
+use crate::world::document::{Document, Edit};
 use crate::world::panels::PanelId;
+use crate::world::project;
 use crate::world::scene::Scene;
 use crate::world::study::flow::Study;
 
@@ -243,6 +244,7 @@ impl Workshop {
             Wish::Set(settings) => self.set(settings),
             Wish::Export(ending) => self.take_home(ending),
             Wish::Open(project) => self.go_on_with(&project),
+            Wish::TakeSketch(project) => self.take_sketch(&project),
             Wish::Draw(settings) => world.set_settings(settings),
             Wish::Look(looking) => world.look(looking),
             Wish::Bring(file) => self.bring_named(&file),
@@ -353,6 +355,23 @@ impl Workshop {
             Err(error) => format!("{error:#}"),
         };
         self.world.show_message(told);
+    }
+
+    /// Begins anew with the sketch of another project; its models stay there.
+    fn take_sketch(&mut self, project: &Path) {
+        let theirs = match read_project(project) {
+            Ok(theirs) => theirs,
+            Err(error) => return self.world.show_message(error.to_string()),
+        };
+        let alone = Document {
+            models: Arc::default(),
+            linked: false,
+            ..theirs
+        };
+        let project = String::from_utf8_lossy(&project::to_bytes(&alone)).into_owned();
+        if let Err(error) = self.world.apply(Edit::TakeSpecies { project }) {
+            self.world.show_message(error.to_string());
+        }
     }
 
     fn exchange(&mut self, project: &Path) -> anyhow::Result<String> {

@@ -278,7 +278,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
         let (asked, name) = ((args.json, outputs().next().is_some()), named());
         let (printed, drawing) =
             unwritten::stream(&grammar, steps, &limits, asked, &name, explain)?;
-        return printed.and(drawing.map_or(Ok(()), |drawing| write(args, &grammar, drawing, steps, &radii)));
+        return printed.and(drawing.map_or(Ok(()), |drawing| {
+            write(args, &grammar, drawing, steps, &radii)
+        }));
     }
     if let Some(wanted) = wanted
         && unwritten::print(wanted, &grammar, steps, &limits, explain)?

@@ -19,7 +19,7 @@ use crate::app::store::read_project;
 use crate::app::trees;
 use crate::app::{export, portrait};
 use crate::lsystem::Grammar;
-use crate::sketch;
+use crate::sketch::{self, Grown};
 use crate::tree::Drawing;
 use crate::tree::detail::{Detail, coarser, triangles_of};
 use crate::tree::export::{ExportParams, Swc};
@@ -350,7 +350,12 @@ fn source(args: &Args) -> Result<Source> {
 /// How far individuals differ besides what a grammar draws.
 fn spread(args: &Args, source: &Source) -> Spread {
     let own = match source {
-        Source::Sketch(..) if args.count > 1 || args.seed.is_some() => OWN_SPREAD,
+        // Where its laws draw by the seed, they make the individuals.
+        Source::Sketch(sketch, _)
+            if sketch.habit.is_lawless() && (args.count > 1 || args.seed.is_some()) =>
+        {
+            OWN_SPREAD
+        }
         _ => [0.0, 0.0],
     };
     Spread {
@@ -446,12 +451,19 @@ fn ready(
             (drawing, text)
         }
         Source::Sketch(sketch, step) => {
+            let one_of_many = args.count > 1 || args.seed.is_some();
+            let individual = match u32::try_from(seed) {
+                Ok(seed) if one_of_many && !sketch.habit.is_lawless() => sketch.with_seed(seed),
+                _ => sketch::Sketch::clone(sketch),
+            };
+            let sketch = &individual;
             let grown = sketch::grow(sketch, *step, &AtomicBool::new(false))
                 .with_context(|| format!("cannot grow {name}"))?;
             // Step 1 shows the axiom.
             let steps = u64::from(step.saturating_sub(1));
             let text = stating(&sketch.grammar_text(), "steps", steps);
-            (Drawing::from(grown.tree), text)
+            let Grown { tree, organs, .. } = grown;
+            (Drawing { tree, organs }, text)
         }
     };
     let drawing = Arc::new(varied(&drawing, seed, spread));

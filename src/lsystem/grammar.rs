@@ -608,7 +608,8 @@ impl Grammar {
 
     /// Adds bark and leaves to what the turtle drew, whose radii are as they are to be drawn.
     pub fn dress_up(&self, drawing: &mut Drawing) {
-        self.dress.put_on(&drawing.tree, &mut drawing.organs, self.seed);
+        self.dress
+            .put_on(&drawing.tree, &mut drawing.organs, self.seed);
     }
 
     /// The same grammar with another seed: another individual of the same kind.

@@ -229,9 +229,13 @@ fn one_of<T>(
         return Err(cursor.expected(&format!("one of {listed}")));
     }
     let word: String = word.chars().take(40).collect();
-    let hint = nearest(&word, known.iter().copied())
-        .map_or(String::new(), |n| format!("; the nearest known one is `{n}`"));
-    Err(cursor.error_at(at, format!("found `{word}`; expected one of {listed}{hint}")))
+    let hint = nearest(&word, known.iter().copied()).map_or(String::new(), |n| {
+        format!("; the nearest known one is `{n}`")
+    });
+    Err(cursor.error_at(
+        at,
+        format!("found `{word}`; expected one of {listed}{hint}"),
+    ))
 }
 
 /// Reads `oak flare 0.5`, after `bark`.
@@ -259,7 +263,8 @@ pub(crate) fn bears(
     cursor.skip_blank();
     let at = cursor.pos();
     if dress.bears.len() >= MOST_BEARINGS {
-        let message = format!("a tree bears at most {MOST_BEARINGS} kinds of leaves, blossoms and fruit");
+        let message =
+            format!("a tree bears at most {MOST_BEARINGS} kinds of leaves, blossoms and fruit");
         return Err(cursor.error_at(at, message));
     }
     let word = cursor.clone().identifier().unwrap_or_default();
@@ -285,7 +290,10 @@ pub fn bearing(text: &str) -> Result<Bearing, GrammarError> {
     let source = Source::new("bears".to_owned(), text.to_owned());
     let mut dress = Dress::default();
     bears(&mut dress, &[], &mut Cursor::new(&source, 0, text.len()))?;
-    dress.bears.pop().ok_or_else(|| Cursor::new(&source, 0, text.len()).expected("a kind of leaf"))
+    dress
+        .bears
+        .pop()
+        .ok_or_else(|| Cursor::new(&source, 0, text.len()).expected("a kind of leaf"))
 }
 
 /// Reads one option of a bearing.

@@ -116,8 +116,13 @@ pub(super) fn answered(
             continue;
         };
         if query == Query::Shade {
-            let told = light.as_ref().map_or(1.0, |light| light.at(answer.as_vec3()));
-            parameters.iter_mut().take(1).for_each(|parameter| *parameter = f64::from(told));
+            let told = light
+                .as_ref()
+                .map_or(1.0, |light| light.at(answer.as_vec3()));
+            parameters
+                .iter_mut()
+                .take(1)
+                .for_each(|parameter| *parameter = f64::from(told));
             continue;
         }
         for (parameter, value) in parameters.iter_mut().zip(answer.to_array()) {
@@ -132,8 +137,17 @@ fn light<'a>(
     string: &ModuleString,
     asked: impl Iterator<Item = (&'a (Query, Range<usize>), &'a DVec3)>,
 ) -> Option<Light> {
-    let area = |place: &Range<usize>| string.parameters.get(place.start + 1).copied().unwrap_or(0.0);
-    #[expect(clippy::cast_possible_truncation, reason = "areas are as rough as that")]
+    let area = |place: &Range<usize>| {
+        string
+            .parameters
+            .get(place.start + 1)
+            .copied()
+            .unwrap_or(0.0)
+    };
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "areas are as rough as that"
+    )]
     let leaves: Vec<_> = asked
         .filter(|((query, _), _)| *query == Query::Shade)
         .map(|((_, place), at)| (at.as_vec3(), area(place) as f32))

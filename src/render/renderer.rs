@@ -530,7 +530,8 @@ impl Renderer {
             Some((known, picture)) if *known == bark => Arc::clone(picture),
             _ => {
                 let (picture, staging) = bark_picture(&self.gpu, commands, bark)?;
-                self.garbage.extend(staging.map(|buffer| (self.frame, Garbage::Buffer(buffer))));
+                self.garbage
+                    .extend(staging.map(|buffer| (self.frame, Garbage::Buffer(buffer))));
                 self.bark = Some((bark, Arc::clone(&picture)));
                 picture
             }

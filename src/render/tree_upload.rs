@@ -13,8 +13,8 @@ use glam::Vec3;
 use gpu_allocator::MemoryLocation;
 
 use super::{
-    error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, meshes::BATCH,
-    leaf_upload::LeafChunk, organ_upload::OrganChunk, staging::Staging, texture::Texture,
+    error::RenderError, frame::Pool, gpu::Gpu, leaf_upload::LeafChunk, memory::Buffer,
+    meshes::BATCH, organ_upload::OrganChunk, staging::Staging, texture::Texture,
 };
 use crate::{
     tree::{

@@ -10,7 +10,8 @@ use std::{collections::HashSet, sync::Arc};
 use glam::{DVec3, Vec3};
 
 use super::{
-    BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Stroke, Symmetry, Wrap, quantize,
+    BOUNDS, Habit, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Stroke, Symmetry, Wrap,
+    quantize,
 };
 
 /// Lengths may be this much below the shortest segment: half a step of the grid, metres.
@@ -276,6 +277,23 @@ impl Sketch {
         }
     }
 
+    /// Sets how the tree grows beyond what is drawn, and what it wears.
+    ///
+    /// # Errors
+    /// A number out of its bounds, a line that no grammar reads, or a rule of a person's own that cannot be read beside the new laws.
+    pub fn with_habit(&self, habit: Habit) -> Result<Self, SketchError> {
+        habit.validate()?;
+        let next = Self {
+            habit: Arc::new(habit),
+            ..self.clone()
+        };
+        next.check_own_rules()?;
+        for stroke in &next.strokes {
+            next.check_parameters(stroke.letter)?;
+        }
+        Ok(next)
+    }
+
     /// A branch's node 0 is its parent's node: gives the node under the parent's name.
     #[must_use]
     pub fn own_name(&self, at: NodeRef) -> NodeRef {
@@ -347,6 +365,7 @@ impl Sketch {
     /// The first one broken.
     pub fn validate(&self) -> Result<(), SketchError> {
         self.validate_settings()?;
+        self.habit.validate()?;
         if self.strokes.len() > BOUNDS.strokes {
             return Err(SketchError::TooMany {
                 what: "strokes",
@@ -481,7 +500,11 @@ fn finite(what: &'static str, value: f64) -> Result<(), SketchError> {
     }
 }
 
-fn within(what: &'static str, found: f64, [least, most]: [f64; 2]) -> Result<(), SketchError> {
+pub(super) fn within(
+    what: &'static str,
+    found: f64,
+    [least, most]: [f64; 2],
+) -> Result<(), SketchError> {
     finite(what, found)?;
     if found < least || found > most {
         return Err(SketchError::OutOfBounds {

@@ -125,7 +125,9 @@ impl Sketch {
             text.push_str("}\n");
         }
         if habit.has_bends() {
-            text.push_str("\n# Bends: each segment's own two angles turn what follows.\ninterpret {\n");
+            text.push_str(
+                "\n# Bends: each segment's own two angles turn what follows.\ninterpret {\n",
+            );
             for stroke in &self.strokes {
                 let (name, here) = (stroke.letter, self.parameters(stroke));
                 let _ = writeln!(text, "  {name}({here}) -> +(p) &(q) {name}(x)");
@@ -135,26 +137,49 @@ impl Sketch {
         text
     }
 
-    /// Growth of one letter; of a branch, with the rests that the trunk's dominance makes.
+    /// Growth of one letter, with the rests that dominance makes: of branches, or of the trunk.
     fn push_growth(&self, text: &mut String, stroke: &Stroke, is_branch: bool) {
-        let (name, here, next) = (stroke.letter, self.parameters(stroke), self.next_parameters(stroke));
-        if !(is_branch && self.habit.dominance > 0.0) {
+        let (name, here, next) = (
+            stroke.letter,
+            self.parameters(stroke),
+            self.next_parameters(stroke),
+        );
+        let rests = if is_branch {
+            self.habit.dominance > 0.0
+        } else {
+            self.habit.dominance < 0.0
+        };
+        if !rests {
             let _ = writeln!(text, "{name}({here}) > B -> {name}({here}) {name}({next})");
             return;
         }
-        let _ = writeln!(text, "{name}({here}) > B : weight 1 - dominance -> {name}({here}) {name}({next})");
-        let _ = writeln!(text, "{name}({here}) > B : x >= 0, weight dominance -> {name}({here})");
+        let _ = writeln!(
+            text,
+            "{name}({here}) > B : weight 1 - dominance -> {name}({here}) {name}({next})"
+        );
+        let _ = writeln!(
+            text,
+            "{name}({here}) > B : x >= 0, weight dominance -> {name}({here})"
+        );
     }
 
     /// A growing end.
     fn end(&self) -> &'static str {
-        if self.habit.starve > 0.0 { "B ?S(1, leafage)" } else { "B" }
+        if self.habit.starve > 0.0 {
+            "B ?S(1, leafage)"
+        } else {
+            "B"
+        }
     }
 
     /// Square metres of leaves that an end is counted for: a quarter of its usual segment's square at full size.
     fn leafage(&self) -> f64 {
-        let lengths = self.segments().map(|(_, from, to)| f64::from(from.distance(to) * self.scale));
-        let (count, sum) = lengths.fold((0.0, 0.0), |(count, sum), length| (count + 1.0, sum + length));
+        let lengths = self
+            .segments()
+            .map(|(_, from, to)| f64::from(from.distance(to) * self.scale));
+        let (count, sum) = lengths.fold((0.0, 0.0), |(count, sum), length| {
+            (count + 1.0, sum + length)
+        });
         let mean: f64 = if count > 0.0 { sum / count } else { 0.0 };
         (0.25 * mean * mean).max(1e-4)
     }
@@ -211,6 +236,9 @@ impl Sketch {
                 None => "1",
             };
             turns = format!("{turns} T(light - gravity * {order})");
+        }
+        if self.habit.shrink > 0.0 {
+            turns.push_str(" @l(1 - shrink)");
         }
         format!("[ {turns} {first} {} ]", self.end())
     }
@@ -281,7 +309,11 @@ impl Sketch {
         }
         text.push_str("\n# What it wears.\n");
         if self.strokes.iter().all(|one| one.radii.is_empty()) {
-            let _ = writeln!(text, "widths da-vinci tip {} exponent {}", self.tip_radius, self.radius_exponent);
+            let _ = writeln!(
+                text,
+                "widths da-vinci tip {} exponent {}",
+                self.tip_radius, self.radius_exponent
+            );
         }
         self.habit.push_dress(text);
     }
@@ -344,31 +376,31 @@ fn is_direct(on: &[Branching<'_>]) -> bool {
 }
 
 impl Sketch {
-fn push_branching(&self, text: &mut String, on: &[Branching<'_>]) {
-    let Some(first) = on.first() else { return };
-    let (name, here) = (first.parent.letter, self.parameters(first.parent));
-    let above = self.parameters_above(first.parent);
-    let direct = is_direct(on);
-    let mut conditions: Vec<String> = Vec::new();
-    for condition in on.iter().map(Branching::condition) {
-        if !conditions.contains(&condition) {
-            conditions.push(condition);
+    fn push_branching(&self, text: &mut String, on: &[Branching<'_>]) {
+        let Some(first) = on.first() else { return };
+        let (name, here) = (first.parent.letter, self.parameters(first.parent));
+        let above = self.parameters_above(first.parent);
+        let direct = is_direct(on);
+        let mut conditions: Vec<String> = Vec::new();
+        for condition in on.iter().map(Branching::condition) {
+            if !conditions.contains(&condition) {
+                conditions.push(condition);
+            }
         }
+        let _ = write!(
+            text,
+            "{name}({here}) > {name}({above}) : {}",
+            conditions.join(" || ")
+        );
+        let _ = write!(text, " -> {name}({here})");
+        for branching in on {
+            let _ = match direct {
+                true => write!(text, " {}", self.bracket(branching)),
+                false => write!(text, " {}({here})", branching.helper()),
+            };
+        }
+        text.push('\n');
     }
-    let _ = write!(
-        text,
-        "{name}({here}) > {name}({above}) : {}",
-        conditions.join(" || ")
-    );
-    let _ = write!(text, " -> {name}({here})");
-    for branching in on {
-        let _ = match direct {
-            true => write!(text, " {}", self.bracket(branching)),
-            false => write!(text, " {}({here})", branching.helper()),
-        };
-    }
-    text.push('\n');
-}
 }
 
 fn depth_limit(stroke: &Stroke) -> Option<u32> {

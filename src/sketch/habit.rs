@@ -7,14 +7,17 @@
 //! | wander: shoots are not straight | each new segment keeps two angles, drawn once, and is interpreted as turns before it |
 //! | spread: branches do not all leave alike | random parts of a branch's roll and pitch |
 //! | light and gravity: shoots turn up, branches hang | `T` towards `tropism 0 1 0`, gravity counted once for each order |
-//! | apical dominance: branches lag behind the trunk | a branch's growth has the weight 1 − dominance, its rest the other |
+//! | apical dominance: branches lag behind the trunk, or it behind them | a branch's (or the trunk's) growth has the weight 1 − dominance, its rest the other |
+//! | shrinking: twigs have shorter segments than boughs | `@l(1 - shrink)` where a branch starts |
 //! | starving: ends in the dark die | a query `?S` at each end is told the light there; below `starve` the end goes |
 
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::SketchError;
+use super::change::within;
+use super::{Sketch, SketchError};
 use crate::lsystem::bearing;
 use crate::tree::bark::Bark;
 use crate::tree::foliage::{Bearing, Dress, Season, USUAL_FLARE};
@@ -38,8 +41,10 @@ pub struct Habit {
     pub light: f64,
     /// Radians that a branch turns down, once for each order.
     pub gravity: f64,
-    /// Chance that a branch's end rests in a step, 0 to 0.95.
+    /// Chance that a branch's end rests in a step, 0 to 0.95; below 0 it is the trunk's that rests.
     pub dominance: f64,
+    /// By what part a branch's segments are shorter than those that it grows from.
+    pub shrink: f64,
     /// Part of the sky's light below which an end dies; 0: none does.
     pub starve: f64,
     /// What covers trunk and branches; none: as Ramus draws all trees.
@@ -53,12 +58,13 @@ pub struct Habit {
 }
 
 /// Numbers of a habit: their names, and their bounds.
-pub const LAWS: [(&str, [f64; 2]); 6] = [
+pub const LAWS: [(&str, [f64; 2]); 7] = [
     ("wander", [0.0, 45.0]),
     ("spread", [0.0, 90.0]),
     ("light", [0.0, 1.0]),
     ("gravity", [0.0, 1.0]),
-    ("dominance", [0.0, 0.95]),
+    ("dominance", [-0.95, 0.95]),
+    ("shrink", [0.0, 0.6]),
     ("starve", [0.0, 0.9]),
 ];
 
@@ -71,6 +77,7 @@ impl Default for Habit {
             light: 0.0,
             gravity: 0.0,
             dominance: 0.0,
+            shrink: 0.0,
             starve: 0.0,
             bark: None,
             flare: USUAL_FLARE,
@@ -90,6 +97,7 @@ impl Habit {
             2 => self.light,
             3 => self.gravity,
             4 => self.dominance,
+            5 => self.shrink,
             _ => self.starve,
         }
     }
@@ -102,6 +110,7 @@ impl Habit {
             2 => &mut self.light,
             3 => &mut self.gravity,
             4 => &mut self.dominance,
+            5 => &mut self.shrink,
             _ => &mut self.starve,
         };
         *law = value;
@@ -127,7 +136,7 @@ impl Habit {
     /// Whether growth can only be known by growing.
     #[must_use]
     pub fn is_uncertain(&self) -> bool {
-        self.dominance > 0.0 || self.starve > 0.0
+        self.dominance != 0.0 || self.starve > 0.0
     }
 
     /// Whether another one has the same laws, so that the string is the same.
@@ -162,7 +171,8 @@ impl Habit {
     /// # Errors
     /// As [`Self::dress`].
     pub fn bearings(&self) -> Result<Vec<Bearing>, SketchError> {
-        let read = |line: &String| bearing(line).map_err(|error| SketchError::Rule(error.to_string()));
+        let read =
+            |line: &String| bearing(line).map_err(|error| SketchError::Rule(error.to_string()));
         self.bears.iter().map(read).collect()
     }
 
@@ -172,9 +182,9 @@ impl Habit {
     /// The first that does not.
     pub fn validate(&self) -> Result<(), SketchError> {
         for (at, (name, [least, most])) in LAWS.into_iter().enumerate() {
-            in_bounds(name, self.law(at), least, most)?;
+            within(name, self.law(at), [least, most])?;
         }
-        in_bounds("flare", f64::from(self.flare), 0.0, 4.0)?;
+        within("flare", f64::from(self.flare), [0.0, 4.0])?;
         if self.bears.len() > MOST_BEARS || self.bears.iter().any(|line| line.len() > LINE_BYTES) {
             return Err(SketchError::TooMany {
                 what: "kinds of leaves, blossoms and fruit",
@@ -192,8 +202,8 @@ impl Habit {
         text.push_str("# The habit: how the tree grows beyond what was drawn.\n");
         let _ = writeln!(text, "seed {}", self.seed);
         for (at, (name, _)) in LAWS.into_iter().enumerate() {
-            if self.law(at) > 0.0 || (self.has_tropism() && matches!(name, "light" | "gravity")) {
-                let _ = writeln!(text, "const {name} = {}", self.law(at));
+            if self.law(at) != 0.0 || (self.has_tropism() && matches!(name, "light" | "gravity")) {
+                let _ = writeln!(text, "const {name} = {}", self.law(at).abs());
             }
         }
         if self.has_tropism() {
@@ -218,17 +228,17 @@ impl Habit {
     }
 }
 
-fn in_bounds(what: &'static str, found: f64, least: f64, most: f64) -> Result<(), SketchError> {
-    if !found.is_finite() {
-        return Err(SketchError::NotFinite(what));
+impl Sketch {
+    /// The same sketch as another individual.
+    #[must_use]
+    pub fn with_seed(&self, seed: u32) -> Self {
+        let habit = Habit {
+            seed,
+            ..Habit::clone(&self.habit)
+        };
+        Self {
+            habit: Arc::new(habit),
+            ..self.clone()
+        }
     }
-    if (least..=most).contains(&found) {
-        return Ok(());
-    }
-    Err(SketchError::OutOfBounds {
-        what,
-        found,
-        least,
-        most,
-    })
 }

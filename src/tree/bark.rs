@@ -311,7 +311,11 @@ pub fn maps(params: &BarkParams) -> BarkMaps {
         let rough = low + height * (high - low);
         Rgb([0.45 + 0.55 * height, rough, 0.0].map(|part| byte(255.0 * part)))
     });
-    BarkMaps { colour, normal, roughness }
+    BarkMaps {
+        colour,
+        normal,
+        roughness,
+    }
 }
 
 impl BarkMaps {
@@ -585,17 +589,41 @@ mod tests {
     fn every_bark_tiles_and_has_normals_of_unit_length() {
         let mut means = Vec::new();
         for bark in Bark::ALL {
-            let BarkMaps { colour, normal, roughness } = maps(&bark.params());
+            let BarkMaps {
+                colour,
+                normal,
+                roughness,
+            } = maps(&bark.params());
             let size = colour.width();
             assert!(size.is_power_of_two());
             let seam = |step: &dyn Fn(u32, u32) -> f64| {
                 let most = (0..size - 1).map(|x| step(x, x + 1)).fold(0.0, f64::max);
-                assert!(step(size - 1, 0) <= 1.05 * most + 1.0, "{bark:?} has a seam");
+                assert!(
+                    step(size - 1, 0) <= 1.05 * most + 1.0,
+                    "{bark:?} has a seam"
+                );
             };
-            let apart = |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>();
-            seam(&|a, b| (0..size).map(|y| apart(&colour.get_pixel(a, y).0, &colour.get_pixel(b, y).0)).sum());
-            seam(&|a, b| (0..size).map(|x| apart(&colour.get_pixel(x, a).0, &colour.get_pixel(x, b).0)).sum());
-            seam(&|a, b| (0..size).map(|y| apart(&normal.get_pixel(a, y).0, &normal.get_pixel(b, y).0)).sum());
+            let apart = |a: &[u8], b: &[u8]| {
+                a.iter()
+                    .zip(b)
+                    .map(|(a, b)| f64::from(a.abs_diff(*b)))
+                    .sum::<f64>()
+            };
+            seam(&|a, b| {
+                (0..size)
+                    .map(|y| apart(&colour.get_pixel(a, y).0, &colour.get_pixel(b, y).0))
+                    .sum()
+            });
+            seam(&|a, b| {
+                (0..size)
+                    .map(|x| apart(&colour.get_pixel(x, a).0, &colour.get_pixel(x, b).0))
+                    .sum()
+            });
+            seam(&|a, b| {
+                (0..size)
+                    .map(|y| apart(&normal.get_pixel(a, y).0, &normal.get_pixel(b, y).0))
+                    .sum()
+            });
             for pixel in normal.pixels() {
                 let n = Vec3::from(pixel.0.map(f32::from)) / 127.5 - 1.0;
                 assert!((n.length() - 1.0).abs() < 0.02 && n.z > 0.0, "{bark:?} {n}");

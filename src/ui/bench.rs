@@ -7,6 +7,7 @@ use super::{
     panels::{Recent, View, Wish},
     projects::Projects,
     rules::Rules,
+    species::SpeciesTab,
     theme::{MESSAGE, PAPER, TITLE},
     words::{Language, Words},
 };
@@ -27,6 +28,7 @@ enum Tab {
     Models,
     Room,
     File,
+    Species,
 }
 
 /// What the bench remembers between looks.
@@ -40,6 +42,7 @@ pub(super) struct Bench {
     rules: Rules,
     projects: Projects,
     models: Models,
+    species: SpeciesTab,
 }
 
 /// The files that a tree can be taken home as, by their endings.
@@ -61,6 +64,7 @@ struct Page<'a> {
 impl Bench {
     /// Offers projects to go on with.
     pub(super) fn offer(&mut self, recent: Vec<Recent>) {
+        self.species.offer(recent.clone());
         self.projects = Projects::of(recent);
     }
 
@@ -90,6 +94,7 @@ impl Bench {
                     (Tab::File, words.tab_file),
                     // The last one, so that sessions that were recorded without it press what they pressed.
                     (Tab::Models, words.tab_models),
+                    (Tab::Species, words.tab_species),
                 ];
                 for (tab, name) in tabs {
                     if ui.selectable_label(self.tab == tab, name).clicked() {
@@ -113,6 +118,7 @@ impl Bench {
                     Tab::Letters => page.letters(ui),
                     Tab::Rules => self.rules.show(ui, page.view, page.wishes),
                     Tab::Models => self.models.show(ui, page.view, page.words, page.wishes),
+                    Tab::Species => self.species.show(ui, page.view, page.words, page.wishes),
                     Tab::Room => page.room(ui),
                     Tab::File => {
                         page.file(ui);

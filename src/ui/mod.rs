@@ -22,6 +22,7 @@ pub(crate) mod plot;
 mod projects;
 mod rules;
 pub mod sheet;
+mod species;
 mod study;
 mod theme;
 pub mod words;

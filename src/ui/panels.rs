@@ -134,6 +134,8 @@ pub enum Wish {
     Export(&'static str),
     /// Save this project and go on with that one.
     Open(PathBuf),
+    /// Begin anew with the sketch of another project.
+    TakeSketch(PathBuf),
     /// Draw like this.
     Draw(DrawSettings),
     /// Bring a scanned model onto the stage, by its file as the project names it.

@@ -14,9 +14,10 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::model::{self, Model, ModelError};
+use super::project;
 use super::taken::TakenLine;
 use crate::sketch::{
-    BOUNDS, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Symmetry, Wrap, quantize,
+    BOUNDS, Habit, Letter, NodeRef, SelfSimilar, Sketch, SketchError, Symmetry, Wrap, quantize,
 };
 
 /// Where the platform stands on the stage.
@@ -244,6 +245,16 @@ pub enum Edit {
         /// Heading carried over, or restarted.
         to: Wrap,
     },
+    /// Sets how the tree grows beyond what is drawn, and what it wears.
+    SetHabit {
+        /// All of it.
+        to: Box<Habit>,
+    },
+    /// Begins anew with the sketch of a species, at the step that it is shown at.
+    TakeSpecies {
+        /// Its project file.
+        project: String,
+    },
 }
 
 impl Edit {
@@ -281,9 +292,11 @@ impl Edit {
                     *size = quantize::coordinate(*size);
                 }
             }
+            Self::SetHabit { to } => **to = to.quantized(),
             Self::Select { .. }
             | Self::DeleteNode { .. }
             | Self::Clear
+            | Self::TakeSpecies { .. }
             | Self::SetStep { .. }
             | Self::SetSelfSimilar { .. }
             | Self::ForgetRadii { .. }
@@ -335,6 +348,9 @@ pub enum EditError {
     /// A model that no project has.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A species that is no project.
+    #[error("this species cannot be taken: {0}")]
+    Species(String),
     /// A line that is taken starts at one that is not before it.
     #[error("a line that is taken must start at the selected node or at a line before it")]
     NoLine,
@@ -428,6 +444,14 @@ impl Document {
             } => Some(sketch.with_sizes(scale, tip_radius, radius_exponent)?),
             Edit::SetRule { of, to } => Some(sketch.with_rule(&of, to.as_deref())?),
             Edit::SetWrap { to } => Some(sketch.with_wrap(to)),
+            Edit::SetHabit { to } => Some(sketch.with_habit(*to)?),
+            Edit::TakeSpecies { project } => {
+                let species = project::from_bytes(project.as_bytes())
+                    .map_err(|error| EditError::Species(error.to_string()))?;
+                next.selected = species.selected;
+                next.step = species.step;
+                Some(Sketch::clone(&species.sketch))
+            }
         };
         if let Some(mut sketch) = changed {
             if edit.changes_rules() {

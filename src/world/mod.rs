@@ -48,6 +48,7 @@ pub mod scene;
 pub mod settings;
 mod signs;
 mod snap;
+pub mod species;
 pub mod stage;
 mod stroke;
 pub mod study;

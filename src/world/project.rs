@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 use super::document::{Document, EditError, Placement};
 use super::model::Model;
 use crate::sketch::{
-    Habit, Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap, own_rules::by_name, quantize,
+    Habit, Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap, own_rules::by_name,
+    quantize,
 };
 
 /// The first field of every project file.

@@ -218,8 +218,8 @@ fn leaves_unfold_with_the_step_that_made_them() {
             scale: 0.6,
             birth: 3,
             node: 0,
-light: 1.0,
-}],
+            light: 1.0,
+        }],
         ..Organs::default()
     };
     let area = |growth: f32, newest: u32| {

@@ -184,8 +184,8 @@ impl Canvas for DrawingCanvas<'_> {
             scale: narrow(scale),
             birth: by.birth,
             node: pen.node,
-light: 1.0,
-});
+            light: 1.0,
+        });
         Ok(())
     }
 }

@@ -435,9 +435,10 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         let Some(shape) = grammar.shapes.get(usize::from(letter)) else {
             return Ok(());
         };
+        let scale = self.shape_scale * self.pen.length_scale;
         match index {
-            Some(index) => self.follow_segment(by, letter, shape, whole(index), self.shape_scale),
-            None => self.follow_all(by, letter, shape, self.shape_scale),
+            Some(index) => self.follow_segment(by, letter, shape, whole(index), scale),
+            None => self.follow_all(by, letter, shape, scale),
         }
     }
 

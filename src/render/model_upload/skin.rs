@@ -91,7 +91,11 @@ impl Skin {
         } else {
             &textured.layers
         };
-        let images = Texture::new(gpu, ["the model's images", "the model's images on their way"], layers)?;
+        let images = Texture::new(
+            gpu,
+            ["the model's images", "the model's images on their way"],
+            layers,
+        )?;
         Ok(Self {
             materials: Arriving::new(gpu, [part])?,
             images,
@@ -171,4 +175,3 @@ impl Skin {
         [materials, self.images.take()].into_iter().flatten()
     }
 }
-

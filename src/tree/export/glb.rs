@@ -216,9 +216,14 @@ fn head(
         lists.group(group, organs);
     }
     let mut images = Vec::new();
-    for (name, picture) in ["colour", "normal", "roughness"].iter().zip(pictures.into_iter().flatten()) {
+    for (name, picture) in ["colour", "normal", "roughness"]
+        .iter()
+        .zip(pictures.into_iter().flatten())
+    {
         let name = format!("bark {} {name}", organs.bark.name());
-        images.push(json!({ "name": name, "bufferView": lists.views.len(), "mimeType": "image/png" }));
+        images.push(
+            json!({ "name": name, "bufferView": lists.views.len(), "mimeType": "image/png" }),
+        );
         lists.view(picture.len(), None);
     }
     let mut document = json!({

@@ -44,7 +44,12 @@ impl Light {
         if !longest.is_finite() || longest < 0.0 {
             return None;
         }
-        let cell = (longest / CELLS).max(1e-6);
+        // A leaf must not darken its own cell: none is smaller than the largest leaf is wide.
+        let widest = leaves
+            .iter()
+            .fold(0.0_f32, |most, (_, area)| most.max(*area))
+            .sqrt();
+        let cell = (longest / CELLS).max(2.0 * widest.min(1e6)).max(1e-6);
         let size = ((high - low) / cell).floor().as_uvec3() + UVec3::ONE;
         let mut light = Self {
             low,
@@ -62,16 +67,26 @@ impl Light {
         Some(light)
     }
 
-    /// What of the sky's light reaches a place, 0 to 1; above and beside the leaves all of it.
+    /// What of the sky's light reaches a place, 0 to 1; above the leaves all of it, beside and below them what reaches the nearest cell.
     #[must_use]
     pub fn at(&self, place: Vec3) -> f32 {
-        self.arrives.get(self.cell_of(place)).copied().unwrap_or(1.0)
+        #[allow(clippy::cast_precision_loss, reason = "some tens of cells")]
+        let top = self.low.y + self.size.y as f32 * self.cell;
+        if place.y >= top {
+            return 1.0;
+        }
+        self.arrives
+            .get(self.cell_of(place))
+            .copied()
+            .unwrap_or(1.0)
     }
 
     /// The cell of a place, the nearest one where it lies outside.
     fn cell_of(&self, place: Vec3) -> usize {
         let last = (self.size - UVec3::ONE).as_vec3();
-        let at = ((place - self.low) / self.cell).floor().clamp(Vec3::ZERO, last);
+        let at = ((place - self.low) / self.cell)
+            .floor()
+            .clamp(Vec3::ZERO, last);
         let at = at.as_uvec3();
         ((at.y * self.size.z + at.z) * self.size.x + at.x) as usize
     }
@@ -137,7 +152,10 @@ mod tests {
         let light = Light::among(&leaves).unwrap();
         let [under, edge] = [[2.0, 0.1, 2.0], [0.0, 0.1, 0.0]].map(|p| light.at(Vec3::from(p)));
         // Area index 2: half of it stops light, so straight down exp(−1) arrives, aside less, and from beside the roof more.
-        assert!(under < edge && (0.2..0.6).contains(&under), "{under} {edge}");
+        assert!(
+            under < edge && (0.2..0.6).contains(&under),
+            "{under} {edge}"
+        );
         assert!(light.at(Vec3::new(2.0, 20.0, 2.0)) > light.at(Vec3::new(2.0, 0.9, 2.0)));
     }
 
@@ -150,7 +168,9 @@ mod tests {
                     (Vec3::new(x, y, z), area)
                 })
                 .collect();
-            Light::among(&leaves).unwrap().at(Vec3::new(0.45, 0.0, 0.45))
+            Light::among(&leaves)
+                .unwrap()
+                .at(Vec3::new(0.45, 0.0, 0.45))
         };
         assert!((of(0.0) - 1.0).abs() < 1e-6);
         assert!(of(0.001) > of(0.01) && of(0.01) > of(0.1));
@@ -166,6 +186,8 @@ mod tests {
         for place in [Vec3::NAN, Vec3::INFINITY, Vec3::splat(-1e30)] {
             assert!(light.at(place).is_finite() || light.at(place).is_nan());
         }
-        assert!(Light::among(&[(Vec3::splat(f32::MAX), 1.0), (Vec3::splat(f32::MIN), 1.0)]).is_none());
+        assert!(
+            Light::among(&[(Vec3::splat(f32::MAX), 1.0), (Vec3::splat(f32::MIN), 1.0)]).is_none()
+        );
     }
 }

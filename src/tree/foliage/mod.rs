@@ -222,12 +222,19 @@ impl fmt::Display for Bearing {
         f.write_str(&self.name)?;
         let usual = Self::of(kind(&self.name).unwrap_or(&kinds::PLAIN));
         for (name, _) in NUMBERS {
-            if let Some(value) = self.get(name).filter(|value| usual.get(name) != Some(*value)) {
+            if let Some(value) = self
+                .get(name)
+                .filter(|value| usual.get(name) != Some(*value))
+            {
                 write!(f, " {name} {value}")?;
             }
         }
         if self.ranks != usual.ranks {
-            f.write_str(if self.ranks == Ranks::Two { " ranked" } else { " spiral" })?;
+            f.write_str(if self.ranks == Ranks::Two {
+                " ranked"
+            } else {
+                " spiral"
+            })?;
         }
         if self.tips {
             f.write_str(" tips")?;
@@ -262,16 +269,28 @@ impl Dress {
         organs.bark = self.bark;
         organs.flare = self.flare;
         let newest = tree.birth.iter().copied().max().unwrap_or(0);
-        let there = Season::ALL.iter().position(|one| *one == self.season).unwrap_or(0);
-        let worn: Vec<&Bearing> =
-            self.bears.iter().filter(|bearing| bearing.seasons.get(there) == Some(&true)).collect();
+        let there = Season::ALL
+            .iter()
+            .position(|one| *one == self.season)
+            .unwrap_or(0);
+        let worn: Vec<&Bearing> = self
+            .bears
+            .iter()
+            .filter(|bearing| bearing.seasons.get(there) == Some(&true))
+            .collect();
         if worn.is_empty() || tree.segment_count() == 0 {
             return;
         }
         let course = Course::of(tree);
-        let mut sites: Vec<Vec<Site>> =
-            worn.iter().map(|bearing| course.sites(bearing, newest)).collect();
-        let total: u64 = sites.iter().flatten().map(|site| u64::from(site.count)).sum();
+        let mut sites: Vec<Vec<Site>> = worn
+            .iter()
+            .map(|bearing| course.sites(bearing, newest))
+            .collect();
+        let total: u64 = sites
+            .iter()
+            .flatten()
+            .map(|site| u64::from(site.count))
+            .sum();
         let cloud = cloud(&course, &worn, &sites);
         let light = Light::among(&cloud);
         // Fewer and larger, so that the crown is as dense.
@@ -279,7 +298,9 @@ impl Dress {
         let share = (MOST_LEAVES as f64 / total.max(1) as f64).min(1.0);
         organs.crown = middle(&cloud);
         for (number, (bearing, sites)) in (0_u16..).zip(worn.iter().zip(&mut sites)) {
-            let Ok(surface) = u16::try_from(organs.surfaces.len()) else { return };
+            let Ok(surface) = u16::try_from(organs.surfaces.len()) else {
+                return;
+            };
             let index = FIRST_INDEX + number.min(600) * 32;
             let colours = self.dye(bearing, index, organs);
             organs.surfaces.push(bearing.surface.clone());
@@ -295,8 +316,10 @@ impl Dress {
                 index,
                 colours,
             };
-            let placed: Vec<Vec<Placed>> =
-                sites.par_chunks(4096).map(|sites| places.of(sites)).collect();
+            let placed: Vec<Vec<Placed>> = sites
+                .par_chunks(4096)
+                .map(|sites| places.of(sites))
+                .collect();
             organs.placed.reserve(placed.iter().map(Vec::len).sum());
             organs.placed.extend(placed.into_iter().flatten());
         }
@@ -305,10 +328,17 @@ impl Dress {
     /// Gives a bearing its material and the colours of the season; their number.
     fn dye(&self, bearing: &Bearing, index: u16, organs: &mut Organs) -> u16 {
         let of = kind(&bearing.name).unwrap_or(&kinds::PLAIN);
-        let material = Material { roughness: of.roughness, metallic: 0.0 };
+        let material = Material {
+            roughness: of.roughness,
+            metallic: 0.0,
+        };
         organs.palette.set_material(index, material);
         organs.palette.set_name(index, &bearing.name);
-        let own: Vec<[f32; 3]> = of.colours(self.season).iter().map(|c| from_bytes(*c)).collect();
+        let own: Vec<[f32; 3]> = of
+            .colours(self.season)
+            .iter()
+            .map(|c| from_bytes(*c))
+            .collect();
         let mut count = 0;
         for colour in own.iter().take(5) {
             for shade in 0..SHADES {
@@ -317,7 +347,11 @@ impl Dress {
                 let warm = f32::from(shade * 5 % SHADES) / f32::from(SHADES - 1) - 0.5;
                 let [r, g, b] = *colour;
                 let light = 1.0 + 0.36 * by;
-                let shaded = [r * (light + 0.16 * warm), g * light, b * (light - 0.20 * warm)];
+                let shaded = [
+                    r * (light + 0.16 * warm),
+                    g * light,
+                    b * (light - 0.20 * warm),
+                ];
                 organs.palette.set_linear(index + count, shaded);
                 count += 1;
             }
@@ -359,7 +393,11 @@ impl<'a> Course<'a> {
             let before = if goes_on { along[below] } else { 0.0 };
             along[node] = before + tree.position[node].distance(tree.position[below]);
         }
-        Self { tree, along, is_tip }
+        Self {
+            tree,
+            along,
+            is_tip,
+        }
     }
 
     /// A segment's start and end, and its length.
@@ -373,7 +411,9 @@ impl<'a> Course<'a> {
     fn sites(&self, bearing: &Bearing, newest: u32) -> Vec<Site> {
         let mut sites = Vec::new();
         for node in (0..self.tree.len()).filter(|node| bearing.is_on(self.tree, *node, newest)) {
-            let Ok(index) = u32::try_from(node) else { break };
+            let Ok(index) = u32::try_from(node) else {
+                break;
+            };
             let (_, _, length) = self.segment(index);
             let [from, to] = [self.along[node] - length, self.along[node]]
                 .map(|way| (way / bearing.every).floor());
@@ -389,7 +429,11 @@ impl<'a> Course<'a> {
             let count = places.saturating_mul(u32::from(bearing.whorl.max(1)));
             let count = count.saturating_add(u32::from(self.is_tip[node]));
             if count > 0 {
-                sites.push(Site { node: index, first, count });
+                sites.push(Site {
+                    node: index,
+                    first,
+                    count,
+                });
             }
         }
         sites
@@ -415,13 +459,18 @@ fn cloud(course: &Course<'_>, worn: &[&Bearing], sites: &[Vec<Site>]) -> Vec<(Ve
 
 /// The middle of a crown: of its leaves' box, a third of the way up, so that the top looks up and the skirts look out.
 fn middle(cloud: &[(Vec3, f32)]) -> Vec3 {
-    let corners = cloud.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (p, _)| {
-        (low.min(*p), high.max(*p))
-    });
+    let corners = cloud.iter().fold(
+        (Vec3::INFINITY, Vec3::NEG_INFINITY),
+        |(low, high), (p, _)| (low.min(*p), high.max(*p)),
+    );
     let (low, high) = corners;
     let middle = low.midpoint(high);
     let middle = Vec3::new(middle.x, low.y + (high.y - low.y) / 3.0, middle.z);
-    if middle.is_finite() { middle } else { Vec3::ZERO }
+    if middle.is_finite() {
+        middle
+    } else {
+        Vec3::ZERO
+    }
 }
 
 /// Places one kind of leaf.
@@ -452,7 +501,11 @@ impl Places<'_> {
                 clippy::cast_sign_loss,
                 reason = "at most all of them"
             )]
-            let kept = if self.share < 1.0 { kept as u32 } else { site.count };
+            let kept = if self.share < 1.0 {
+                kept as u32
+            } else {
+                site.count
+            };
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -466,7 +519,12 @@ impl Places<'_> {
 
     /// The leaf of a number on a segment, where it is kept.
     fn leaf(&self, site: &Site, number: u32) -> Option<Placed> {
-        let Bearing { every, whorl, ranks, .. } = *self.bearing;
+        let Bearing {
+            every,
+            whorl,
+            ranks,
+            ..
+        } = *self.bearing;
         let whorl = u32::from(whorl.max(1));
         let node = site.node as usize;
         let tree = self.course.tree;
@@ -504,11 +562,16 @@ impl Places<'_> {
         };
         let (sin, cos) = (turn + 0.5 * (draw() - 0.5)).sin_cos();
         let outward = level * cos + other * sin;
-        let angle = if terminal { 0.25 * draw() } else { self.bearing.angle.to_radians() };
+        let angle = if terminal {
+            0.25 * draw()
+        } else {
+            self.bearing.angle.to_radians()
+        };
         let (sin, cos) = (angle + 0.35 * (draw() - 0.5)).sin_cos();
         let leaning = axis * cos + outward * sin;
         let droop = self.bearing.droop;
-        let ahead = (leaning * (1.0 - 0.6 * droop) + Vec3::NEG_Y * (1.2 * droop)).try_normalize()?;
+        let ahead =
+            (leaning * (1.0 - 0.6 * droop) + Vec3::NEG_Y * (1.2 * droop)).try_normalize()?;
         // The upper side to the sky, where the leaf is not upright itself; there outwards from the axis.
         let wanted = Vec3::Y + outward * 0.35 + Vec3::new(draw() - 0.5, 0.0, draw() - 0.5) * 0.7;
         let up = wanted.reject_from_normalized(ahead).try_normalize();

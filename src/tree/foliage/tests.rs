@@ -1,15 +1,14 @@
-#![allow(
-    clippy::unwrap_used,
-    clippy::missing_assert_message,
-    reason = "tests"
-)]
+#![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
 
 use super::*;
 use crate::tree::Node;
 
 /// A trunk of four metres with a twig of two to each side at its top.
 fn fork() -> Tree {
-    let mut tree = Tree { letters: vec!["F".to_owned()], ..Tree::default() };
+    let mut tree = Tree {
+        letters: vec!["F".to_owned()],
+        ..Tree::default()
+    };
     let nodes = [
         (NO_PARENT, [0.0, 0.0, 0.0], 0.2, 0),
         (0, [0.0, 4.0, 0.0], 0.2, 0),
@@ -17,14 +16,26 @@ fn fork() -> Tree {
         (1, [-2.0, 4.0, 0.0], 0.01, 1),
     ];
     for (birth, (parent, place, radius, order)) in (0..).zip(nodes) {
-        tree.push(Node { parent, position: Vec3::from(place), radius, letter: 0, order, birth });
+        tree.push(Node {
+            parent,
+            position: Vec3::from(place),
+            radius,
+            letter: 0,
+            order,
+            birth,
+        });
     }
     tree
 }
 
 fn worn(bearing: Bearing, season: Season, seed: u64) -> Organs {
     let mut organs = Organs::default();
-    let dress = Dress { bark: Bark::Oak, season, bears: vec![bearing], ..Dress::default() };
+    let dress = Dress {
+        bark: Bark::Oak,
+        season,
+        bears: vec![bearing],
+        ..Dress::default()
+    };
     let tree = fork();
     dress.put_on(&tree, &mut organs, seed);
     organs.validate(&tree).unwrap();
@@ -42,12 +53,24 @@ fn oak() -> Bearing {
 fn leaves_stand_at_equal_distances_on_twigs_alone() {
     let organs = worn(oak(), Season::Summer, 3);
     // Two metres each at 5 cm, and one at each end.
-    assert!((80..=84).contains(&organs.placed.len()), "{}", organs.placed.len());
+    assert!(
+        (80..=84).contains(&organs.placed.len()),
+        "{}",
+        organs.placed.len()
+    );
     assert_eq!(organs.bark, Bark::Oak);
-    let mut along: Vec<f32> = organs.placed.iter().filter(|leaf| leaf.node == 2).map(|leaf| leaf.position.x).collect();
+    let mut along: Vec<f32> = organs
+        .placed
+        .iter()
+        .filter(|leaf| leaf.node == 2)
+        .map(|leaf| leaf.position.x)
+        .collect();
     along.sort_by(f32::total_cmp);
     for (at, place) in along.iter().enumerate() {
-        assert!((place - 0.05 * (at + 1) as f32).abs() < 0.02 || (place - 2.0).abs() < 1e-3, "{at} {place}");
+        assert!(
+            (place - 0.05 * (at + 1) as f32).abs() < 0.02 || (place - 2.0).abs() < 1e-3,
+            "{at} {place}"
+        );
     }
     for leaf in &organs.placed {
         assert!(leaf.node >= 2 && (leaf.position.y - 4.0).abs() < 0.02);
@@ -61,8 +84,13 @@ fn upper_sides_look_up_and_drooping_leaves_hang() {
         let mut oak = oak();
         oak.set("droop", droop);
         let placed = worn(oak, Season::Summer, 1).placed;
-        let of = |part: &dyn Fn(&Placed) -> f32| placed.iter().map(part).sum::<f32>() / placed.len() as f32;
-        [of(&|leaf| (leaf.orientation * Vec3::Z).y), of(&|leaf| (leaf.orientation * Vec3::Y).y)]
+        let of = |part: &dyn Fn(&Placed) -> f32| {
+            placed.iter().map(part).sum::<f32>() / placed.len() as f32
+        };
+        [
+            of(&|leaf| (leaf.orientation * Vec3::Z).y),
+            of(&|leaf| (leaf.orientation * Vec3::Y).y),
+        ]
     };
     let [up, ahead] = mean(0.0);
     assert!(up > 0.6 && ahead.abs() < 0.25, "{up} {ahead}");
@@ -85,20 +113,37 @@ fn order_radius_age_light_and_season_choose() {
     assert_eq!(count(&|b| b.set("whorl", 2.0), Season::Summer), 2 * all - 2);
     assert!(count(&|b| b.set("light", 1.0), Season::Summer) < all);
     assert_eq!(count(&|_| (), Season::Winter), 0);
-    assert_eq!(count(&|b| b.seasons = [false, false, false, true], Season::Winter), all);
+    assert_eq!(
+        count(&|b| b.seasons = [false, false, false, true], Season::Winter),
+        all
+    );
 }
 
 #[test]
 fn a_seed_is_an_individual_and_autumn_is_not_green() {
-    assert_eq!(worn(oak(), Season::Summer, 3), worn(oak(), Season::Summer, 3));
-    assert_ne!(worn(oak(), Season::Summer, 3), worn(oak(), Season::Summer, 4));
+    assert_eq!(
+        worn(oak(), Season::Summer, 3),
+        worn(oak(), Season::Summer, 3)
+    );
+    assert_ne!(
+        worn(oak(), Season::Summer, 3),
+        worn(oak(), Season::Summer, 4)
+    );
     let mean = |season| {
         let organs = worn(oak(), season, 3);
-        let colours = organs.placed.iter().filter_map(|leaf| organs.palette.colour(leaf.paint.colour));
-        colours.fold([0.0; 3], |sum: [f32; 3], one| std::array::from_fn(|i| sum[i] + one[i]))
+        let colours = organs
+            .placed
+            .iter()
+            .filter_map(|leaf| organs.palette.colour(leaf.paint.colour));
+        colours.fold([0.0; 3], |sum: [f32; 3], one| {
+            std::array::from_fn(|i| sum[i] + one[i])
+        })
     };
     let [summer, autumn] = [Season::Summer, Season::Autumn].map(mean);
-    assert!(summer[1] > summer[0] && autumn[0] > 1.3 * autumn[1], "{summer:?} {autumn:?}");
+    assert!(
+        summer[1] > summer[0] && autumn[0] > 1.3 * autumn[1],
+        "{summer:?} {autumn:?}"
+    );
 }
 
 #[test]
@@ -111,10 +156,19 @@ fn leaves_beyond_the_bound_are_fewer_and_larger() {
     tree.position[2] = ends[0];
     tree.position[3] = ends[1];
     let mut organs = Organs::default();
-    Dress { bears: vec![oak], ..Dress::default() }.put_on(&tree, &mut organs, 0);
+    Dress {
+        bears: vec![oak],
+        ..Dress::default()
+    }
+    .put_on(&tree, &mut organs, 0);
     let most = MOST_LEAVES as usize;
-    assert!((most / 100 * 99..most / 100 * 101).contains(&organs.placed.len()), "{}", organs.placed.len());
-    let mean = organs.placed.iter().map(|leaf| leaf.scale).sum::<f32>() / organs.placed.len() as f32;
+    assert!(
+        (most / 100 * 99..most / 100 * 101).contains(&organs.placed.len()),
+        "{}",
+        organs.placed.len()
+    );
+    let mean =
+        organs.placed.iter().map(|leaf| leaf.scale).sum::<f32>() / organs.placed.len() as f32;
     assert!(mean > 0.3, "{mean}");
 }
 
@@ -128,7 +182,10 @@ fn every_kind_says_itself() {
         bearing.set("size", 0.5);
         bearing.set("young", 4.0);
         bearing.seasons = [true, false, false, true];
-        assert_eq!(bearing.to_string(), format!("{} size 0.5 young 4 in spring winter", kind.name));
+        assert_eq!(
+            bearing.to_string(),
+            format!("{} size 0.5 young 4 in spring winter", kind.name)
+        );
         for season in Season::ALL {
             assert!(!kind.colours(season).is_empty());
         }
@@ -141,7 +198,11 @@ fn hostile_trees_are_no_panic() {
         let mut tree = fork();
         tree.position[2] = place;
         let mut organs = Organs::default();
-        Dress { bears: vec![oak()], ..Dress::default() }.put_on(&tree, &mut organs, 0);
+        Dress {
+            bears: vec![oak()],
+            ..Dress::default()
+        }
+        .put_on(&tree, &mut organs, 0);
         assert!(organs.placed.iter().all(|leaf| leaf.scale.is_finite()));
     }
 }

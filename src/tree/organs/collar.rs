@@ -102,11 +102,25 @@ impl<'a> Collars<'a> {
             return Vec::new();
         }
         let from_ground = self.above_ground[below];
-        let cut = |way: f32, times, most, is_lateral| Cut { at: way / length, times, most, is_lateral };
+        let cut = |way: f32, times, most, is_lateral| Cut {
+            at: way / length,
+            times,
+            most,
+            is_lateral,
+        };
         if self.axis[below] as usize == node {
             let near = ROOT_CUTS.iter().map(|radii| radii * thick - from_ground);
-            let near = near.filter(|way| from_ground.is_finite() && (0.1 * own..length - 0.1 * own).contains(way));
-            let of = |way| cut(way, self.flared(from_ground + way, thick), f32::INFINITY, false);
+            let near = near.filter(|way| {
+                from_ground.is_finite() && (0.1 * own..length - 0.1 * own).contains(way)
+            });
+            let of = |way| {
+                cut(
+                    way,
+                    self.flared(from_ground + way, thick),
+                    f32::INFINITY,
+                    false,
+                )
+            };
             return near.map(of).collect();
         }
         // Out of the parent's tube it comes no sooner than after its radius.
@@ -130,7 +144,10 @@ mod tests {
     use crate::tree::Node;
 
     fn branch() -> Tree {
-        let mut tree = Tree { letters: vec!["F".to_owned()], ..Tree::default() };
+        let mut tree = Tree {
+            letters: vec!["F".to_owned()],
+            ..Tree::default()
+        };
         let nodes = [
             (NO_PARENT, [0.0, 0.0, 0.0], 0.3, 0),
             (0, [0.0, 3.0, 0.0], 0.3, 0),
@@ -139,7 +156,14 @@ mod tests {
             (1, [-1.0, 4.0, 0.0], 0.002, 1),
         ];
         for (parent, place, radius, order) in nodes {
-            tree.push(Node { parent, position: Vec3::from(place), radius, letter: 0, order, birth: 0 });
+            tree.push(Node {
+                parent,
+                position: Vec3::from(place),
+                radius,
+                letter: 0,
+                order,
+                birth: 0,
+            });
         }
         tree
     }
@@ -147,7 +171,10 @@ mod tests {
     #[test]
     fn a_trunk_is_thickest_at_the_ground_and_a_branch_at_its_parent() {
         let tree = branch();
-        let organs = Organs { flare: 0.5, ..Organs::default() };
+        let organs = Organs {
+            flare: 0.5,
+            ..Organs::default()
+        };
         let fine = refined(&tree, &organs, &[]).unwrap();
         fine.tree.validate().unwrap();
         assert_eq!(fine.tree.len() as u64, refined_len(&tree, &organs));
@@ -159,7 +186,10 @@ mod tests {
         // The branch begins thicker, ends as it was, and is nowhere thicker than the trunk; the thin one is left alone.
         let [foot, tip] = [fine.number[2] as usize + 1, fine.number[3] as usize];
         let radii: Vec<f32> = (foot..=tip).map(|node| fine.tree.radius[node]).collect();
-        assert!(radii.len() > 3 && radii.windows(2).all(|pair| pair[0] > pair[1]), "{radii:?}");
+        assert!(
+            radii.len() > 3 && radii.windows(2).all(|pair| pair[0] > pair[1]),
+            "{radii:?}"
+        );
         assert!(radii[0] > 0.14 && radii[0] < 0.3 && (radii[radii.len() - 1] - 0.1).abs() < 1e-6);
         assert_eq!(fine.number[4], fine.number[3] + 1);
         // All nodes that there were stand where they stood.
@@ -175,7 +205,10 @@ mod tests {
         for radius in tree.radius.iter_mut() {
             *radius = 0.0;
         }
-        let organs = Organs { flare: 0.5, ..Organs::default() };
+        let organs = Organs {
+            flare: 0.5,
+            ..Organs::default()
+        };
         let fine = refined(&tree, &organs, &[]).unwrap();
         assert_eq!(fine.tree.len(), tree.len());
     }

@@ -244,15 +244,32 @@ impl Refined {
     }
 
     /// The segment that ends at a node, cut where a collar or the root's flare is on it.
-    fn add_straight(&mut self, old: &Old<'_>, mut under: u32, collars: Option<&Collars<'_>>) -> u32 {
+    fn add_straight(
+        &mut self,
+        old: &Old<'_>,
+        mut under: u32,
+        collars: Option<&Collars<'_>>,
+    ) -> u32 {
         let (end, radii) = (old.position(), old.radii());
         let Some(collars) = collars else {
             return self.add(old, under, end, radii);
         };
-        if let Some(from) = old.tree.parent.get(old.node).filter(|parent| **parent != NO_PARENT) {
-            let (start, below) = (old.tree.position[*from as usize], old.radii_of(*from as usize));
+        if let Some(from) = old
+            .tree
+            .parent
+            .get(old.node)
+            .filter(|parent| **parent != NO_PARENT)
+        {
+            let (start, below) = (
+                old.tree.position[*from as usize],
+                old.radii_of(*from as usize),
+            );
             for cut in collars.cuts(old.node) {
-                let thin = if cut.is_lateral { radii } else { [0, 1].map(|i| below[i] + (radii[i] - below[i]) * cut.at) };
+                let thin = if cut.is_lateral {
+                    radii
+                } else {
+                    [0, 1].map(|i| below[i] + (radii[i] - below[i]) * cut.at)
+                };
                 let thick = thin.map(|radius| cut.thickened(radius));
                 under = self.add(old, under, start.lerp(end, cut.at), thick);
             }

@@ -53,7 +53,10 @@ impl Surface {
             let lobe = |[x, y]: [f32; 2]| bent(side * x, y, 0.30, 0.22);
             let base = bent(0.0, 0.20, 0.0, 0.22);
             let tip = bent(0.0, 1.0, 0.0, 0.22);
-            let outline = [base].into_iter().chain(MAPLE.iter().map(|p| lobe(*p))).chain([tip]);
+            let outline = [base]
+                .into_iter()
+                .chain(MAPLE.iter().map(|p| lobe(*p)))
+                .chain([tip]);
             made.fan(rib, &outline.collect::<Vec<_>>(), side < 0.0);
         }
         made.in_crown();

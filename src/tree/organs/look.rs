@@ -104,7 +104,8 @@ impl Palette {
 
     /// Gives a colour (linear) to an index.
     pub fn set_linear(&mut self, index: u16, colour: Colour) {
-        self.colours.insert(index, colour.map(|part| part.clamp(0.0, 1.0)));
+        self.colours
+            .insert(index, colour.map(|part| part.clamp(0.0, 1.0)));
     }
 
     /// Names a material, for files that have names for them.
@@ -115,7 +116,10 @@ impl Palette {
     /// The name of a material.
     #[must_use]
     pub fn name(&self, index: u16) -> String {
-        self.names.get(&index).cloned().unwrap_or_else(|| format!("material {index}"))
+        self.names
+            .get(&index)
+            .cloned()
+            .unwrap_or_else(|| format!("material {index}"))
     }
 
     /// Gives a material to an index; false where it has one.

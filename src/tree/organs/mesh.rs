@@ -196,7 +196,11 @@ impl Surface {
 fn rounded(own: Vec3, outward: Vec3, share: f32) -> Vec3 {
     match outward.try_normalize() {
         Some(outward) if share > 0.0 => {
-            let outward = if own.dot(outward) < 0.0 { -outward } else { outward };
+            let outward = if own.dot(outward) < 0.0 {
+                -outward
+            } else {
+                outward
+            };
             own.lerp(outward, share).normalize_or(own)
         }
         _ => own,

@@ -297,7 +297,11 @@ impl Surface {
             add([0, 1, 2]);
         }
         if next[0] != next[1] {
-            add(if last[0] == last[1] { [0, 3, 2] } else { [1, 3, 2] });
+            add(if last[0] == last[1] {
+                [0, 3, 2]
+            } else {
+                [1, 3, 2]
+            });
         }
     }
 
@@ -312,7 +316,11 @@ impl Surface {
             let (sin, cos) = (TAU * f32::from(side) / 6.0).sin_cos();
             Vec3::new(radius * cos, ahead, -radius * sin)
         };
-        self.fan(Vec3::Y * (ahead + 0.04), &(0..=6).map(at).collect::<Vec<_>>(), false);
+        self.fan(
+            Vec3::Y * (ahead + 0.04),
+            &(0..=6).map(at).collect::<Vec<_>>(),
+            false,
+        );
         self.tone.resize(self.positions.len(), 1);
     }
 

@@ -181,8 +181,8 @@ fn what_does_not_fit_the_tree_is_refused() {
             scale: 1.0,
             birth: 0,
             node: NO_PARENT,
-light: 1.0,
-}],
+            light: 1.0,
+        }],
         ..Organs::default()
     };
     let smooth = |nodes: &[u32]| Organs {
@@ -292,8 +292,8 @@ fn organs_become_triangles_where_they_stand() {
         scale: 2.0,
         birth: 1,
         node: NO_PARENT,
-light: 1.0,
-});
+        light: 1.0,
+    });
     let mut organist = Organist::new(&organs);
     let mut mesh = OrganMesh::default();
     for index in 0..organs.len() {

@@ -55,8 +55,8 @@ pub(super) fn laden() -> (Tree, Organs) {
             scale,
             birth: 1,
             node: 2,
-light: 1.0,
-});
+            light: 1.0,
+        });
     }
     organs.smooth = [1, 2, 4, 5]
         .map(|node| Smooth {

@@ -116,6 +116,8 @@ words! {
     distance, along, angle, thickness, curvature, radius, measured, no_measures, places, opposite_side, by_rays, no_way, no_numbers,
     cut, cut_none, cut_in_hand, cut_stays, lamp,
     mend, mend_weld, mend_debris, mend_largest, mend_orient, mend_close, mend_close_smooth, mend_smooth, mend_decimate, mend_remesh, unmend,
+    tab_species, begin_with, own_species, individual, another, bark, bears, maple, oak, birch, spruce, willow, apple, fern, cactus, spring, summer, autumn, winter, law_wander, law_spread, law_light, law_gravity, law_dominance, law_shrink, law_starve,
+    leaf_size, leaf_every, leaf_droop, leaf_young,
     tab_models, models_here, no_models_here, look_again, linked, model_is_not_there, take_away, triangles, vertices, unit, stands_on, shown_at, bar_is, one_to_one, reset_view, textured, shaded, matte, x_ray, no_faces, edges, box_and_size, colour_by, nothing, parts, problems, no_problems,
     language, tab_grow, tab_shape, tab_letters, tab_room, tab_file,
     step, grow, back, play, pause, speed, steps_a_second, undo, redo, clear, really_clear, keep,
@@ -139,6 +141,54 @@ words! {
     do_undo_key, do_redo_key, do_draw_desk, do_panel_desk, do_platform_desk,
     tab_rules, rules_hint, own, edit, apply, generated, cancel, further, further_hint,
     export, exported_to, save, delete, enter, space, close,
+}
+
+impl Words {
+    /// Names of the species, in their order.
+    #[must_use]
+    pub fn species(&self) -> [&'static str; 8] {
+        [
+            self.maple,
+            self.oak,
+            self.birch,
+            self.spruce,
+            self.willow,
+            self.apple,
+            self.fern,
+            self.cactus,
+        ]
+    }
+
+    /// The seasons, in the order of the year.
+    #[must_use]
+    pub fn seasons(&self) -> [&'static str; 4] {
+        [self.spring, self.summer, self.autumn, self.winter]
+    }
+
+    /// The laws of growth, in the order of [`LAWS`](crate::sketch::habit::LAWS).
+    #[must_use]
+    pub fn laws(&self) -> [&'static str; 7] {
+        [
+            self.law_wander,
+            self.law_spread,
+            self.law_light,
+            self.law_gravity,
+            self.law_dominance,
+            self.law_shrink,
+            self.law_starve,
+        ]
+    }
+
+    /// What is set of leaves: size, distance, droop, age.
+    #[must_use]
+    pub fn leaf_numbers(&self) -> [&'static str; 4] {
+        [
+            self.leaf_size,
+            self.leaf_every,
+            self.leaf_droop,
+            self.leaf_young,
+        ]
+    }
 }
 
 #[cfg(test)]
