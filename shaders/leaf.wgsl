@@ -113,13 +113,13 @@ fn leaf_fragment(point: Point, @builtin(front_facing) front: bool) -> @location(
     let toward = dot(facing, frame.sun.xyz);
     let sunny = sunlight(point.world, select(facing, -facing, thin && toward < 0.0));
     // What lies deep in the crown sees little of the sky.
-    let open = mix(0.30, 1.0, point.light);
+    let open = mix(0.42, 1.0, point.light);
     var color = glossy(look, normal, to_eye, sunny) * open;
     if thin {
         // What shines through a leaf is yellower than the leaf; sky and sun shine through, and light that other leaves let through.
         let through = look.color.rgb * vec3f(1.30, 1.15, 0.45);
         let from_behind = max(-toward, 0.0) * 0.75 + 0.25 * max(dot(-to_eye, frame.sun.xyz), 0.0);
-        let among = SUN_COLOR * (0.20 * open);
+        let among = SUN_COLOR * (0.26 * open);
         color += through * (SUN_COLOR * (from_behind * sunny) + ambient(-normal) * (0.30 * open) + among);
     }
     return vec4f(air(color, offset), 1.0);

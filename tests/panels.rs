@@ -18,6 +18,7 @@ mod panels {
     pub(crate) mod pictures;
     mod recorded;
     mod room;
+    mod species;
     mod study;
     mod textured;
     mod tools;

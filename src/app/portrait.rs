@@ -154,7 +154,8 @@ fn sitting(
     let extent = (high - low) * scale;
     let target = Vec3::new(0.0, extent.y * 0.5, 0.0);
     let eye = before_box(target, extent, &params);
-    if set_widths {
+    // What wears bark was made to be looked at: its widths are meant.
+    if set_widths && !organs.is_dressed() {
         #[allow(
             clippy::cast_precision_loss,
             reason = "no device draws as many pixels as f32 has whole numbers"

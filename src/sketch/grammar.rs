@@ -215,6 +215,14 @@ impl Sketch {
         parameters
     }
 
+    /// How many strokes a stroke hangs on: 0 for the trunk.
+    fn order_of(&self, stroke: &Stroke) -> usize {
+        let on = |stroke: &Stroke| self.stroke(stroke.attachment?.letter);
+        std::iter::successors(on(stroke), |below| on(below))
+            .take(self.strokes.len())
+            .count()
+    }
+
     /// A branch itself.
     fn bracket(&self, branching: &Branching<'_>) -> String {
         let child = branching.child;
@@ -230,10 +238,11 @@ impl Sketch {
             turns = format!("/({turn} + normal(0, spread)) &(normal(0, spread))");
         }
         if self.habit.has_tropism() {
+            let own = self.order_of(child);
             let order = match depth_limit(child).filter(|_| branching.is_copy()) {
-                Some(_) => "(d+2)",
-                None if branching.is_copy() => "2",
-                None => "1",
+                Some(_) => format!("(d+{})", own + 1),
+                None if branching.is_copy() => (own + 1).to_string(),
+                None => own.to_string(),
             };
             turns = format!("{turns} T(light - gravity * {order})");
         }

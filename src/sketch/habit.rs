@@ -242,3 +242,207 @@ impl Sketch {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
+    use std::sync::atomic::AtomicBool;
+
+    use glam::Vec3;
+
+    use super::*;
+    use crate::sketch::{Grown, NodeRef, SelfSimilar, grow};
+    use crate::tree::{NO_PARENT, Tree};
+
+    /// A trunk of four segments with a branch at its second node that carries copies.
+    fn sketch() -> Sketch {
+        let up: Vec<Vec3> = (1..=4).map(|k| Vec3::Y * 0.3 * k as f32).collect();
+        let (sketch, _) = Sketch::default().add_segments(NodeRef::ROOT, &up).unwrap();
+        let at = NodeRef::new(super::super::Letter::TRUNK, 2);
+        let out = [Vec3::new(0.3, 0.75, 0.0), Vec3::new(0.6, 0.85, 0.05)];
+        let (sketch, apex) = sketch.add_segments(at, &out).unwrap();
+        let copies = SelfSimilar {
+            rate: 1,
+            depth_limit: Some(2),
+        };
+        sketch.with_self_similar(apex.letter, Some(copies)).unwrap()
+    }
+
+    fn grown(change: impl Fn(&mut Habit)) -> (Sketch, Grown) {
+        let mut habit = Habit::default();
+        change(&mut habit);
+        let sketch = sketch().with_habit(habit).unwrap();
+        let tree = grow(&sketch, 12, &AtomicBool::new(false)).unwrap();
+        (sketch, tree)
+    }
+
+    /// Mean height gained along each metre of branches.
+    fn rise(tree: &Tree) -> f32 {
+        let (mut up, mut length) = (0.0, 0.0);
+        for (node, &parent) in tree.parent.iter().enumerate() {
+            if parent != NO_PARENT && tree.order[node] > 0 {
+                let way = tree.position[node] - tree.position[parent as usize];
+                (up, length) = (up + way.y, length + way.length());
+            }
+        }
+        up / length
+    }
+
+    #[test]
+    fn without_laws_nothing_is_said_and_nothing_changes() {
+        let plain = sketch();
+        let (same, _) = grown(|_| ());
+        assert_eq!(plain.grammar_text(), same.grammar_text());
+        for word in ["seed", "T(", "normal", "?S", "bark", "bears", "widths"] {
+            assert!(!plain.grammar_text().contains(word), "{word}");
+        }
+    }
+
+    #[test]
+    fn each_law_stands_in_the_grammar_and_does_what_it_says() {
+        let (_, plain) = grown(|_| ());
+        let segments = plain.tree.segment_count();
+        let of_order = |tree: &Tree, trunk: bool| {
+            tree.order
+                .iter()
+                .filter(|order| (**order == 0) == trunk)
+                .count()
+        };
+
+        let (sketch, bent) = grown(|habit| habit.wander_deg = 8.0);
+        assert!(sketch.grammar_text().contains("interpret {"));
+        assert_eq!(bent.tree.parent, plain.tree.parent, "the same tree, bent");
+        assert_ne!(bent.tree.position, plain.tree.position);
+
+        let (sketch, spread) = grown(|habit| habit.spread_deg = 20.0);
+        assert!(sketch.grammar_text().contains("normal(0, spread)"));
+        assert_eq!(spread.tree.segment_count(), segments);
+
+        let (sketch, lit) = grown(|habit| habit.light = 0.3);
+        assert!(sketch.grammar_text().contains("T(light"));
+        let (_, hung) = grown(|habit| habit.gravity = 0.3);
+        let rises = [&hung.tree, &plain.tree, &lit.tree].map(rise);
+        assert!(
+            rises[0] < rises[1] - 0.2 && rises[1] + 0.2 < rises[2],
+            "{rises:?}"
+        );
+
+        let (sketch, slow) = grown(|habit| habit.dominance = 0.5);
+        assert!(sketch.grammar_text().contains("weight dominance"));
+        assert_eq!(of_order(&slow.tree, true), of_order(&plain.tree, true));
+        assert!(of_order(&slow.tree, false) * 2 < of_order(&plain.tree, false));
+        let (_, low) = grown(|habit| habit.dominance = -0.5);
+        assert!(of_order(&low.tree, true) < of_order(&plain.tree, true));
+
+        let (sketch, fine) = grown(|habit| habit.shrink = 0.4);
+        assert!(sketch.grammar_text().contains("@l(1 - shrink)"));
+        let longest = |tree: &Tree, order: u16| {
+            let of = tree
+                .parent
+                .iter()
+                .enumerate()
+                .filter(|(node, parent)| **parent != NO_PARENT && tree.order[*node] == order);
+            of.map(|(node, parent)| tree.position[node].distance(tree.position[*parent as usize]))
+                .fold(0.0, f32::max)
+        };
+        for order in 0..3 {
+            let ratio = longest(&fine.tree, order) / longest(&plain.tree, order);
+            assert!(
+                (ratio - 0.6_f32.powi(order.into())).abs() < 1e-3,
+                "order {order}: {ratio}"
+            );
+        }
+
+        let (sketch, starved) = grown(|habit| habit.starve = 0.9);
+        assert!(sketch.grammar_text().contains("l < starve -> *"));
+        assert!(
+            starved.tree.segment_count() < segments * 9 / 10,
+            "{} of {segments}",
+            starved.tree.segment_count()
+        );
+    }
+
+    #[test]
+    fn a_seed_is_one_tree_and_growth_goes_on_from_what_was_there() {
+        let wild = |habit: &mut Habit| {
+            (
+                habit.wander_deg,
+                habit.spread_deg,
+                habit.dominance,
+                habit.starve,
+            ) = (8.0, 10.0, 0.3, 0.05);
+        };
+        let (sketch, tree) = grown(wild);
+        assert_eq!(tree, grown(wild).1);
+        let other = grow(&sketch.with_seed(5), 12, &AtomicBool::new(false)).unwrap();
+        assert_ne!(other.tree, tree.tree);
+        // What stands at one step stands at the next one in the same place.
+        let next = grow(&sketch, 13, &AtomicBool::new(false)).unwrap();
+        let places: std::collections::HashSet<[u32; 3]> = next
+            .tree
+            .position
+            .iter()
+            .map(|p| p.to_array().map(f32::to_bits))
+            .collect();
+        let kept = tree
+            .tree
+            .position
+            .iter()
+            .filter(|p| places.contains(&p.to_array().map(f32::to_bits)));
+        assert_eq!(kept.count(), tree.tree.len());
+    }
+
+    #[test]
+    fn what_it_wears_is_on_the_tree_and_in_the_grammar() {
+        let (sketch, tree) = grown(|habit| {
+            habit.bark = Some(Bark::Birch);
+            habit.bears = vec![
+                "birch size 0.07 order 1".to_owned(),
+                "blossom in summer".to_owned(),
+            ];
+        });
+        let text = sketch.grammar_text();
+        for line in [
+            "widths da-vinci tip 0.02 exponent 2",
+            "bark birch flare 0.5",
+            "season summer",
+            "bears birch size 0.07 order 1",
+            "bears blossom in summer",
+        ] {
+            assert!(text.lines().any(|found| found == line), "{line}: {text}");
+        }
+        assert_eq!(tree.organs.bark, Bark::Birch);
+        assert!(tree.organs.placed.len() > 100 && tree.organs.surfaces.len() == 2);
+        let derived = crate::lsystem::Grammar::parse(&text, "sketch").unwrap();
+        assert_eq!(*derived.dress(), sketch.habit.dress().unwrap());
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_in_a_sentence() {
+        let refused = |change: &dyn Fn(&mut Habit)| {
+            let mut habit = Habit::default();
+            change(&mut habit);
+            sketch().with_habit(habit).unwrap_err().to_string()
+        };
+        assert!(refused(&|habit| habit.light = 2.0).contains("light"));
+        assert!(refused(&|habit| habit.starve = f64::NAN).contains("starve"));
+        assert!(refused(&|habit| habit.bears = vec!["mapple".to_owned()]).contains("maple"));
+        assert!(refused(&|habit| habit.bears = vec!["maple size 0".to_owned()]).contains("size"));
+        assert!(refused(&|habit| habit.bears = vec!["oak\naxiom F".to_owned()]).contains("bears"));
+        assert!(refused(&|habit| habit.bears = vec!["oak".to_owned(); 17]).contains("at most"));
+        // A rule of a person's own that knows no bends stays readable or is told of.
+        let own = sketch()
+            .with_rule("A > B", Some("A(x) > B : x < 9 -> A(x) A(x+1)"))
+            .unwrap();
+        let bends = Habit {
+            wander_deg: 5.0,
+            ..Habit::default()
+        };
+        assert!(
+            own.with_habit(bends)
+                .unwrap_err()
+                .to_string()
+                .contains("`A`")
+        );
+    }
+}

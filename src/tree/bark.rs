@@ -103,9 +103,9 @@ impl Bark {
                 across: 5,
                 along: 2,
                 wander: 0.7,
-                fissure: [58.0, 52.0, 46.0],
-                ridge: [134.0, 124.0, 112.0],
-                weathered: [158.0, 152.0, 140.0],
+                fissure: [62.0, 58.0, 54.0],
+                ridge: [150.0, 144.0, 134.0],
+                weathered: [172.0, 168.0, 158.0],
                 ..plain
             },
             Self::Oak => BarkParams {

@@ -15,7 +15,9 @@ use crate::world::document::Edit;
 use crate::world::species::SPECIES;
 
 /// Width and height of a picture, points.
-const SIDE: f32 = 72.0;
+const SIDE: f32 = 58.0;
+/// Tiles in a row.
+const ROW: usize = 4;
 
 /// See the module.
 #[derive(Default)]
@@ -43,15 +45,20 @@ impl SpeciesTab {
     ) {
         self.load(ui);
         ui.label(words.begin_with);
-        ui.horizontal_wrapped(|ui| {
-            for ((species, picture), name) in
-                SPECIES.iter().zip(&self.pictures).zip(words.species())
-            {
-                if tile(ui, picture.as_ref(), name) {
-                    wishes.push(Wish::Edit(species.edit()));
+        let all: Vec<_> = SPECIES
+            .iter()
+            .zip(&self.pictures)
+            .zip(words.species())
+            .collect();
+        for row in all.chunks(ROW) {
+            ui.horizontal(|ui| {
+                for ((species, picture), name) in row {
+                    if tile(ui, picture.as_ref(), name) {
+                        wishes.push(Wish::Edit(species.edit()));
+                    }
                 }
-            }
-        });
+            });
+        }
         if !self.own.is_empty() {
             ui.label(words.own_species);
             ScrollArea::horizontal().show(ui, |ui| {

@@ -184,3 +184,97 @@ fn a_drawing_ends_where_its_memory_does() {
     let error = drawing_within(&wide, 1 << 30).unwrap_err();
     assert!(error.to_string().contains("50001 corners"), "{error}");
 }
+
+fn grown(grammar: &Grammar, steps: u32) -> Drawing {
+    let never = AtomicBool::new(false);
+    let string = derive(grammar, steps);
+    ramus::lsystem::draw(grammar, &string, &TurtleParams::default(), &never).unwrap()
+}
+
+/// What a grammar says of bark, leaves and the season is on its trees.
+#[test]
+fn trees_wear_what_their_grammar_says() {
+    let text = "widths da-vinci tip 0.005 exponent 2\nbark birch flare 1\nseason autumn\nbears birch size 0.06 every 0.1 twig 0.01\n\
+                bears fruit in autumn winter tips\nsteps 3\naxiom A\nA -> F(1) [ +(40) A ] [ -(40) A ]\n";
+    let grammar = Grammar::parse(text, "t.lsys").unwrap();
+    let mut drawing = grown(&grammar, 3);
+    assert_eq!(grammar.finish(&mut drawing), None, "no widths to fit");
+    drawing.organs.validate(&drawing.tree).unwrap();
+    assert_eq!(drawing.organs.surfaces.len(), 2);
+    assert!(
+        (drawing.tree.radius[0] - 0.01).abs() < 1e-6,
+        "four tips of 5 mm: {}",
+        drawing.tree.radius[0]
+    );
+    let leaves = drawing
+        .organs
+        .placed
+        .iter()
+        .filter(|placed| placed.surface == 0)
+        .count();
+    let fruit = drawing
+        .organs
+        .placed
+        .iter()
+        .filter(|placed| placed.surface == 1)
+        .count();
+    assert!((60..=80).contains(&leaves), "{leaves}");
+    assert_eq!(fruit, 4);
+    let winter = grammar.with_season(ramus::tree::foliage::Season::Winter);
+    let mut bare = grown(&winter, 3);
+    winter.finish(&mut bare);
+    assert!(
+        bare.organs.placed.iter().all(|placed| placed.surface == 0),
+        "fruit alone"
+    );
+    assert_eq!(bare.organs.placed.len(), 4);
+}
+
+#[test]
+fn faults_in_what_trees_wear_are_told() {
+    for (line, told) in [
+        ("bark oack", "the nearest known one is `oak`"),
+        ("bark oak flare 9", "from 0 to 4"),
+        ("bark oak shiny", "expected one of flare"),
+        ("bark", "one of plain, maple"),
+        (
+            "season fall",
+            "expected one of spring, summer, autumn, winter",
+        ),
+        ("bears elm", "expected one of leaf, maple"),
+        ("bears oak size", "expected"),
+        ("bears oak size -1", "expected size as a number from"),
+        ("bears oak size 0.1 in", "one of spring"),
+        ("bears oak colour 3", "expected one of size"),
+        ("widths wide", "`metres` or `da-vinci`"),
+        ("widths da-vinci tip 0", "expected tip as a number"),
+        ("season summer\nseason winter", "season"),
+    ] {
+        let error = Grammar::parse(&format!("axiom F\n{line}\n"), "t.lsys")
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(told), "{line}: {error}");
+        assert!(error.contains("t.lsys:"), "{error}");
+    }
+    let many = "axiom F\n".to_owned() + &"bears oak\n".repeat(65);
+    assert!(
+        Grammar::parse(&many, "t.lsys")
+            .unwrap_err()
+            .to_string()
+            .contains("at most 64")
+    );
+}
+
+#[test]
+fn a_surface_of_the_grammars_own_is_borne_too() {
+    let text = "surface K = [(0 0 0) (0.4 0.5 0) (0 1 0) (-0.4 0.5 0)]\nbears K size 0.3 tips\nsteps 0\naxiom F(2)\n";
+    let grammar = Grammar::parse(text, "t.lsys").unwrap();
+    let mut drawing = grown(&grammar, 0);
+    grammar.finish(&mut drawing);
+    let [leaf] = drawing.organs.placed[..] else {
+        panic!("{:?}", drawing.organs.placed)
+    };
+    assert!((leaf.position.y - 2.0).abs() < 1e-5);
+    let surface = &drawing.organs.surfaces[usize::from(leaf.surface)];
+    assert_eq!(surface.positions.len(), 4);
+}

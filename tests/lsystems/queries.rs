@@ -113,3 +113,32 @@ fn topiary_stays_in_its_square() {
     }
     assert!(most > 3, "cut branches wake others: {most}");
 }
+
+/// `?S` is told the light between the leaves of all `?S`: much at the top, less below, all of it where it is alone.
+#[test]
+fn light_reaches_the_top_and_less_of_it_what_is_below() {
+    let light = |text: &str| -> Vec<f64> {
+        let string = derive(&parse(text), 0);
+        let asked = string.iter().filter(|module| module.parameters.len() == 2);
+        asked.map(|module| module.parameters[0]).collect()
+    };
+    let [alone] = light("axiom F(3)?S(0, 0.1)")[..] else {
+        panic!("one")
+    };
+    assert!(alone > 0.8, "{alone}");
+    // Five floors of nine leaves each, a metre apart.
+    let floor = "[+(90)f(0.5)?S(0, 0.2)][-(90)f(0.5)?S(0, 0.2)][&(90)f(0.5)?S(0, 0.2)][^(90)f(0.5)?S(0, 0.2)]?S(0, 0.2)";
+    let told = light(&format!("axiom {}", format!("F(1){floor}").repeat(5)));
+    assert_eq!(told.len(), 25);
+    let floors: Vec<f64> = told
+        .chunks(5)
+        .map(|floor| floor.iter().sum::<f64>() / 5.0)
+        .collect();
+    assert!(
+        floors.windows(2).all(|pair| pair[0] < pair[1]),
+        "{floors:?}"
+    );
+    assert!(floors[0] < 0.9 * floors[4] && floors[0] > 0.0, "{floors:?}");
+    // What takes no light leaves all of it.
+    assert_eq!(light("axiom F?S(0, 0)F?S(0, 0)"), [1.0, 1.0]);
+}

@@ -9,6 +9,7 @@ use ramus::{
     render::{Eye, Offscreen, Renderer, RendererParams},
     tree::{
         NO_PARENT, Node, Organs, Tree,
+        bark::Bark,
         organs::{Paint, Placed, Polygon, Smooth, Sphere, Surface},
     },
     world::scene::{PlacedTree, Scene},
@@ -283,5 +284,136 @@ fn a_lily_of_the_valley() {
     let eyes = Eye::looking_at(middle + Vec3::new(0.0, 0.3, 2.6), middle, field()).pair(0.063);
     let shot = shoot(&gpu, &params, &scene(drawing.tree, drawing.organs), &eyes);
     snapshot("lily", &shot.color[0]);
+    silent(&gpu);
+}
+
+/// Many leaves of several kinds, each once: as many pixels as when they stand alone, in both eyes, with no message.
+#[test]
+fn leaves_of_many_kinds_stand_where_they_are_placed() {
+    let Some(gpu) = device() else { return };
+    let params = plain(mode(&gpu), 0.0);
+    let kinds = [
+        "maple", "oak", "birch", "willow", "ovate", "needles", "pinnule", "spines", "blossom",
+        "fruit",
+    ];
+    let leaf = |surface: u16, at: Vec3| Placed {
+        surface,
+        paint: paint(0),
+        position: at,
+        orientation: Quat::IDENTITY,
+        scale: 0.25,
+        birth: 0,
+        node: 0,
+        light: 1.0,
+    };
+    let surfaces: Vec<_> = kinds
+        .iter()
+        .map(|name| Surface::built_in(name).unwrap())
+        .collect();
+    let covered = |placed: Vec<Placed>| {
+        let organs = Organs {
+            surfaces: surfaces.clone(),
+            placed,
+            ..Organs::default()
+        };
+        let shot = shoot(&gpu, &params, &scene(nothing(), organs), &ahead(2.0));
+        shot.color.map(|eye| blob(&eye, Rgba([0, 0, 0, 255])).2)
+    };
+    let place = |at: usize| {
+        Vec3::new(
+            (at % 4) as f32 * 0.3 - 0.45,
+            (at / 4) as f32 * 0.3 - 0.45,
+            0.0,
+        )
+    };
+    let mut alone = 0;
+    for surface in 0..kinds.len() {
+        let index = u16::try_from(surface).unwrap();
+        let [left, right] = covered(vec![leaf(index, place(surface))]);
+        assert!(
+            left > 40 && right > 40,
+            "{}: {left} {right}",
+            kinds[surface]
+        );
+        alone += left;
+    }
+    let all = (0..kinds.len())
+        .map(|at| leaf(u16::try_from(at).unwrap(), place(at)))
+        .collect();
+    let [left, _] = covered(all);
+    assert!(left.abs_diff(alone) * 20 < alone, "{left} of {alone}");
+    silent(&gpu);
+}
+
+/// A leaf deep in the crown is darker than one at its rim, and a trunk of birch is lighter than one of oak.
+#[test]
+fn leaves_in_the_dark_are_darker_and_barks_differ() {
+    let Some(gpu) = device() else { return };
+    let params = plain(mode(&gpu), 0.0);
+    let brightness = |light: f32| {
+        let organs = Organs {
+            surfaces: vec![Surface::built_in("oak").unwrap()],
+            placed: vec![Placed {
+                surface: 0,
+                paint: paint(0),
+                position: Vec3::new(0.0, -0.3, 0.0),
+                orientation: Quat::IDENTITY,
+                scale: 0.8,
+                birth: 0,
+                node: 0,
+                light,
+            }],
+            ..Organs::default()
+        };
+        let shot = shoot(&gpu, &params, &scene(nothing(), organs), &ahead(2.0));
+        let pixels = shot.color[0]
+            .pixels()
+            .filter(|pixel| pixel.0[..3] != [0; 3]);
+        let (sum, count) = pixels.fold((0_u64, 0_u64), |(sum, count), pixel| {
+            (sum + u64::from(pixel.0[1]), count + 1)
+        });
+        sum / count.max(1)
+    };
+    let (open, dark) = (brightness(1.0), brightness(0.0));
+    assert!(dark + 15 < open, "{dark} {open}");
+    let bark = |bark: Bark| {
+        let mut tree = nothing();
+        tree.push(Node {
+            parent: 0,
+            position: Vec3::Y * 0.8,
+            radius: 0.2,
+            letter: 0,
+            order: 0,
+            birth: 0,
+        });
+        tree.radius[0] = 0.2;
+        let shot = shoot(
+            &gpu,
+            &params,
+            &scene(
+                tree,
+                Organs {
+                    bark,
+                    ..Organs::default()
+                },
+            ),
+            &ahead(2.0),
+        );
+        let pixels = shot.color[0]
+            .pixels()
+            .filter(|pixel| pixel.0[..3] != [0; 3]);
+        let sums = pixels.fold([0_u64; 4], |sums, p| {
+            [
+                sums[0] + u64::from(p.0[0]),
+                sums[1] + u64::from(p.0[1]),
+                sums[2] + u64::from(p.0[2]),
+                sums[3] + 1,
+            ]
+        });
+        [0, 1, 2].map(|i| sums[i] / sums[3].max(1))
+    };
+    let [birch, oak, cactus] = [Bark::Birch, Bark::Oak, Bark::Cactus].map(bark);
+    assert!(birch[0] > oak[0] + 40, "{birch:?} {oak:?}");
+    assert!(cactus[1] > cactus[0] + 5, "{cactus:?}");
     silent(&gpu);
 }

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use super::ExportParams;
 use super::surface::{Group, Matter, Surface};
+use crate::tree::bark::Bark;
 use crate::tree::organs::{Colour, Organs};
 use crate::tree::{Tree, TreeError};
 
@@ -177,10 +178,18 @@ impl Lists {
     }
 }
 
+/// What bark is called in a file.
+fn bark_name(bark: Bark) -> String {
+    match bark {
+        Bark::Plain => "bark".to_owned(),
+        known => format!("bark {}", known.name()),
+    }
+}
+
 fn material(matter: Matter, organs: &Organs) -> Value {
     match matter {
         Matter::Bark => json!({
-            "name": format!("bark {}", organs.bark.name()),
+            "name": bark_name(organs.bark),
             "pbrMetallicRoughness": {
                 "baseColorTexture": { "index": 0 },
                 "metallicRoughnessTexture": { "index": 2 },
@@ -220,7 +229,7 @@ fn head(
         .iter()
         .zip(pictures.into_iter().flatten())
     {
-        let name = format!("bark {} {name}", organs.bark.name());
+        let name = format!("{} {name}", bark_name(organs.bark));
         images.push(
             json!({ "name": name, "bufferView": lists.views.len(), "mimeType": "image/png" }),
         );

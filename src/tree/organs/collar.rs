@@ -49,7 +49,8 @@ pub(super) struct Collars<'a> {
 
 impl<'a> Collars<'a> {
     pub(super) fn of(tree: &'a Tree, organs: &Organs) -> Option<Self> {
-        if !(organs.flare > 0.0) || tree.segment_count() == 0 {
+        let is_wood = tree.radius.iter().any(|radius| *radius > 0.0);
+        if !(organs.flare > 0.0) || tree.segment_count() == 0 || !is_wood {
             return None;
         }
         let axis = axis_children(tree);
@@ -209,7 +210,6 @@ mod tests {
             flare: 0.5,
             ..Organs::default()
         };
-        let fine = refined(&tree, &organs, &[]).unwrap();
-        assert_eq!(fine.tree.len(), tree.len());
+        assert!(refined(&tree, &organs, &[]).is_none());
     }
 }

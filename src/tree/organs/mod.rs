@@ -184,6 +184,12 @@ impl Organs {
         self.polygons.is_empty() && self.spheres.is_empty() && self.placed.is_empty()
     }
 
+    /// Whether its tree wears bark or leaves of a species.
+    #[must_use]
+    pub fn is_dressed(&self) -> bool {
+        self.flare > 0.0 || self.bark != Bark::default()
+    }
+
     /// Number of polygons, spheres and placed surfaces.
     #[must_use]
     pub fn len(&self) -> usize {

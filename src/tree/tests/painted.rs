@@ -175,7 +175,7 @@ fn organs_alone_make_files_and_none_make_the_file_of_the_tree() {
 
     let plain = glb(&tree, &ExportParams::default()).unwrap();
     let read = gltf::Gltf::from_slice(&plain).unwrap();
-    assert_eq!((read.materials().count(), read.images().count()), (1, 1));
+    assert_eq!((read.materials().count(), read.images().count()), (1, 3));
     let mut broken = organs.clone();
     broken.spheres[0].center = Vec3::NAN;
     let error = Glb::new(&tree, &broken, &ExportParams::default()).unwrap_err();

@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Draws the species' pictures: those on the bench's tab, and the guide's sheet of all of them in four seasons.
+# `scripts/species.sh [RAMUS]`, where RAMUS is the program (built when it is not named).
+set -euo pipefail
+
+repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$repository"
+ramus=${1:-}
+if [ -z "$ramus" ]; then
+    cargo build --quiet
+    ramus=${CARGO_TARGET_DIR:-target}/debug/ramus
+fi
+for project in assets/species/*.ramus; do
+    "$ramus" export "$project" --sheet "${project%.ramus}.png" --size 160 >/dev/null
+done

@@ -1,0 +1,175 @@
+//! Species on the bench: one is begun with, grows, is set otherwise, wears another season, and is undone; one's own stand beside them.
+
+use ramus::app::picture::Picture;
+use ramus::app::portrait;
+use ramus::app::store::Store;
+use ramus::app::workshop::{Workshop, WorkshopParams};
+use ramus::tree::bark::Bark;
+use ramus::tree::foliage::Season;
+use ramus::ui::Recent;
+use ramus::world::panels::PanelId;
+use ramus::world::scene::{PlacedTree, Scene};
+
+use glam::{Vec2, Vec3};
+
+use super::pictures::{draw, save, views};
+use super::visitor::{RIGHT, Visitor};
+
+/// Scrolls to a text and presses it; what it makes is grown.
+fn press(visitor: &mut Visitor, text: &str) {
+    visitor.scroll_to(RIGHT, PanelId::Bench, text);
+    visitor.click(RIGHT, PanelId::Bench, text);
+    visitor.workshop.finish_tree();
+    visitor.frame();
+}
+
+/// The tree on the stage.
+fn tree(visitor: &Visitor) -> PlacedTree {
+    let mut scene = Scene::default();
+    visitor.workshop.world().scene(&mut scene);
+    scene.tree.unwrap()
+}
+
+/// Its leaves.
+fn leaves(visitor: &Visitor) -> usize {
+    tree(visitor).organs.placed.len()
+}
+
+#[test]
+fn a_species_is_begun_with_set_otherwise_and_undone() {
+    let mut visitor = Visitor::with_tree();
+    let drawn = visitor.document().clone();
+    press(&mut visitor, "Species");
+    press(&mut visitor, "Oak");
+    let oak = visitor.document().clone();
+    assert_eq!(oak.sketch.habit.bark, Some(Bark::Oak));
+    assert!(oak.step > 10 && oak.platform == drawn.platform);
+    visitor.wait(2.0);
+    let summer = leaves(&visitor);
+    assert!(summer > 10_000, "{summer} leaves");
+    let before = tree(&visitor).tree;
+
+    // Another individual, another season, other bark: one edit each.
+    press(&mut visitor, "Another");
+    assert_eq!(
+        visitor.document().sketch.habit.seed,
+        oak.sketch.habit.seed + 1
+    );
+    let after = tree(&visitor).tree;
+    assert_ne!(after.position, before.position);
+    press(&mut visitor, "Winter");
+    assert_eq!(visitor.document().sketch.habit.season, Season::Winter);
+    assert_eq!(leaves(&visitor), 0, "an oak is bare in winter");
+    press(&mut visitor, "birch");
+    assert_eq!(visitor.document().sketch.habit.bark, Some(Bark::Birch));
+    press(&mut visitor, "+ needles");
+    assert_eq!(visitor.document().sketch.habit.bears.len(), 2);
+    assert!(leaves(&visitor) > 1000, "needles stay");
+
+    // A law by its slider: seen at once, one edit, in the grammar.
+    let edits = visitor.workshop.edits();
+    visitor.scroll_to(RIGHT, PanelId::Bench, "they hang");
+    let row = visitor.find(PanelId::Bench, "they hang") + Vec2::new(0.0, 0.04);
+    visitor.point_on(RIGHT, PanelId::Bench, Vec2::new(0.06, row.y));
+    visitor.pull(RIGHT, true);
+    visitor.point_on(RIGHT, PanelId::Bench, Vec2::new(0.10, row.y));
+    visitor.frame();
+    visitor.pull(RIGHT, false);
+    visitor.frame();
+    assert_eq!(visitor.workshop.edits(), edits + 1);
+    let gravity = visitor.document().sketch.habit.gravity;
+    assert!(gravity > 0.0 && gravity <= 1.0, "{gravity}");
+    let text = visitor.document().sketch.grammar_text();
+    assert!(
+        text.contains(&format!("const gravity = {gravity}")),
+        "{text}"
+    );
+
+    visitor.rest(RIGHT);
+    for _ in 0..6 {
+        for stick in [-1.0, 0.0] {
+            visitor.frame.hands[RIGHT].stick.x = stick;
+            visitor.frame();
+        }
+    }
+    assert_eq!(*visitor.document(), drawn, "all of it is undone");
+}
+
+#[test]
+fn ones_own_projects_stand_beside_the_species() {
+    let folder = tempfile::tempdir().unwrap();
+    let [oak, elm] = ["mine", "elm"].map(|name| folder.path().join(format!("{name}.ramus")));
+    let open = |project: &std::path::Path| {
+        Workshop::new(Store::open(project).unwrap(), WorkshopParams::default()).unwrap()
+    };
+    let mut drawn = Visitor::at(open(&elm));
+    drawn.draw_tree();
+    let strokes = drawn.document().sketch.strokes.clone();
+    drawn.workshop.close().unwrap();
+    let mut visitor = Visitor::at(open(&oak));
+    let broken = folder.path().join("broken.ramus");
+    std::fs::write(&broken, "{").unwrap();
+    let recent = |project: &std::path::Path| Recent {
+        project: project.to_owned(),
+        picture: None,
+    };
+    visitor.workshop.offer(vec![recent(&broken), recent(&elm)]);
+    press(&mut visitor, "Species");
+    press(&mut visitor, "broken");
+    assert!(visitor.document().sketch.is_empty(), "nothing was taken");
+    press(&mut visitor, "elm");
+    assert_eq!(visitor.document().sketch.strokes, strokes);
+    assert_eq!(
+        visitor.workshop.project(),
+        Some(&*oak),
+        "it is the same project still"
+    );
+}
+
+/// The tab as it is looked at, and the tree that was chosen behind it.
+#[test]
+fn the_tab_of_species_is_readable_and_its_tree_stands_there() {
+    let gpu = portrait::open_gpu().unwrap();
+    let mut picture = Picture::offscreen(&gpu, 720, 720).unwrap();
+    let mut visitor = Visitor::with_tree();
+    press(&mut visitor, "Species");
+    let center = visitor.center(PanelId::Bench);
+    let near = views(center + visitor.normal(PanelId::Bench) * 0.62, center);
+    let image = draw(&mut visitor, &mut picture, &near);
+    save(&image, "bench-species.png");
+    // Eight pictures of green trees on paper.
+    let green = image
+        .pixels()
+        .filter(|p| p.0[1] > p.0[0].saturating_add(12) && p.0[1] > p.0[2].saturating_add(12))
+        .count();
+    assert!(green > 1500, "{green} green pixels");
+    press(&mut visitor, "Maple");
+    visitor.wait(2.0);
+    let stand = views(Vec3::new(0.0, 1.6, 0.6), Vec3::new(0.0, 3.0, -5.0));
+    let image = draw(&mut visitor, &mut picture, &stand);
+    save(&image, "species-stage.png");
+    let leafy = image
+        .pixels()
+        .filter(|p| p.0[1] > p.0[0].saturating_add(20) && p.0[1] > p.0[2].saturating_add(20))
+        .count();
+    assert!(leafy > 3000, "{leafy} pixels of leaves");
+    for _ in 0..300 {
+        let (_, size) = visitor.place(PanelId::Bench);
+        visitor.point_on(RIGHT, PanelId::Bench, size * 0.5);
+        visitor.frame.hands[RIGHT].stick.y = -1.0;
+        visitor.frame();
+    }
+    visitor.rest(RIGHT);
+    let end = draw(&mut visitor, &mut picture, &near);
+    save(&end, "bench-species-end.png");
+    press(&mut visitor, "Autumn");
+    visitor.wait(1.0);
+    let image = draw(&mut visitor, &mut picture, &stand);
+    save(&image, "species-autumn.png");
+    let red = image
+        .pixels()
+        .filter(|p| p.0[0] > p.0[1].saturating_add(30))
+        .count();
+    assert!(red > 2000, "{red} red pixels");
+    assert_eq!(gpu.messages().count(), 0, "validation is silent");
+}
