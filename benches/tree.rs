@@ -11,11 +11,13 @@ use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Quat, Vec3};
+use ramus::tree::bark::Bark;
 use ramus::tree::compare::{Studied, compare};
 use ramus::tree::export::{self, ExportParams};
+use ramus::tree::foliage::{Bearing, Dress, kind};
 use ramus::tree::radii::{RadiusParams, da_vinci, da_vinci_into};
 use ramus::tree::tubes::{SegmentBuilder, mesh};
-use ramus::tree::{NO_PARENT, Node, Tree, growth, import};
+use ramus::tree::{NO_PARENT, Node, Organs, Tree, growth, import};
 
 /// A bush like those that sketches make: axes of twelve segments in gentle curves, a lateral at every third node, written axis by axis
 /// as a turtle does, the last step's segments marked as newest (birth 9).
@@ -110,6 +112,19 @@ fn tree_benches(criterion: &mut Criterion) {
                 b.iter(|| export::obj(&tree, &ExportParams::default()).unwrap())
             });
         }
+        let dress = Dress {
+            bark: Bark::Oak,
+            flare: 0.5,
+            bears: vec![Bearing::of(kind("oak").unwrap())],
+            ..Dress::default()
+        };
+        group.bench_function("dress", |b| {
+            b.iter(|| {
+                let mut organs = Organs::default();
+                dress.put_on(&tree, &mut organs, 1);
+                organs.placed.len()
+            });
+        });
         group.finish();
     }
 }

@@ -10,6 +10,12 @@ if [ -z "$ramus" ]; then
     cargo build --quiet
     ramus=${CARGO_TARGET_DIR:-target}/debug/ramus
 fi
+pictures=docs/src/images/species
+mkdir -p "$pictures"
 for project in assets/species/*.ramus; do
+    name=$(basename "$project" .ramus)
     "$ramus" export "$project" --sheet "${project%.ramus}.png" --size 160 >/dev/null
+    for season in summer autumn winter; do
+        "$ramus" export "$project" --season "$season" --sheet "$pictures/$name-$season.png" --size 160 >/dev/null
+    done
 done

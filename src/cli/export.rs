@@ -24,6 +24,7 @@ use crate::tree::Drawing;
 use crate::tree::detail::{Detail, coarser, triangles_of};
 use crate::tree::export::{ExportParams, Swc};
 use crate::tree::file::write_atomically;
+use crate::tree::foliage::Season;
 use crate::tree::organs::refined_len;
 use crate::tree::vary::{Spread, varied};
 
@@ -54,6 +55,9 @@ pub(super) struct Args {
     /// Width and height of each individual in that picture, pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=2048))]
     size: u32,
+    /// The time of the year, in the place of the project's or the grammar's
+    #[arg(long, value_name = "SEASON", value_parser = season)]
+    season: Option<Season>,
     /// The folder to write to, which is made if it is not there
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     out: PathBuf,
@@ -122,6 +126,11 @@ impl Format {
 }
 
 /// Degrees or percent that individuals may differ by.
+fn season(text: &str) -> Result<Season, String> {
+    let known = Season::ALL.into_iter().find(|season| season.name() == text);
+    known.ok_or_else(|| "expected spring, summer, autumn or winter".to_owned())
+}
+
 fn up_to_90(text: &str) -> Result<f32, String> {
     let number: f32 = text.parse().map_err(|_| "no number".to_owned())?;
     match (0.0..=90.0).contains(&number) {
@@ -436,7 +445,11 @@ fn ready(
             if let Some(steps) = args.steps.filter(|steps| grammar.steps() != Some(*steps)) {
                 text = stating(&text, "steps", u64::from(steps));
             }
-            let grammar = (**grammar).clone().with_seed(seed);
+            let mut grammar = (**grammar).clone().with_seed(seed);
+            if let Some(season) = args.season {
+                text = stating(&text, "season", season.name());
+                grammar = grammar.with_season(season);
+            }
             let beside = rayon::current_num_threads().min(args.count as usize);
             let (drawing, factor) = trees::grown(&grammar, args.steps, &name, beside)?;
             if let Some(factor) = factor {
@@ -456,7 +469,10 @@ fn ready(
                 Ok(seed) if one_of_many && !sketch.habit.is_lawless() => sketch.with_seed(seed),
                 _ => sketch::Sketch::clone(sketch),
             };
-            let sketch = &individual;
+            let sketch = &match args.season {
+                Some(season) => individual.in_season(season),
+                None => individual,
+            };
             let grown = sketch::grow(sketch, *step, &AtomicBool::new(false))
                 .with_context(|| format!("cannot grow {name}"))?;
             // Step 1 shows the axiom.
@@ -558,7 +574,7 @@ fn coarse(args: &Args, name: &str, drawing: &Drawing, level: Option<u32>) -> Res
 }
 
 /// A grammar's text that states another number.
-fn stating(text: &str, word: &str, number: u64) -> String {
+fn stating(text: &str, word: &str, number: impl std::fmt::Display) -> String {
     let states = |line: &str, word: &str| line.split_whitespace().next() == Some(word);
     let own = format!("{word} {number}\n");
     let mut lines: Vec<&str> = text.split_inclusive('\n').collect();

@@ -8,6 +8,7 @@
 mod choice;
 mod models;
 mod record;
+mod trees;
 
 use std::sync::Arc;
 
@@ -32,9 +33,8 @@ use super::{
     shadow::{self, Shadow, ShadowKey},
     target::{Attachments, Target},
     texture::Texture,
-    tree_upload::{COPY_BYTES, Scratch, TreeUpload, upload_size},
+    tree_upload::{Scratch, TreeUpload, upload_size},
 };
-use crate::mesh::{paint::Pixels, textured::Layers};
 use crate::tree::bark::Bark;
 use crate::world::scene::{Color, MOST_PANELS, PlacedTree, Scene};
 
@@ -141,24 +141,6 @@ pub struct DrawReport {
     /// The first model that is too large to prepare within a frame: give [`Renderer::set_model`] a [`ModelUpload`](super::ModelUpload) of this revision
     /// made on a worker; of its colours alone, where [`Renderer::has_shape`] says so.
     pub model: Option<u64>,
-}
-
-/// A bark's picture on the device once these commands are done, and the memory that they copy it from.
-fn bark_picture(
-    gpu: &Gpu,
-    commands: vk::CommandBuffer,
-    bark: Bark,
-) -> Result<(Arc<Texture>, Option<Buffer>), RenderError> {
-    let colour = &bark.maps().colour;
-    let layers = Layers::of(Pixels {
-        size_px: [colour.width(), colour.height()],
-        rgba: colour.as_raw().clone(),
-    });
-    let mut picture = Texture::new(gpu, ["the bark", "the bark on its way"], &layers)?;
-    let mut all = u64::MAX;
-    picture.copy(gpu, commands, &mut all);
-    let staging = picture.take();
-    Ok((Arc::new(picture), staging))
 }
 
 /// What waits until the frames that use it are done.
@@ -508,100 +490,6 @@ impl Renderer {
         let upload = TreeUpload::with_scratch(&self.gpu, placed, &mut self.scratch)?;
         self.set_tree(upload);
         Ok(TreeState::Copying)
-    }
-
-    /// Copies the due part of the coming tree; true when it became the shown one.
-    fn copy_tree(&mut self, commands: vk::CommandBuffer) -> Result<bool, RenderError> {
-        let Some(coming) = &mut self.coming else {
-            return Ok(false);
-        };
-        if !coming.copy(&self.gpu, commands, COPY_BYTES) {
-            return Ok(false);
-        }
-        let layout = self
-            .pipelines
-            .tree_layout
-            .sets
-            .get(1)
-            .copied()
-            .unwrap_or_default();
-        let bark = coming.bark;
-        let picture = match &self.bark {
-            Some((known, picture)) if *known == bark => Arc::clone(picture),
-            _ => {
-                let (picture, staging) = bark_picture(&self.gpu, commands, bark)?;
-                self.garbage
-                    .extend(staging.map(|buffer| (self.frame, Garbage::Buffer(buffer))));
-                self.bark = Some((bark, Arc::clone(&picture)));
-                picture
-            }
-        };
-        let chunks = coming.chunks.len() + coming.organs.len() + coming.leaves.len();
-        let count = u32::try_from(chunks).unwrap_or(u32::MAX).max(1);
-        let pool = Pool::new(
-            &self.gpu,
-            count,
-            &[
-                (vk::DescriptorType::STORAGE_BUFFER, 3 * count),
-                (vk::DescriptorType::SAMPLED_IMAGE, count),
-                (vk::DescriptorType::SAMPLER, count),
-            ],
-        )?;
-        let image = [picture.described()];
-        let repeated = self.pipelines.image_samplers.handles[0];
-        let sampler = [vk::DescriptorImageInfo::default().sampler(repeated)];
-        let looks = coming.looks.handle;
-        let tubes = coming
-            .chunks
-            .iter_mut()
-            .map(|chunk| (&mut chunk.set, chunk.segments.handle, chunk.caps.handle));
-        // Organs have nothing at the caps' place: their vertices stand there again.
-        let organs = coming
-            .organs
-            .iter_mut()
-            .map(|chunk| (&mut chunk.set, chunk.vertices.handle, chunk.vertices.handle));
-        let leaves = coming
-            .leaves
-            .iter_mut()
-            .map(|chunk| (&mut chunk.set, chunk.leaves.handle, chunk.corners.handle));
-        for (set, first, second) in tubes.chain(organs).chain(leaves) {
-            *set = pool.set(layout)?;
-            let buffers = [first, second, looks].map(whole_buffer);
-            let writes = [0, 1, 2].map(|binding| {
-                vk::WriteDescriptorSet::default()
-                    .dst_set(*set)
-                    .dst_binding(binding)
-                    .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
-                    .buffer_info(std::slice::from_ref(&buffers[binding as usize]))
-            });
-            let write = |binding: u32, kind, info| {
-                vk::WriteDescriptorSet::default()
-                    .dst_set(*set)
-                    .dst_binding(binding)
-                    .descriptor_type(kind)
-                    .image_info(info)
-            };
-            let images = [
-                write(3, vk::DescriptorType::SAMPLED_IMAGE, &image),
-                write(4, vk::DescriptorType::SAMPLER, &sampler),
-            ];
-            // SAFETY: the set is new; buffers, image and sampler live as long as it.
-            unsafe {
-                self.gpu.device.update_descriptor_sets(&writes, &[]);
-                self.gpu.device.update_descriptor_sets(&images, &[]);
-            }
-        }
-        coming.picture = Some(picture);
-        coming.pool = Some(pool);
-        self.garbage.extend(
-            coming
-                .take_staging()
-                .map(|buffer| (self.frame, Garbage::Buffer(buffer))),
-        );
-        if let Some(old) = std::mem::replace(&mut self.tree, self.coming.take()) {
-            self.garbage.push((self.frame, Garbage::Tree(old)));
-        }
-        Ok(true)
     }
 
     /// The numbers that all shaders read.

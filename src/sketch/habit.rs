@@ -229,6 +229,19 @@ impl Habit {
 }
 
 impl Sketch {
+    /// The same sketch at another time of the year.
+    #[must_use]
+    pub fn in_season(&self, season: Season) -> Self {
+        let habit = Habit {
+            season,
+            ..Habit::clone(&self.habit)
+        };
+        Self {
+            habit: Arc::new(habit),
+            ..self.clone()
+        }
+    }
+
     /// The same sketch as another individual.
     #[must_use]
     pub fn with_seed(&self, seed: u32) -> Self {

@@ -67,11 +67,8 @@ mod tests {
             if std::env::var_os("UPDATE_SPECIES").is_some() {
                 std::fs::write(&file, &bytes).unwrap();
             }
-            assert_eq!(
-                std::fs::read(&file).unwrap(),
-                bytes,
-                "{name}: UPDATE_SPECIES=1 writes it anew"
-            );
+            let is_canonical = std::fs::read(&file).unwrap() == bytes;
+            assert!(is_canonical, "{name}: UPDATE_SPECIES=1 writes it anew");
             let never = AtomicBool::new(false);
             let grown = sketch::grow(&document.sketch, document.step, &never).unwrap();
             grown.tree.validate().unwrap();

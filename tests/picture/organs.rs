@@ -327,14 +327,10 @@ fn leaves_of_many_kinds_stand_where_they_are_placed() {
         )
     };
     let mut alone = 0;
-    for surface in 0..kinds.len() {
+    for (surface, kind) in kinds.iter().enumerate() {
         let index = u16::try_from(surface).unwrap();
         let [left, right] = covered(vec![leaf(index, place(surface))]);
-        assert!(
-            left > 40 && right > 40,
-            "{}: {left} {right}",
-            kinds[surface]
-        );
+        assert!(left > 40 && right > 40, "{}: {left} {right}", kind);
         alone += left;
     }
     let all = (0..kinds.len())

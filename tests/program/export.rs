@@ -346,3 +346,81 @@ fn what_cannot_be_exported_is_said_in_a_sentence() {
         .unwrap();
     assert!(!done.status.success() && text(&done.stderr).contains("would be overwritten"));
 }
+
+/// A species in a season: leaves, fruit and bark with names and pictures, other leaves in winter, and a grammar that grows the same tree.
+#[test]
+fn a_species_is_taken_home_with_its_leaves_and_bark() {
+    let folder = folder();
+    let apple = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/species/apple.ramus");
+    let of = |season: &str, out: &str| {
+        let out = folder.path().join(out);
+        let options = ["--format", "glb,usda,lsys", "--season", season];
+        told(&mut export(Path::new(apple), &out, &options))
+    };
+    let autumn = of("autumn", "autumn");
+    let triangles = count(&autumn[0], "triangles");
+    assert!((200_000..900_000).contains(&triangles), "{triangles}");
+    assert_eq!(inspected(&path(&autumn[0])), triangles);
+    let bytes = fs::read(path(&autumn[0])).unwrap();
+    let file = gltf::Gltf::from_slice(&bytes).unwrap();
+    let names: Vec<_> = file
+        .materials()
+        .map(|one| one.name().unwrap().to_owned())
+        .collect();
+    assert_eq!(names, ["bark apple", "apple", "fruit"]);
+    let bark = file.materials().next().unwrap();
+    assert!(bark.normal_texture().is_some() && bark.occlusion_texture().is_some());
+    let pbr = bark.pbr_metallic_roughness();
+    assert!(pbr.base_color_texture().is_some() && pbr.metallic_roughness_texture().is_some());
+    assert_eq!(file.images().count(), 3);
+
+    let winter = of("winter", "winter");
+    assert!(count(&winter[0], "triangles") * 2 < triangles, "bare");
+    // The grammar is the tree: the same segments, the same season.
+    let grammar = fs::read_to_string(path(&autumn[2])).unwrap();
+    assert!(
+        grammar.contains("\nseason autumn\n") && grammar.contains("\nbark apple"),
+        "{grammar}"
+    );
+    let again = told(&mut export(
+        &path(&autumn[2]),
+        &folder.path().join("again"),
+        &["--format", "glb"],
+    ));
+    assert_eq!(again[0]["segments"], autumn[0]["segments"]);
+    assert_eq!(again[0]["triangles"], autumn[0]["triangles"]);
+
+    // As all words that an option does not know.
+    let fall = export(
+        Path::new(apple),
+        folder.path(),
+        &["--format", "glb", "--season", "fall"],
+    )
+    .output()
+    .unwrap();
+    assert_eq!(fall.status.code(), Some(2));
+    assert!(text(&fall.stderr).contains("expected spring, summer, autumn or winter"));
+}
+
+/// The individuals of a species differ by its laws, and the tree of one seed is the same alone and among others.
+#[test]
+fn individuals_of_a_species_are_those_of_its_seeds() {
+    let folder = folder();
+    let birch = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/species/birch.ramus");
+    let swc = |options: &[&str], out: &str| {
+        let out = folder.path().join(out);
+        let files = told(&mut export(
+            Path::new(birch),
+            &out,
+            &[&["--format", "swc"], options].concat(),
+        ));
+        files
+            .iter()
+            .map(|file| fs::read(path(file)).unwrap())
+            .collect::<Vec<_>>()
+    };
+    let three = swc(&["--seed", "4", "--count", "3"], "three");
+    assert_eq!(three.len(), 3);
+    assert!(three[0] != three[1] && three[1] != three[2]);
+    assert_eq!(swc(&["--seed", "5"], "one"), [three[1].clone()]);
+}

@@ -1,3 +1,5 @@
+//! Where leaves stand, which twigs bear them, and what they are like.
+
 #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
 
 use super::*;
@@ -161,7 +163,7 @@ fn leaves_beyond_the_bound_are_fewer_and_larger() {
         ..Dress::default()
     }
     .put_on(&tree, &mut organs, 0);
-    let most = MOST_LEAVES as usize;
+    let most = usize::try_from(MOST_LEAVES).unwrap();
     assert!(
         (most / 100 * 99..most / 100 * 101).contains(&organs.placed.len()),
         "{}",

@@ -50,7 +50,8 @@ pub(super) struct Collars<'a> {
 impl<'a> Collars<'a> {
     pub(super) fn of(tree: &'a Tree, organs: &Organs) -> Option<Self> {
         let is_wood = tree.radius.iter().any(|radius| *radius > 0.0);
-        if !(organs.flare > 0.0) || tree.segment_count() == 0 || !is_wood {
+        let is_flared = organs.flare > 0.0;
+        if !is_flared || tree.segment_count() == 0 || !is_wood {
             return None;
         }
         let axis = axis_children(tree);
@@ -99,7 +100,8 @@ impl<'a> Collars<'a> {
         let below = parent as usize;
         let (own, thick) = (tree.radius[node], tree.radius[below]);
         let length = tree.position[node].distance(tree.position[below]);
-        if !(length > 0.0) || own < self.least || !own.is_finite() {
+        let is_long = length > 0.0;
+        if !is_long || own < self.least || !own.is_finite() {
             return Vec::new();
         }
         let from_ground = self.above_ground[below];

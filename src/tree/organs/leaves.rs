@@ -44,7 +44,7 @@ const OVATE: &Half = &[[0.17, 0.30], [0.27, 0.52], [0.20, 0.78]];
 const PINNULE: &Half = &[[0.15, 0.08], [0.15, 0.40], [0.09, 0.76]];
 
 impl Surface {
-    /// Five-lobed, 20 triangles and the stalk.
+    /// Five-lobed, 22 triangles and the stalk.
     pub(super) fn maple() -> Self {
         let mut made = Self::new([80, 122, 46], true);
         made.stalk(0.22);
@@ -104,6 +104,7 @@ impl Surface {
     /// Normals of its own, and how far those of the crown shine through.
     fn in_crown(&mut self) {
         self.smooth();
+        self.weld();
         self.rounded = ROUNDED;
     }
 
@@ -173,4 +174,57 @@ impl Surface {
 /// A point of a leaf: raised away from the rib, bent back towards the tip.
 fn bent(x: f32, y: f32, fold: f32, bend: f32) -> Vec3 {
     Vec3::new(x, y, fold * x.abs() - bend * y * y)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
+    use super::super::surface::BUILT_IN;
+    use super::*;
+
+    /// Every surface: about 1 long, vertices that are used, normals of length 1, no triangle without area, and few of them where trees have many.
+    #[test]
+    fn surfaces_are_whole_and_small() {
+        for name in BUILT_IN {
+            let made = Surface::built_in(name).unwrap();
+            assert_eq!(made.normals.len(), made.positions.len());
+            assert_eq!(made.tone.len(), made.positions.len());
+            assert!(
+                made.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4),
+                "{name}"
+            );
+            if made.rounded == 0.0 {
+                continue;
+            }
+            let high = made.positions.iter().fold(0.0_f32, |most, p| most.max(p.y));
+            assert!((0.2..=1.05).contains(&high), "{name}: {high}");
+            for at in 0..made.positions.len() {
+                assert!(
+                    made.indices.contains(&u32::try_from(at).unwrap()),
+                    "{name}: vertex {at} is not used"
+                );
+            }
+            let triangles = made.indices.len() / 3;
+            assert!((7..=33).contains(&triangles), "{name}: {triangles}");
+            for corners in made.indices.chunks_exact(3) {
+                let [a, b, c] =
+                    [corners[0], corners[1], corners[2]].map(|i| made.positions[i as usize]);
+                let normal = (b - a).cross(c - a);
+                assert!(normal.length() > 1e-5, "{name}: {a} {b} {c}");
+                // Leaves show their upper side up; brushes of needles all sides.
+                assert!(
+                    name == "needles"
+                        || normal.z > 0.0
+                        || (c.y - a.y).abs() > 10.0 * b.x.abs().max(a.x.abs()),
+                    "{name}: {normal}"
+                );
+            }
+        }
+        // Halves share their rib.
+        assert!(
+            Surface::oak().positions.len() <= 33,
+            "{}",
+            Surface::oak().positions.len()
+        );
+    }
 }

@@ -324,6 +324,29 @@ impl Surface {
         self.tone.resize(self.positions.len(), 1);
     }
 
+    /// Makes vertices that lie in one place with one normal and one tone one vertex.
+    pub(super) fn weld(&mut self) {
+        let mut number_of = std::collections::HashMap::new();
+        let (positions, normals, tones) = (
+            std::mem::take(&mut self.positions),
+            std::mem::take(&mut self.normals),
+            std::mem::take(&mut self.tone),
+        );
+        let mut numbers = Vec::with_capacity(positions.len());
+        for ((position, normal), tone) in positions.iter().zip(&normals).zip(&tones) {
+            let key = [position.to_array(), normal.to_array()].map(|v| v.map(f32::to_bits));
+            let next = index(self.positions.len());
+            let number = *number_of.entry((key, *tone)).or_insert(next);
+            if number == next {
+                self.vertex(*position, *normal, *tone);
+            }
+            numbers.push(number);
+        }
+        for at in &mut self.indices {
+            *at = numbers.get(*at as usize).copied().unwrap_or(0);
+        }
+    }
+
     /// Normals of what has none yet, the same at vertices that lie in one place; vertices nothing uses point up.
     pub(super) fn smooth(&mut self) {
         let done = self.normals.len();

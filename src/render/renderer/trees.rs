@@ -1,0 +1,127 @@
+//! Takes a tree's upload over: copies it piece by piece, binds what its shaders read, and shows it when all is there.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::{Garbage, Renderer, whole_buffer};
+use crate::mesh::{paint::Pixels, textured::Layers};
+use crate::render::{
+    error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, texture::Texture,
+    tree_upload::COPY_BYTES,
+};
+use crate::tree::bark::Bark;
+
+impl Renderer {
+    /// Copies the due part of the coming tree; true when it became the shown one.
+    pub(super) fn copy_tree(&mut self, commands: vk::CommandBuffer) -> Result<bool, RenderError> {
+        let Some(coming) = &mut self.coming else {
+            return Ok(false);
+        };
+        if !coming.copy(&self.gpu, commands, COPY_BYTES) {
+            return Ok(false);
+        }
+        let layout = self
+            .pipelines
+            .tree_layout
+            .sets
+            .get(1)
+            .copied()
+            .unwrap_or_default();
+        let bark = coming.bark;
+        let picture = match &self.bark {
+            Some((known, picture)) if *known == bark => Arc::clone(picture),
+            _ => {
+                let (picture, staging) = bark_picture(&self.gpu, commands, bark)?;
+                self.garbage
+                    .extend(staging.map(|buffer| (self.frame, Garbage::Buffer(buffer))));
+                self.bark = Some((bark, Arc::clone(&picture)));
+                picture
+            }
+        };
+        let chunks = coming.chunks.len() + coming.organs.len() + coming.leaves.len();
+        let count = u32::try_from(chunks).unwrap_or(u32::MAX).max(1);
+        let pool = Pool::new(
+            &self.gpu,
+            count,
+            &[
+                (vk::DescriptorType::STORAGE_BUFFER, 3 * count),
+                (vk::DescriptorType::SAMPLED_IMAGE, count),
+                (vk::DescriptorType::SAMPLER, count),
+            ],
+        )?;
+        let image = [picture.described()];
+        let repeated = self.pipelines.image_samplers.handles[0];
+        let sampler = [vk::DescriptorImageInfo::default().sampler(repeated)];
+        let looks = coming.looks.handle;
+        let tubes = coming
+            .chunks
+            .iter_mut()
+            .map(|chunk| (&mut chunk.set, chunk.segments.handle, chunk.caps.handle));
+        // Organs have nothing at the caps' place: their vertices stand there again.
+        let organs = coming
+            .organs
+            .iter_mut()
+            .map(|chunk| (&mut chunk.set, chunk.vertices.handle, chunk.vertices.handle));
+        let leaves = coming
+            .leaves
+            .iter_mut()
+            .map(|chunk| (&mut chunk.set, chunk.leaves.handle, chunk.corners.handle));
+        for (set, first, second) in tubes.chain(organs).chain(leaves) {
+            *set = pool.set(layout)?;
+            let buffers = [first, second, looks].map(whole_buffer);
+            let writes = [0, 1, 2].map(|binding| {
+                vk::WriteDescriptorSet::default()
+                    .dst_set(*set)
+                    .dst_binding(binding)
+                    .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                    .buffer_info(std::slice::from_ref(&buffers[binding as usize]))
+            });
+            let write = |binding: u32, kind, info| {
+                vk::WriteDescriptorSet::default()
+                    .dst_set(*set)
+                    .dst_binding(binding)
+                    .descriptor_type(kind)
+                    .image_info(info)
+            };
+            let images = [
+                write(3, vk::DescriptorType::SAMPLED_IMAGE, &image),
+                write(4, vk::DescriptorType::SAMPLER, &sampler),
+            ];
+            // SAFETY: the set is new; buffers, image and sampler live as long as it.
+            unsafe {
+                self.gpu.device.update_descriptor_sets(&writes, &[]);
+                self.gpu.device.update_descriptor_sets(&images, &[]);
+            }
+        }
+        coming.picture = Some(picture);
+        coming.pool = Some(pool);
+        self.garbage.extend(
+            coming
+                .take_staging()
+                .map(|buffer| (self.frame, Garbage::Buffer(buffer))),
+        );
+        if let Some(old) = std::mem::replace(&mut self.tree, self.coming.take()) {
+            self.garbage.push((self.frame, Garbage::Tree(old)));
+        }
+        Ok(true)
+    }
+}
+
+/// A bark's picture on the device once these commands are done, and the memory that they copy it from.
+fn bark_picture(
+    gpu: &Gpu,
+    commands: vk::CommandBuffer,
+    bark: Bark,
+) -> Result<(Arc<Texture>, Option<Buffer>), RenderError> {
+    let colour = &bark.maps().colour;
+    let layers = Layers::of(Pixels {
+        size_px: [colour.width(), colour.height()],
+        rgba: colour.as_raw().clone(),
+    });
+    let mut picture = Texture::new(gpu, ["the bark", "the bark on its way"], &layers)?;
+    let mut all = u64::MAX;
+    picture.copy(gpu, commands, &mut all);
+    let staging = picture.take();
+    Ok((Arc::new(picture), staging))
+}
