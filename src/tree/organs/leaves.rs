@@ -115,7 +115,7 @@ impl Surface {
         for number in 0..NEEDLES {
             let t = f32::from(number) / f32::from(NEEDLES - 1);
             let turn = Quat::from_rotation_y(f32::from(number) * 2.4);
-            let foot = Vec3::Y * (0.72 * t);
+            let foot = Vec3::Y * (0.66 * t);
             let lean = 0.95 - 0.55 * t;
             let ahead = turn * Vec3::new(lean.sin(), lean.cos(), 0.0);
             let across = turn * Vec3::Z * 0.026;

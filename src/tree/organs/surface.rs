@@ -334,7 +334,8 @@ impl Surface {
         );
         let mut numbers = Vec::with_capacity(positions.len());
         for ((position, normal), tone) in positions.iter().zip(&normals).zip(&tones) {
-            let key = [position.to_array(), normal.to_array()].map(|v| v.map(f32::to_bits));
+            let key =
+                [position.to_array(), normal.to_array()].map(|v| v.map(|x| (x + 0.0).to_bits()));
             let next = index(self.positions.len());
             let number = *number_of.entry((key, *tone)).or_insert(next);
             if number == next {
