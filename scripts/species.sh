@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draws the species' pictures: those on the bench's tab, and the guide's sheet of all of them in four seasons.
+# Draws the species' pictures: those on the bench's tab, and the guide's, in summer, autumn and winter.
 # `scripts/species.sh [RAMUS]`, where RAMUS is the program (built when it is not named).
 set -euo pipefail
 

@@ -78,7 +78,8 @@ fn leaf_vertex(
     let s = spot(vertex, instance);
     let v = frame.views[view];
     let header = corners[0];
-    let inside_out = select(1.0, -1.0, s.leaf.scale < 0.0);
+    // Three axes turned over turn a closed surface inside out; a sheet shows the same side.
+    let inside_out = select(1.0, -1.0, s.leaf.scale < 0.0 && header.thin == 0u);
     let outward = s.leaf.place - header.place;
     var out: Point;
     out.world = (frame.world_from_tree * vec4f(s.local, 1.0)).xyz;

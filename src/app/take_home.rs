@@ -29,6 +29,11 @@ pub fn summary(world: &World) -> String {
             "{lines} lines of {drawn} segments drawn, grown to step {step} by rules of your own"
         );
     }
+    if document.sketch.habit.is_uncertain() {
+        return format!(
+            "{lines} lines of {drawn} segments drawn, grown to step {step} by its laws"
+        );
+    }
     let grown = match sketch::predict_segments_within(&document.sketch, step, most) {
         Some(grown) => format!("{grown} segments grown"),
         None => format!("more than {most} segments to grow"),

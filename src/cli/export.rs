@@ -125,12 +125,19 @@ impl Format {
     }
 }
 
-/// Degrees or percent that individuals may differ by.
+/// A seed of a sketch's laws: seeds one after the other stay different.
+fn folded(seed: u64) -> u32 {
+    let [a, b, c, d, e, f, g, h] = seed.to_le_bytes();
+    u32::from_le_bytes([a, b, c, d]) ^ u32::from_le_bytes([e, f, g, h])
+}
+
+/// A time of the year by its name.
 fn season(text: &str) -> Result<Season, String> {
     let known = Season::ALL.into_iter().find(|season| season.name() == text);
     known.ok_or_else(|| "expected spring, summer, autumn or winter".to_owned())
 }
 
+/// Degrees or percent that individuals may differ by.
 fn up_to_90(text: &str) -> Result<f32, String> {
     let number: f32 = text.parse().map_err(|_| "no number".to_owned())?;
     match (0.0..=90.0).contains(&number) {
@@ -465,9 +472,10 @@ fn ready(
         }
         Source::Sketch(sketch, step) => {
             let one_of_many = args.count > 1 || args.seed.is_some();
-            let individual = match u32::try_from(seed) {
-                Ok(seed) if one_of_many && !sketch.habit.is_lawless() => sketch.with_seed(seed),
-                _ => sketch::Sketch::clone(sketch),
+            let individual = if one_of_many && !sketch.habit.is_lawless() {
+                sketch.with_seed(folded(seed))
+            } else {
+                sketch::Sketch::clone(sketch)
             };
             let sketch = &match args.season {
                 Some(season) => individual.in_season(season),

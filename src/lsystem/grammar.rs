@@ -12,7 +12,7 @@ use super::dialect::Remark;
 use super::error::{DeriveError, GrammarErrors};
 use super::growth::Curves;
 use super::lanes::{self, Values};
-use super::look::NamedSurface;
+use super::look::{NamedSurface, Widths};
 use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
@@ -23,7 +23,7 @@ use super::unwritten::Unwritten;
 use crate::tree::Drawing;
 use crate::tree::foliage::{Dress, Season};
 use crate::tree::organs::Palette;
-use crate::tree::radii::{self, FitParams, RadiusParams};
+use crate::tree::radii::{self, FitParams};
 
 /// A grammar that has been read and checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,8 +60,8 @@ pub struct Grammar {
     pub(crate) surfaces: Vec<NamedSurface>,
     /// Bark, leaves and season.
     pub(crate) dress: Dress,
-    /// Da Vinci's rule in the place of the turtle's widths.
-    pub(crate) widths: Option<RadiusParams>,
+    /// What the turtle's widths are.
+    pub(crate) widths: Widths,
     /// For each symbol that begins with `~` and names no shape its surface.
     pub(crate) surface_of: Vec<Option<u16>>,
     /// The turtle answers queries after each step.
@@ -596,11 +596,12 @@ impl Grammar {
     /// returned; then bark and leaves.
     pub fn finish(&self, drawing: &mut Drawing) -> Option<f32> {
         let factor = match &self.widths {
-            Some(params) => {
+            Widths::DaVinci(params) => {
                 radii::da_vinci(&mut drawing.tree, params, u32::MAX);
                 None
             }
-            None => radii::fit(&mut drawing.tree, &FitParams::default()),
+            Widths::Metres => None,
+            Widths::Auto => radii::fit(&mut drawing.tree, &FitParams::default()),
         };
         self.dress_up(drawing);
         factor

@@ -207,7 +207,7 @@ fn outline(cursor: &mut Cursor<'_>, at: usize) -> Result<Surface, GrammarError> 
 }
 
 /// Kinds of leaves, blossoms and fruit beyond which no grammar goes.
-const MOST_BEARINGS: usize = 64;
+const MOST_BEARINGS: usize = 16;
 
 /// One of some words, with what it means.
 fn one_of<T>(
@@ -347,11 +347,23 @@ fn number_within(
     ))
 }
 
-/// Reads `metres`, or `da-vinci tip 0.004 exponent 2`, after `widths`: none for the turtle's own.
-pub(crate) fn widths(cursor: &mut Cursor<'_>) -> Result<Option<RadiusParams>, GrammarError> {
+/// What the turtle's widths are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Widths {
+    /// Metres, unless they are far too large for that.
+    #[default]
+    Auto,
+    /// Metres.
+    Metres,
+    /// Nothing: radii follow da Vinci's rule.
+    DaVinci(RadiusParams),
+}
+
+/// Reads `metres`, or `da-vinci tip 0.004 exponent 2`, after `widths`.
+pub(crate) fn widths(cursor: &mut Cursor<'_>) -> Result<Widths, GrammarError> {
     cursor.skip_blank();
     if cursor.take("metres") {
-        return Ok(None);
+        return Ok(Widths::Metres);
     }
     if !cursor.take("da-vinci") {
         return Err(cursor.expected("`metres` or `da-vinci`"));
@@ -363,5 +375,33 @@ pub(crate) fn widths(cursor: &mut Cursor<'_>) -> Result<Option<RadiusParams>, Gr
             false => params.exponent = number_within(cursor, "exponent", RadiusParams::EXPONENT)?,
         }
     }
-    Ok(Some(params))
+    Ok(Widths::DaVinci(params))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests")]
+    use super::*;
+
+    #[test]
+    fn what_a_bearing_says_is_read_again() {
+        for kind in kinds() {
+            let mut wild = Bearing::of(kind);
+            for (number, (name, [least, most])) in (1_u8..).zip(NUMBERS) {
+                wild.set(
+                    name,
+                    least + (most.min(20.0) - least) * f32::from(number) / 16.0,
+                );
+            }
+            (wild.tips, wild.seasons) = (true, [false, true, false, true]);
+            wild.ranks = match wild.ranks {
+                Ranks::Two => Ranks::Spiral,
+                Ranks::Spiral => Ranks::Two,
+            };
+            for bearing in [Bearing::of(kind), wild] {
+                let said = bearing.to_string();
+                assert_eq!(super::bearing(&said).unwrap(), bearing, "{said}");
+            }
+        }
+    }
 }

@@ -17,7 +17,7 @@ use super::error::{GrammarError, GrammarErrors};
 use super::grammar::{Grammar, Order, Role, Rule, RuleSet};
 use super::growth::Curves;
 use super::include::{folder_of, gather};
-use super::look::{self, NamedSurface};
+use super::look::{self, NamedSurface, Widths};
 use super::names::{MAX_PARAMETERS, Names, Symbol};
 use super::query::{ANSWERS, Query};
 use super::shape::{Shape, Wrap};
@@ -25,7 +25,6 @@ use super::source::{Block, Cursor, Source, Statement};
 use super::string::ModuleString;
 use crate::tree::foliage::Dress;
 use crate::tree::organs::Palette;
-use crate::tree::radii::RadiusParams;
 
 mod statements;
 
@@ -52,7 +51,7 @@ pub(crate) struct Parser {
     shape_names: BTreeSet<String>,
     surfaces: Vec<NamedSurface>,
     dress: Dress,
-    widths: Option<RadiusParams>,
+    widths: Widths,
     palette: Palette,
     wrap: Wrap,
     /// Statements that may stand only once.

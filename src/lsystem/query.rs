@@ -1,5 +1,5 @@
 //! Query modules: `?P ?H ?U ?L`, into whose parameters the turtle writes where it stands and how it is turned (Prusinkiewicz, James and
-//! Měch 1994, "Synthetic topiary"), and `?S`, which is told how much of the sky's light reaches it through the leaves of all others (Měch and Prusinkiewicz
+//! Měch 1994, "Synthetic topiary"), and `?S`, which is told how much of the sky's light reaches it through the leaves of all (Měch and Prusinkiewicz
 //! 1996, "Visual models of plants interacting with their environment"; the light is that of [`Light`]).
 //!
 //! After each step the turtle goes over the string, as it would be drawn, and the answers are written before anybody reads it. So

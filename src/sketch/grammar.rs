@@ -68,9 +68,8 @@ impl Sketch {
             && self.wrap == other.wrap
             && pairs().all(|(own, theirs)| Arc::ptr_eq(own, theirs) || says(own) == says(theirs))
             && self.own_rules == other.own_rules
-            && (Arc::ptr_eq(&self.habit, &other.habit)
-                || (self.habit.grows_as(&other.habit)
-                    && (self.habit.starve == 0.0 || self.leafage() == other.leafage())))
+            && (Arc::ptr_eq(&self.habit, &other.habit) || self.habit == other.habit)
+            && (self.habit.starve == 0.0 || self.leafage() == other.leafage())
     }
 
     /// The rules as the strokes make them.
@@ -130,7 +129,8 @@ impl Sketch {
             );
             for stroke in &self.strokes {
                 let (name, here) = (stroke.letter, self.parameters(stroke));
-                let _ = writeln!(text, "  {name}({here}) -> +(p) &(q) {name}(x)");
+                let straight = self.with_more(stroke, "x", "d", ["0"; 2]);
+                let _ = writeln!(text, "  {name}({here}) -> +(p) &(q) {name}({straight})");
             }
             text.push_str("}\n");
         }
@@ -317,6 +317,10 @@ impl Sketch {
             return;
         }
         text.push_str("\n# What it wears.\n");
+        if self.habit.is_lawless() && self.habit.seed != 0 {
+            // Laws state it already.
+            let _ = writeln!(text, "seed {}", self.habit.seed);
+        }
         if self.strokes.iter().all(|one| one.radii.is_empty()) {
             let _ = writeln!(
                 text,

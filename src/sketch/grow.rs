@@ -194,8 +194,8 @@ impl Grower {
             None => da_vinci(&mut tree, &params, step),
         };
         let mut organs = Organs::default();
-        let dress = sketch.habit.dress()?;
-        dress.put_on(&tree, &mut organs, u64::from(sketch.habit.seed));
+        // Of the grammar, which a person may have written further lines of.
+        grammar.dress().put_on(&tree, &mut organs, grammar.seed());
         Ok(Grown {
             tree,
             organs,

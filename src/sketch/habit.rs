@@ -139,12 +139,6 @@ impl Habit {
         self.dominance != 0.0 || self.starve > 0.0
     }
 
-    /// Whether another one has the same laws, so that the string is the same.
-    #[must_use]
-    pub fn grows_as(&self, other: &Self) -> bool {
-        self.seed == other.seed && (0..LAWS.len()).all(|at| self.law(at) == other.law(at))
-    }
-
     pub(super) fn has_bends(&self) -> bool {
         self.wander_deg > 0.0
     }
@@ -190,6 +184,16 @@ impl Habit {
                 what: "kinds of leaves, blossoms and fruit",
                 most: MOST_BEARS,
             });
+        }
+        if let Some(line) = self
+            .bears
+            .iter()
+            .find(|line| line.contains(char::is_control))
+        {
+            let line = line.escape_debug();
+            return Err(SketchError::Rule(format!(
+                "`bears {line}` must be one line without tabs"
+            )));
         }
         self.bearings().map(|_| ())
     }
@@ -373,6 +377,63 @@ mod tests {
             "{} of {segments}",
             starved.tree.segment_count()
         );
+    }
+
+    /// A workshop's grower, which keeps strings, gives what growing anew gives: after a node moved, and after another dress.
+    #[test]
+    fn what_is_kept_is_not_older_than_the_sketch() {
+        let never = AtomicBool::new(false);
+        let habit = Habit {
+            wander_deg: 4.0,
+            starve: 0.8,
+            bears: vec!["oak".to_owned()],
+            ..Habit::default()
+        };
+        let mut sketch = sketch().with_habit(habit).unwrap();
+        let mut grower = crate::sketch::Grower::default();
+        let at = NodeRef::new(super::super::Letter::TRUNK, 4);
+        for k in 0..3_u8 {
+            let to = Vec3::new(0.1, 1.2 + 0.6 * f32::from(k), 0.0);
+            sketch = sketch.move_node(at, to).unwrap();
+            let kept = grower.grow(&sketch, 10, &never).unwrap();
+            assert_eq!(kept, grow(&sketch, 10, &never).unwrap(), "moved {k}");
+            sketch = sketch.in_season(Season::ALL[usize::from(k)]);
+            let kept = grower.grow(&sketch, 10, &never).unwrap();
+            assert_eq!(kept, grow(&sketch, 10, &never).unwrap(), "season {k}");
+        }
+        // Further lines of a person's own are worn, too.
+        let own = sketch.with_rule("", Some("bears spines size 0.3")).unwrap();
+        let with = grower.grow(&own, 10, &never).unwrap();
+        let without = grower.grow(&sketch, 10, &never).unwrap();
+        assert!(with.organs.placed.len() > without.organs.placed.len());
+    }
+
+    /// Letters of more than one sign are declared with their parameters; laws fit them, too.
+    #[test]
+    fn sketches_of_many_strokes_have_laws_too() {
+        let mut sketch = sketch();
+        for number in 0..30_u8 {
+            let at = NodeRef::new(super::super::Letter::TRUNK, 1 + u32::from(number % 3));
+            let out = Vec3::new(0.2, 0.4 + 0.02 * f32::from(number), 0.01);
+            sketch = sketch.add_segments(at, &[out]).unwrap().0;
+        }
+        assert!(sketch.grammar_text().contains("module C1(x"));
+        let plain = grow(&sketch, 6, &AtomicBool::new(false)).unwrap();
+        let laws = Habit {
+            wander_deg: 5.0,
+            spread_deg: 5.0,
+            light: 0.1,
+            shrink: 0.1,
+            ..Habit::default()
+        };
+        let bent = grow(
+            &sketch.with_habit(laws).unwrap(),
+            6,
+            &AtomicBool::new(false),
+        )
+        .unwrap();
+        assert_eq!(bent.tree.parent, plain.tree.parent);
+        assert_ne!(bent.tree.position, plain.tree.position);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::axes::axis_children;
+use super::foliage::thin;
 use super::organs::{Organist, Paint, refined};
 use super::tubes::{CAPPED, SHARP_BEND_COSINE, STARTS, segments};
 use super::{Drawing, NO_PARENT, Node, Tree};
@@ -137,6 +138,7 @@ pub fn coarser(drawing: &Drawing, within: f32) -> Drawing {
         .chain(spheres)
         .chain(placed)
         .for_each(|node| *node = kept(*node));
+    thin(&mut organs, within);
     organs.smooth.clear();
     // The finer tree's radii have it.
     organs.flare = 0.0;

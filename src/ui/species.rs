@@ -266,7 +266,9 @@ impl Page<'_> {
                 .max_decimals(3)
                 .text(word);
             if self.slider(ui, slider) {
-                bearing.set(name, value);
+                // At its end the slider means all twigs, however old.
+                let all = name == "young" && value >= most;
+                bearing.set(name, if all { f32::MAX } else { value });
                 if let Some(line) = self.habit.bears.get_mut(at) {
                     *line = bearing.to_string();
                 }

@@ -326,6 +326,9 @@ impl Edit {
     }
 }
 
+/// Longest project of a species, bytes: each that is taken is a line of the journal.
+const SPECIES_BYTES: usize = 4 << 20;
+
 /// Why an edit was refused; the document is unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EditError {
@@ -445,6 +448,10 @@ impl Document {
             Edit::SetRule { of, to } => Some(sketch.with_rule(&of, to.as_deref())?),
             Edit::SetWrap { to } => Some(sketch.with_wrap(to)),
             Edit::SetHabit { to } => Some(sketch.with_habit(*to)?),
+            Edit::TakeSpecies { project } if project.len() > SPECIES_BYTES => {
+                let message = format!("it is longer than {SPECIES_BYTES} bytes");
+                return Err(EditError::Species(message));
+            }
             Edit::TakeSpecies { project } => {
                 let species = project::from_bytes(project.as_bytes())
                     .map_err(|error| EditError::Species(error.to_string()))?;

@@ -256,12 +256,12 @@ fn faults_in_what_trees_wear_are_told() {
         assert!(error.contains(told), "{line}: {error}");
         assert!(error.contains("t.lsys:"), "{error}");
     }
-    let many = "axiom F\n".to_owned() + &"bears oak\n".repeat(65);
+    let many = "axiom F\n".to_owned() + &"bears oak\n".repeat(17);
     assert!(
         Grammar::parse(&many, "t.lsys")
             .unwrap_err()
             .to_string()
-            .contains("at most 64")
+            .contains("at most 16")
     );
 }
 

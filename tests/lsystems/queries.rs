@@ -114,7 +114,7 @@ fn topiary_stays_in_its_square() {
     assert!(most > 3, "cut branches wake others: {most}");
 }
 
-/// `?S` is told the light between the leaves of all `?S`: much at the top, less below, all of it where it is alone.
+/// `?S` is told the light between the leaves of all `?S`: much at the top, less below, nearly all where its own leaves alone take some.
 #[test]
 fn light_reaches_the_top_and_less_of_it_what_is_below() {
     let light = |text: &str| -> Vec<f64> {

@@ -435,7 +435,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         let Some(shape) = grammar.shapes.get(usize::from(letter)) else {
             return Ok(());
         };
-        let scale = self.shape_scale * self.pen.length_scale;
+        let scale = [self.shape_scale * self.pen.length_scale, self.shape_scale];
         match index {
             Some(index) => self.follow_segment(by, letter, shape, whole(index), scale),
             None => self.follow_all(by, letter, shape, scale),
@@ -452,7 +452,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         if let Cylinder::Of(_) = pen.cylinder {
             self.pen.cylinder = Cylinder::Begins;
         }
-        self.follow_all(by, letter, shape, scale.unwrap_or(1.0))?;
+        self.follow_all(by, letter, shape, [scale.unwrap_or(1.0); 2])?;
         self.pen = pen;
         Ok(())
     }
@@ -462,7 +462,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         by: Drawn,
         letter: u16,
         shape: &Shape,
-        scale: f64,
+        scale: [f64; 2],
     ) -> Result<(), DeriveError> {
         self.pen.shape = NO_SHAPE;
         let mut index = 0.0;
@@ -480,7 +480,7 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         letter: u16,
         shape: &Shape,
         index: f64,
-        scale: f64,
+        scale: [f64; 2],
     ) -> Result<(), DeriveError> {
         let Some(segment) = shape.segments.get(remainder(index, shape.segments.len())) else {
             return Ok(());
@@ -488,9 +488,10 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         let goes_on = self.pen.shape == letter && index == self.pen.segment + 1.0;
         let turn = if goes_on { segment.turn } else { segment.frame };
         self.pen.change(|stance| stance.turn(turn));
-        let length = segment.length * scale;
+        let [longer, thicker] = scale;
+        let length = segment.length * longer;
         if self.outlines.is_empty() {
-            let radius = segment.radius.map(|radius| radius * scale.abs());
+            let radius = segment.radius.map(|radius| radius * thicker.abs());
             self.draw(by, self.pen.stance().ahead(length), radius)?;
         } else {
             self.pen.jump(self.pen.stance().ahead(length));

@@ -35,7 +35,6 @@ impl Renderer {
                 let (picture, staging) = bark_picture(&self.gpu, commands, bark)?;
                 self.garbage
                     .extend(staging.map(|buffer| (self.frame, Garbage::Buffer(buffer))));
-                self.bark = Some((bark, Arc::clone(&picture)));
                 picture
             }
         };
@@ -94,6 +93,8 @@ impl Renderer {
                 self.gpu.device.update_descriptor_sets(&images, &[]);
             }
         }
+        // Known from here on: until now something could fail, and its copy would never be made.
+        self.bark = Some((bark, Arc::clone(&picture)));
         coming.picture = Some(picture);
         coming.pool = Some(pool);
         self.garbage.extend(

@@ -184,7 +184,7 @@ mod tests {
         let light = Light::among(&[(Vec3::NAN, 1.0), (Vec3::ZERO, f32::NAN), (Vec3::Y, 1.0)]);
         let light = light.unwrap();
         for place in [Vec3::NAN, Vec3::INFINITY, Vec3::splat(-1e30)] {
-            assert!(light.at(place).is_finite() || light.at(place).is_nan());
+            assert!((0.0..=1.0).contains(&light.at(place)), "{place}");
         }
         assert!(
             Light::among(&[(Vec3::splat(f32::MAX), 1.0), (Vec3::splat(f32::MIN), 1.0)]).is_none()

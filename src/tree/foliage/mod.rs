@@ -7,7 +7,7 @@
 //! A grammar that places each leaf itself (`~L`) says where it is; a [`Bearing`] says it for all twigs at once, so that leaves cost the string nothing and any
 //! tree, one that was sketched or read from a file, too, can have them. Leaves stand at equal distances along an axis, turned by the golden angle from one to
 //! the next (or in whorls, or in two ranks), lean away from it and turn their upper side to the light. Those that would stand in the dark are
-//! left out, as trees shed them: Horn, *The Adaptive Geometry of Trees*, 1971. Everything that is random is drawn from the seed, the node and the leaf's number.
+//! left out, as trees shed them: Horn, *The Adaptive Geometry of Trees*, 1971. Everything that is random is drawn from the seed, the node's place and the leaf's number.
 
 use std::fmt;
 
@@ -22,9 +22,11 @@ use super::{NO_PARENT, Tree};
 
 mod kinds;
 pub mod light;
+mod thin;
 
 pub use kinds::{Kind, kind, kinds};
 use light::Light;
+pub(super) use thin::thin;
 
 /// Leaves beyond which fewer and larger ones stand for all.
 pub const MOST_LEAVES: u64 = 1 << 21;
@@ -182,6 +184,8 @@ impl Bearing {
             "droop" => self.droop = value,
             "twig" => self.twig = value,
             "order" => self.order = value.round() as u16,
+            // Its bound means all.
+            "young" if value >= *most => self.young = u32::MAX,
             "young" => self.young = value.round() as u32,
             "light" => self.light = value,
             _ => self.vary = value,
@@ -422,7 +426,8 @@ impl<'a> Course<'a> {
                 clippy::cast_sign_loss,
                 reason = "`as` saturates, and what is drawn is bounded"
             )]
-            let (first, mut places) = (from as u32 + 1, (to - from).max(0.0) as u32);
+            let (first, mut places) =
+                ((from as u32).saturating_add(1), (to - from).max(0.0) as u32);
             if bearing.tips {
                 places = 0;
             }
@@ -494,7 +499,7 @@ impl Places<'_> {
         let mut placed = Vec::new();
         for site in sites {
             // Where not all are placed: every so many, the rest of a leaf by chance.
-            let mut draws = Draws::new(self.seed, !u64::from(site.node));
+            let mut draws = Draws::new(self.seed ^ self.key(site.node), u64::MAX);
             let kept = f64::from(site.count) * self.share + draws.uniform(0.0, 1.0);
             #[allow(
                 clippy::cast_possible_truncation,
@@ -517,6 +522,13 @@ impl Places<'_> {
         placed
     }
 
+    /// What a node's leaves are drawn by: its place, which stays while the tree grows, as its number does not.
+    fn key(&self, node: u32) -> u64 {
+        let place = self.course.tree.position[node as usize].to_array();
+        let [x, y, z] = place.map(|part| u64::from(part.to_bits()));
+        Draws::new(x << 32 | y, z).next()
+    }
+
     /// The leaf of a number on a segment, where it is kept.
     fn leaf(&self, site: &Site, number: u32) -> Option<Placed> {
         let Bearing {
@@ -531,8 +543,8 @@ impl Places<'_> {
         let (start, end, length) = self.course.segment(site.node);
         let axis = (end - start).try_normalize()?;
         let terminal = self.course.is_tip[node] && number + 1 == site.count;
-        let place = site.first + number / whorl;
-        let mut draws = Draws::new(self.seed, (u64::from(site.node) << 20) ^ u64::from(number));
+        let place = site.first.saturating_add(number / whorl);
+        let mut draws = Draws::new(self.seed ^ self.key(site.node), u64::from(number));
         #[allow(clippy::cast_possible_truncation, reason = "0 to 1")]
         let mut draw = || draws.uniform(0.0, 1.0) as f32;
         #[allow(clippy::cast_precision_loss, reason = "places along a twig are few")]

@@ -174,7 +174,7 @@ fn leaves_beyond_the_bound_are_fewer_and_larger() {
     assert!(mean > 0.3, "{mean}");
 }
 
-/// What is written is read again by the grammar.
+/// A kind says what differs from its usual. (That a grammar reads it again: `lsystem::look`.)
 #[test]
 fn every_kind_says_itself() {
     for kind in kinds() {
@@ -194,8 +194,87 @@ fn every_kind_says_itself() {
     }
 }
 
+/// What stood a step ago wears the same leaves, whatever numbers its nodes have now.
+#[test]
+fn old_twigs_keep_their_leaves() {
+    let young = fork();
+    let mut old = Tree {
+        letters: young.letters.clone(),
+        ..Tree::default()
+    };
+    // A new twig before the others, as the turtle writes it depth first.
+    let extra = Node {
+        parent: 0,
+        position: Vec3::new(0.0, 1.0, 2.0),
+        radius: 0.01,
+        letter: 0,
+        order: 1,
+        birth: 9,
+    };
+    for node in 0..young.len() {
+        if node == 1 {
+            old.push(extra);
+        }
+        let parent = match young.parent[node] {
+            0 | NO_PARENT => young.parent[node],
+            parent => parent + 1,
+        };
+        old.push(Node {
+            parent,
+            position: young.position[node],
+            radius: young.radius[node],
+            letter: 0,
+            order: young.order[node],
+            birth: young.birth[node],
+        });
+    }
+    old.validate().unwrap();
+    let places = |tree: &Tree| {
+        let mut organs = Organs::default();
+        Dress {
+            bears: vec![oak()],
+            ..Dress::default()
+        }
+        .put_on(tree, &mut organs, 5);
+        let of_old = organs.placed.iter().filter(|leaf| leaf.birth < 9);
+        of_old
+            .map(|leaf| {
+                (
+                    leaf.position.to_array().map(f32::to_bits),
+                    leaf.scale.to_bits(),
+                    leaf.paint.colour,
+                )
+            })
+            .collect::<std::collections::BTreeSet<_>>()
+    };
+    assert_eq!(places(&young), places(&old));
+}
+
 #[test]
 fn hostile_trees_are_no_panic() {
+    // Very many leaves along very long twigs.
+    let mut tree = fork();
+    for place in tree.position.iter_mut() {
+        *place *= 1e6;
+    }
+    tree.push(Node {
+        parent: 2,
+        position: tree.position[2] + Vec3::X,
+        radius: 0.01,
+        letter: 0,
+        order: 1,
+        birth: 0,
+    });
+    let mut dense = oak();
+    dense.set("every", 1e-4);
+    let mut organs = Organs::default();
+    Dress {
+        bears: vec![dense],
+        ..Dress::default()
+    }
+    .put_on(&tree, &mut organs, 0);
+    assert!(organs.placed.len() as u64 <= MOST_LEAVES + 10);
+
     for place in [Vec3::ZERO, Vec3::splat(f32::MAX), Vec3::Y * 1e-30] {
         let mut tree = fork();
         tree.position[2] = place;

@@ -8,7 +8,7 @@ use super::super::axes::axis_children;
 use super::super::{NO_PARENT, Tree};
 use super::Organs;
 
-/// Branches thinner than this part of the thickest wood have no collar that anybody sees.
+/// Branches thinner than this part of the thickest wood have no collar that anybody sees, those twice as thick all of it.
 const LEAST: f32 = 1.0 / 40.0;
 /// A collar dies away over so many radii, and the flare at the root.
 const FADE: f32 = 0.9;
@@ -129,8 +129,10 @@ impl<'a> Collars<'a> {
         // Out of the parent's tube it comes no sooner than after its radius.
         let ways = CUTS.iter().map(|radii| (*radii, 0.9 * thick + radii * own));
         let ways = ways.filter(|(_, way)| *way < 0.95 * length);
+        // It comes little by little as the branch grows thick enough.
+        let shown = self.flare * (own / self.least.max(f32::MIN_POSITIVE) - 1.0).clamp(0.0, 1.0);
         let of = |(radii, way): (f32, f32)| {
-            let times = 1.0 + self.flare * (-radii / FADE).exp();
+            let times = 1.0 + shown * (-radii / FADE).exp();
             cut(way, times, 0.98 * thick, true)
         };
         ways.map(of).collect()

@@ -349,7 +349,7 @@ impl Surface {
     }
 
     /// Normals of what has none yet, the same at vertices that lie in one place; vertices nothing uses point up.
-    pub(super) fn smooth(&mut self) {
+    pub(in crate::tree) fn smooth(&mut self) {
         let done = self.normals.len();
         let place = |i: u32| self.positions.get(i as usize).copied().unwrap_or_default();
         let mut sums: std::collections::HashMap<[u32; 3], Vec3> = std::collections::HashMap::new();

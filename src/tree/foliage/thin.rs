@@ -1,0 +1,153 @@
+//! Leaves of coarser levels of detail: simpler, then fewer and larger, so that a crown stays as dense as it was.
+//!
+//! Of leaves that lean on their crown ([`Surface::rounded`]) alone; what a grammar places one by one (flowers, leaves of its own) stays. A leaf of length s
+//! becomes two triangles where the level may be off by more than s/12, and of all leaves s/4w parts stay where it may be off by w beyond s/4, each as much
+//! larger as keeps their area (Cook, Halstead, Planck and Ryu 2007, "Stochastic simplification of aggregate detail").
+
+use glam::Vec3;
+
+use super::super::organs::{Organs, Placed, Surface};
+
+/// A leaf longer than so many bounds keeps its shape.
+const SHAPED: f32 = 12.0;
+/// Leaves longer than so many bounds all stay.
+const ALL: f32 = 4.0;
+/// No fewer than one leaf in so many, which is then five times as long.
+const FEWEST: f32 = 25.0;
+
+/// Thins the leaves of a level that may be off by `within`, metres.
+pub(crate) fn thin(organs: &mut Organs, within: f32) {
+    if within.is_nan() || within <= 0.0 {
+        return;
+    }
+    let coarse: Vec<Option<u16>> = (0..organs.surfaces.len())
+        .map(|at| {
+            let surface = organs.surfaces.get(at).filter(|one| one.rounded > 0.0)?;
+            let number = u16::try_from(organs.surfaces.len()).ok()?;
+            organs.surfaces.push(two_triangles(surface));
+            Some(number)
+        })
+        .collect();
+    // By surface: how much of a leaf is owed.
+    let mut owed = vec![0.0_f32; coarse.len()];
+    organs.placed.retain_mut(|leaf| {
+        let at = usize::from(leaf.surface);
+        let Some(coarse) = coarse.get(at).copied().flatten() else {
+            return true;
+        };
+        let share = share(leaf, within);
+        if let Some(owed) = owed.get_mut(at) {
+            *owed += share;
+            if *owed < 1.0 {
+                return false;
+            }
+            *owed -= 1.0;
+        }
+        if leaf.scale.abs() < SHAPED * within {
+            leaf.surface = coarse;
+        }
+        leaf.scale *= share.sqrt().recip();
+        true
+    });
+}
+
+/// Of how many leaves like this one stays, 1/[`FEWEST`] to 1.
+fn share(leaf: &Placed, within: f32) -> f32 {
+    (leaf.scale.abs() / (ALL * within)).clamp(1.0 / FEWEST, 1.0)
+}
+
+/// A leaf as a kite: foot, widest place, tip.
+fn two_triangles(surface: &Surface) -> Surface {
+    let tip = surface
+        .positions
+        .iter()
+        .fold(Vec3::ZERO, |tip, p| if p.y > tip.y { *p } else { tip });
+    let widest =
+        surface.positions.iter().fold(
+            Vec3::ZERO,
+            |widest, p| if p.x > widest.x { *p } else { widest },
+        );
+    let other = Vec3::new(-widest.x, widest.y, widest.z);
+    let mut kite = Surface {
+        positions: vec![Vec3::ZERO, widest, tip, other],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..surface.clone()
+    };
+    kite.normals.clear();
+    kite.tone.clear();
+    kite.smooth();
+    kite
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
+    use glam::Quat;
+
+    use super::super::super::organs::Paint;
+    use super::*;
+
+    fn crown(scale: f32) -> Organs {
+        let leaf = |at: u16| Placed {
+            surface: at % 2,
+            paint: Paint::default(),
+            position: Vec3::X * f32::from(at),
+            orientation: Quat::IDENTITY,
+            scale,
+            birth: 0,
+            node: 0,
+            light: 1.0,
+        };
+        let surfaces = ["oak", "flower"].map(|name| Surface::built_in(name).unwrap());
+        Organs {
+            surfaces: surfaces.to_vec(),
+            placed: (0..2000).map(leaf).collect(),
+            ..Organs::default()
+        }
+    }
+
+    /// Number and area (length squared) of leaves and of flowers.
+    fn told(organs: &Organs) -> [(usize, f32); 2] {
+        [false, true].map(|flowers| {
+            let of = organs
+                .placed
+                .iter()
+                .filter(|one| (one.surface == 1) == flowers);
+            of.fold((0, 0.0), |(count, area), one| {
+                (count + 1, area + one.scale * one.scale)
+            })
+        })
+    }
+
+    #[test]
+    fn crowns_stay_as_dense_with_fewer_and_simpler_leaves() {
+        for (within, expected, simple) in [
+            (0.001, 1000, false),
+            (0.01, 1000, false),
+            (0.02, 1000, true),
+            (0.1, 500, true),
+            (9.0, 40, true),
+        ] {
+            let mut organs = crown(0.2);
+            let before = told(&organs);
+            thin(&mut organs, within);
+            let after = told(&organs);
+            assert_eq!(after[1], before[1], "flowers stay");
+            assert!(
+                after[0].0.abs_diff(expected) <= 1,
+                "{within}: {} leaves",
+                after[0].0
+            );
+            assert!(
+                (after[0].1 / before[0].1 - 1.0).abs() < 0.03,
+                "{within}: {after:?}"
+            );
+            let first = organs.placed.iter().find(|one| one.surface != 1).unwrap();
+            let triangles = organs.surfaces[usize::from(first.surface)].indices.len() / 3;
+            assert_eq!(triangles == 2, simple, "{within}: {triangles}");
+        }
+        let mut organs = crown(0.2);
+        thin(&mut organs, 0.0);
+        assert_eq!(organs, crown(0.2));
+    }
+}
