@@ -1,4 +1,5 @@
-// Leaves, blossoms and fruit: one surface many times, eight an instance. Twin of the buffers: src/render/leaf_upload.rs.
+// Leaves, blossoms and fruit: one surface many times, eight an instance, as they are or as kites where crown.wgsl has chosen that. Twin of the buffers:
+// src/render/leaf_upload.rs.
 #include "shared/light.wgsl"
 #include "shared/octahedral.wgsl"
 #include "shared/look.wgsl"
@@ -27,8 +28,10 @@ struct Corner {
 }
 
 @group(1) @binding(0) var<storage, read> leaves: array<Leaf>;
-// The first one is the crown's middle; its normal: how round normals are; its look: how many corners follow.
+// The first one is the crown's middle; its normal: how round normals are; its look: how many corners follow. Then come a kite's four.
 @group(1) @binding(1) var<storage, read> corners: array<Corner>;
+// By instance: the number of a batch of eight leaves, and its kind in the bits from 28 on; 1: a kite.
+@group(2) @binding(0) var<storage, read> list: array<u32>;
 
 const THIN = 0x80000000u;
 
@@ -57,10 +60,13 @@ fn turn(q: vec4f, p: vec3f) -> vec3f {
 }
 
 fn spot(vertex: u32, instance: u32) -> Spot {
-    let count = corners[0].look;
+    let entry = list[instance];
+    let kite = (entry >> 28u) != 0u;
+    let whole = corners[0].look;
+    let count = select(whole, 4u, kite);
     var out: Spot;
-    out.leaf = leaves[instance * 8u + vertex / count];
-    out.corner = corners[1u + vertex % count];
+    out.leaf = leaves[(entry & 0xfffffffu) * 8u + vertex / count];
+    out.corner = corners[1u + select(0u, whole, kite) + vertex % count];
     let packed = vec4f(unpack2x16snorm(out.leaf.orientation.x), unpack2x16snorm(out.leaf.orientation.y));
     out.q = packed * inverseSqrt(max(dot(packed, packed), 1e-12));
     let place = out.leaf.place + turn(out.q, out.corner.place) * out.leaf.scale;

@@ -1,4 +1,4 @@
-// The tree: tapered tubes pulled from the segments' buffer, eight segments an instance.
+// The tree: tapered tubes pulled from the segments' buffer, eight segments an instance, of as many sides as crown.wgsl has chosen for them.
 // The formula is src/tree/mesh.rs's, its twin on the processor. Both rings of a joint are computed
 // from the same numbers by the same instructions, so they meet bit for bit.
 #include "shared/light.wgsl"
@@ -17,13 +17,22 @@ struct Segment {
 }
 
 @group(1) @binding(0) var<storage, read> segments: array<Segment>;
-// The numbers of the segments that end a tube.
-@group(1) @binding(1) var<storage, read> caps: array<u32>;
 // sRGB colour, and the height in its fourth part.
 @group(1) @binding(3) var bark: texture_2d_array<f32>;
 @group(1) @binding(4) var bark_sampler: sampler;
 
-const SIDES = 8u;
+// By instance: the number of a batch of eight segments, and its kind in the bits from 28 on.
+@group(2) @binding(0) var<storage, read> list: array<u32>;
+
+// Kinds of src/tree/levels/kinds.rs: tubes, a ribbon that faces the eye, then the ends of the first three.
+const SIDES = array<u32, 8>(16u, 8u, 5u, 3u, 2u, 16u, 8u, 5u);
+const RIBBON = 4u;
+const CAPS = 5u;
+// Rings of few corners are so much larger that they look as wide as those of eight, seen from anywhere (a ring's mean width: n/π·sin(π/n)·2).
+const LARGER = array<f32, 8>(1.0, 1.0, 1.0415, 1.1782, 0.9745, 1.0, 1.0, 1.0415);
+// Of a radius, how deep the middles of their sides lie.
+const INSIDE = array<f32, 8>(0.0192, 0.0761, 0.1574, 0.4109, 1.0, 0.0192, 0.0761, 0.1574);
+const CAPPED = 2u;
 const GROWING = 1u;
 // Bits 16 to 31 hold the number of a look.
 const PAINTED = 8u;
@@ -36,9 +45,9 @@ struct Point {
     @builtin(position) position: vec4f,
     @location(0) world: vec3f,
     @location(1) normal: vec3f,
-    // Unit circle about the axis.
-    @location(2) around: vec2f,
-    // x: circumferences along the tube; y: radius in the tree's own metres; z: alpha; w: 1 for the newest step.
+    // xy: unit circle about the axis; z: how far the flat side of a ring of few corners lies inside of it, metres.
+    @location(2) around: vec3f,
+    // x: circumferences along the tube; y: its twig's radius in the tree's own metres; z: alpha; w: 1 for the newest step.
     @location(3) bark: vec4f,
     @location(4) @interpolate(flat) eye: vec3f,
     // 0: bark.
@@ -54,6 +63,10 @@ struct Spot {
     along: f32,
     radius: f32,
     center: vec3f,
+    // Of the radius, how deep its side's middle lies.
+    inside: f32,
+    // Nothing is to be seen of it.
+    is_none: bool,
 }
 
 // b itself where g reaches 1: no rounding moves a whole tree.
@@ -70,8 +83,32 @@ fn turn(q: vec4f, p: vec3f) -> vec3f {
     return p + q.w * t + cross(q.xyz, t);
 }
 
-// `side` 0..7 is on the ring; 8 is the cone's tip.
-fn spot(segment: Segment, second: bool, side: u32) -> Spot {
+// Which corner of which segment a vertex is.
+struct Corner {
+    segment: u32,
+    kind: u32,
+    // Of the segment's second ring.
+    second: bool,
+    // On the ring; as many as there are sides: the tip of the cone over it.
+    side: u32,
+}
+
+fn corner_of(vertex: u32, instance: u32) -> Corner {
+    let entry = list[instance];
+    var out: Corner;
+    out.kind = entry >> 28u;
+    let sides = SIDES[out.kind];
+    let is_cap = out.kind >= CAPS;
+    let each = select(2u * sides, sides + 1u, is_cap);
+    out.segment = (entry & 0xfffffffu) * 8u + vertex / each;
+    let at = vertex % each;
+    out.second = is_cap || at >= sides;
+    out.side = select(at % sides, at, is_cap);
+    return out;
+}
+
+// `toward`: from a place to whoever sees it, by which ribbons turn; w is 1 where that is a place and 0 where it is a direction.
+fn spot(segment: Segment, corner: Corner, toward: vec4f) -> Spot {
     let g = frame.tree.x;
     let growing = (segment.flags & GROWING) != 0u;
     let start = select(segment.start, grow_point(segment.base, segment.start, g), growing);
@@ -80,26 +117,45 @@ fn spot(segment: Segment, second: bool, side: u32) -> Spot {
     let radius_end = grow(segment.radii.z, segment.radii.w, g);
     let slope = clamp((radius_start - radius_end) / max(distance(start, end), 1e-9), -1.0, 1.0);
 
-    let center = select(start, end, second);
-    let radius = select(radius_start, radius_end, second);
-    let packed = select(segment.start_frame, segment.end_frame, second);
+    let center = select(start, end, corner.second);
+    // A batch has ends where any of its segments does; of the others nothing is seen.
+    let is_none = corner.kind >= CAPS && (segment.flags & CAPPED) == 0u;
+    let radius = select(select(radius_start, radius_end, corner.second) * LARGER[corner.kind], 0.0, is_none);
+    let packed = select(segment.start_frame, segment.end_frame, corner.second);
     let q = normalize(vec4f(unpack2x16snorm(packed.x), unpack2x16snorm(packed.y)));
-    let angle = f32(side % SIDES) * (6.2831853 / f32(SIDES));
-    let tip = side == SIDES;
+    let sides = SIDES[corner.kind];
+    let angle = f32(corner.side % sides) * (6.2831853 / f32(sides));
+    let tip = corner.side == sides;
     let around = vec2f(cos(angle), sin(angle));
     let axis = turn(q, vec3f(0.0, 1.0, 0.0));
-    let corner = turn(q, vec3f(around.x, 0.0, around.y));
-    let outward = select(corner, axis, tip);
+    let out_of_axis = turn(q, vec3f(around.x, 0.0, around.y));
+    let outward = select(out_of_axis, axis, tip);
     let local = center + outward * (radius * select(1.0, CAP_HEIGHT, tip));
 
     var out: Spot;
+    out.is_none = is_none;
+    out.inside = INSIDE[corner.kind];
     out.world = (frame.world_from_tree * vec4f(local, 1.0)).xyz;
     out.outward = normalize((frame.world_from_tree * vec4f(outward, 0.0)).xyz);
-    out.normal = normalize((frame.world_from_tree * vec4f(select(corner + slope * axis, axis, tip), 0.0)).xyz);
+    out.normal = normalize((frame.world_from_tree * vec4f(select(out_of_axis + slope * axis, axis, tip), 0.0)).xyz);
     out.center = (frame.world_from_tree * vec4f(center, 1.0)).xyz;
     out.around = select(around, vec2f(0.0), tip);
-    out.along = select(segment.v_start, segment.v_end, second);
+    out.along = select(segment.v_start, segment.v_end, corner.second);
     out.radius = radius;
+    if corner.kind == RIBBON {
+        // Across the ring's axis, which both segments at a joint share, as whoever looks sees it. Shaded as round: normals lean outwards at the edges.
+        let up = normalize((frame.world_from_tree * vec4f(axis, 0.0)).xyz);
+        let front = normalize(toward.xyz - out.center * toward.w);
+        let across = cross(up, front);
+        let side = across * (select(-1.0, 1.0, corner.side == 0u) / max(length(across), 1e-6));
+        out.outward = side;
+        out.world = out.center + side * (radius * frame.tree.y);
+        let facing = cross(side, up) * sign(dot(cross(side, up), front) + 1e-12);
+        out.normal = normalize(facing * 0.6 + side * 0.8);
+        let x = normalize((frame.world_from_tree * vec4f(turn(q, vec3f(1.0, 0.0, 0.0)), 0.0)).xyz);
+        let z = normalize((frame.world_from_tree * vec4f(turn(q, vec3f(0.0, 0.0, 1.0)), 0.0)).xyz);
+        out.around = vec2f(dot(out.normal, x), dot(out.normal, z));
+    }
     return out;
 }
 
@@ -110,13 +166,15 @@ fn seen(s: Spot, flags: u32, view: u32) -> Point {
     let depth = (v.clip_from_world * vec4f(s.center, 1.0)).w;
     let finest = max(depth, 0.0) * v.eye.w * FINEST;
     // Widened from the axis outwards; a zero radius stays a line in the middle with alpha 0.
-    let world = s.world + s.outward * max(finest - radius, 0.0);
+    let world = s.world + s.outward * select(max(finest - radius, 0.0), 0.0, s.is_none);
     var out: Point;
     out.position = v.clip_from_world * vec4f(world, 1.0);
     out.world = world;
     out.normal = s.normal;
-    out.around = s.around;
-    out.bark = vec4f(s.along, s.radius, clamp(radius / max(finest, 1e-9), 0.0, 1.0), select(0.0, 1.0, newest));
+    out.around = vec3f(s.around, s.inside * radius);
+    // As thick as the twig that it stands for.
+    let twig = s.radius * exp2(f32((flags >> 4u) & 0xffu) * -0.0625);
+    out.bark = vec4f(s.along, twig, clamp(radius / max(finest, 1e-9), 0.0, 1.0), select(0.0, 1.0, newest));
     out.eye = v.eye.xyz;
     out.look = select(0u, flags >> 16u, (flags & PAINTED) != 0u);
     return out;
@@ -128,26 +186,16 @@ fn tube_vertex(
     @builtin(instance_index) instance: u32,
     @builtin(view_index) view: u32,
 ) -> Point {
-    let segment = segments[instance * 8u + vertex / 16u];
-    return seen(spot(segment, (vertex & 8u) != 0u, vertex & 7u), segment.flags, view);
-}
-
-// Eight caps an instance, nine corners each: the ring and the tip.
-@vertex
-fn cap_vertex(
-    @builtin(vertex_index) vertex: u32,
-    @builtin(instance_index) instance: u32,
-    @builtin(view_index) view: u32,
-) -> Point {
-    let segment = segments[caps[instance * 8u + vertex / 9u]];
-    return seen(spot(segment, true, vertex % 9u), segment.flags, view);
+    let corner = corner_of(vertex, instance);
+    let segment = segments[corner.segment];
+    return seen(spot(segment, corner, vec4f(frame.views[view].eye.xyz, 1.0)), segment.flags, view);
 }
 
 // The same tubes as the sun sees them, at least a texel wide.
 @vertex
 fn shadow_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4f {
-    let segment = segments[instance * 8u + vertex / 16u];
-    let s = spot(segment, (vertex & 8u) != 0u, vertex & 7u);
+    let corner = corner_of(vertex, instance);
+    let s = spot(segments[corner.segment], corner, vec4f(frame.sun.xyz, 0.0));
     let radius = s.radius * frame.tree.y;
     let finest = select(0.0, 0.5 * frame.tree.w, radius > 0.02 * frame.tree.w);
     return frame.shadow_from_world * vec4f(s.world + s.outward * max(finest - radius, 0.0), 1.0);
@@ -166,7 +214,7 @@ fn bark_at(around: vec2f, along: f32) -> vec4f {
 @fragment
 fn tree_fragment(point: Point) -> @location(0) vec4f {
     let radius = max(point.bark.y, 1e-5);
-    let around = point.around / max(length(point.around), 1e-3);
+    let around = point.around.xy / max(length(point.around.xy), 1e-3);
     let smooth_normal = normalize(point.normal);
     let picture = bark_at(around, point.bark.x);
     let height = picture.a;
@@ -191,7 +239,8 @@ fn tree_fragment(point: Point) -> @location(0) vec4f {
     albedo = mix(albedo, shoot, point.bark.w * 0.8);
 
     let offset = point.world - point.eye;
-    let sunny = sunlight(point.world, smooth_normal);
+    // Where the round tube is, which throws the shadow.
+    let sunny = sunlight(point.world + smooth_normal * point.around.z, smooth_normal);
     if point.look != 0u {
         let painted = glossy(looks[point.look], smooth_normal, -normalize(offset), sunny);
         return vec4f(air(painted, offset), coverage(point.bark.z));

@@ -13,6 +13,7 @@
 
 mod picture {
     mod board;
+    mod crowns;
     mod eyes;
     mod faults;
     mod hidden;

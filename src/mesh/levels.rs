@@ -6,7 +6,7 @@
 //! A cluster knows the error of the step that made it (its own) and of the step that replaces it (its parents'), each with a sphere. Whoever draws asks
 //! of each cluster alone, "is my own error small enough here, and my parents' not?": all clusters of a group get the same answer from the same
 //! numbers, so what is drawn has no hole and no overlap, wherever finer parts meet coarser ones. For that, errors grow from level to level and spheres
-//! hold those below; [`cut`] has the question.
+//! hold those below; [`cut`](crate::tree::levels::cut) has the question.
 //!
 //! Simplifying keeps vertices where they are, so all levels share the mesh's vertices; only the lists of triangles grow, to about twice. Vertices of
 //! equal coordinates are one here, so a file of loose triangles (STL) simplifies as a whole mesh does. Triangles that cannot be seen (with a vertex that
@@ -22,7 +22,6 @@
 //! *Left*: the error of one step alone, not added up, as `clusterlod.h` has it by default: fewer triangles, but the promise of a pixel is then none. The
 //! crate's own `clusterlod`: it cannot be cancelled, and says not which triangle stands for which.
 
-pub mod cut;
 mod group;
 mod leaves;
 mod local;
@@ -37,6 +36,7 @@ use glam::{Vec3, Vec4};
 
 use self::group::Source;
 use super::Mesh;
+use crate::tree::levels::cut::{Standing, Views};
 
 /// Triangles of a cluster at most.
 pub const MOST_TRIANGLES: usize = 128;
@@ -81,6 +81,18 @@ const _: () = assert!(
 );
 
 impl Cluster {
+    /// The bins of its own error and of its parents' as the eyes see them; none where neither does.
+    #[must_use]
+    pub fn bins(&self, standing: &Standing, views: &Views) -> Option<[u32; 2]> {
+        let [own, parent] = if standing.by_grain {
+            [self.own_grain, self.parent_grain]
+        } else {
+            [self.own_error, self.parent_error]
+        };
+        let parent = (parent >= 0.0).then_some((self.parent, parent));
+        standing.bins(self.sphere, (self.own, own), parent, views)
+    }
+
     /// Numbers of its triangles.
     #[must_use]
     pub fn triangles(&self) -> std::ops::Range<usize> {

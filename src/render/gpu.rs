@@ -420,10 +420,13 @@ fn open_device(
         .push_next(&mut sync);
     // SAFETY: the chain is made of structures that this device knows (version and extensions were checked).
     unsafe { instance.get_physical_device_features2(physical_device, &mut found) };
+    let many_draws =
+        found.features.multi_draw_indirect & found.features.draw_indirect_first_instance;
     for (there, name) in [
         (multiview.multiview, "multiview"),
         (dynamic.dynamic_rendering, "dynamic rendering"),
         (sync.synchronization2, "synchronization2"),
+        (many_draws, "indirect draws of many instances"),
     ] {
         if there == vk::FALSE {
             return Err(too_old(name));
@@ -453,8 +456,12 @@ fn open_device(
     let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default().multiview(true);
     let mut dynamic = vk::PhysicalDeviceDynamicRenderingFeatures::default().dynamic_rendering(true);
     let mut sync = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
+    let features = vk::PhysicalDeviceFeatures::default()
+        .multi_draw_indirect(true)
+        .draw_indirect_first_instance(true);
     let create = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
+        .enabled_features(&features)
         .enabled_extension_names(&names)
         .push_next(&mut multiview)
         .push_next(&mut dynamic)

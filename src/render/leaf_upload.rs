@@ -3,40 +3,31 @@
 //! A draw shows [`BATCH`] leaves an instance (an instance of a handful of triangles is slow everywhere): the index buffer holds the surface's triangles so
 //! often, and the vertex shader finds the leaf from the vertex's number.
 
+use std::sync::Arc;
+
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
-use gpu_allocator::MemoryLocation;
 
 use super::{
-    error::RenderError, gpu::Gpu, memory::Buffer, meshes::BATCH, staging::Staging,
+    crown_upload::CrownChunk, error::RenderError, gpu::Gpu, memory::Buffer, meshes::filled,
     tree_upload::CHUNK_BYTES,
 };
 use crate::{
     mesh::display::octahedral,
     tree::{
+        NO_PARENT,
+        axes::axis_children,
+        foliage::two_triangles,
         growth,
+        levels::{
+            BATCH, Leaf, Levels, along_axes,
+            kinds::{KINDS, Kind, LEAVES_BELOW, NONE},
+        },
         organs::{LookTable, Placed, Surface},
     },
     world::scene::PlacedTree,
 };
-
-/// `Leaf` of shaders/leaf.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-struct Leaf {
-    place: [f32; 3],
-    scale: f32,
-    /// Where it unfolds from while it grows; `place` itself where it is whole.
-    base: [f32; 3],
-    look: u32,
-    /// A quaternion, four snorm16.
-    orientation: [i16; 4],
-    /// Of the sky's light.
-    light: f32,
-    /// Bit 0: it grows.
-    flags: u32,
-}
 
 /// `Corner` of shaders/leaf.wgsl. The first one is no corner: the crown's middle, how round its normals are, and how many corners follow.
 #[repr(C)]
@@ -52,21 +43,16 @@ struct Corner {
 }
 
 const _: () = assert!(
-    size_of::<Leaf>() == 48 && size_of::<Corner>() == 32,
-    "shaders/leaf.wgsl reads 48 and 32 bytes"
+    size_of::<Corner>() == 32,
+    "shaders/leaf.wgsl reads 32 bytes"
 );
 
-/// Leaves of one surface that one draw shows.
+/// Leaves of one surface that one descriptor set shows.
 pub(crate) struct LeafChunk {
-    pub(crate) leaves: Buffer,
-    pub(crate) corners: Buffer,
-    pub(crate) indices: Buffer,
-    /// Indices of a batch.
-    pub(crate) count: u32,
-    pub(crate) batches: u32,
-    /// Leaves, corners, then indices.
-    staging: Staging,
-    pub(crate) set: vk::DescriptorSet,
+    pub(crate) crown: CrownChunk,
+    /// The surface's corners and the triangles of a batch of leaves, as each kind: few bytes, which stay where the processor wrote them.
+    pub(crate) corners: Arc<Buffer>,
+    pub(crate) indices: Arc<Buffer>,
 }
 
 impl LeafChunk {
@@ -77,85 +63,104 @@ impl LeafChunk {
         looks: &mut LookTable,
     ) -> Result<Vec<Self>, RenderError> {
         let organs = &placed.organs;
-        let range = CHUNK_BYTES.min(u64::from(gpu.limits.max_storage_buffer_range));
-        let most = usize::try_from(range).unwrap_or(usize::MAX) / size_of::<Leaf>();
         let bases = growth::bases(&placed.tree, placed.newest);
         let mut by_surface: Vec<Vec<Leaf>> = vec![Vec::new(); organs.surfaces.len()];
-        for one in &organs.placed {
+        for one in neighbours(placed) {
             if let Some(of) = by_surface.get_mut(usize::from(one.surface)) {
                 of.push(leaf(placed, &bases, one, looks));
             }
         }
         let mut chunks = Vec::new();
         for (surface, leaves) in organs.surfaces.iter().zip(&by_surface) {
-            let corners = corners(surface, organs.crown, placed, looks);
-            for part in leaves.chunks((most / BATCH as usize).max(1) * BATCH as usize) {
-                chunks.push(Self::new(gpu, part, &corners, &surface.indices)?);
+            let shapes = Shapes::new(surface, organs.crown, placed, looks);
+            let corners = Arc::new(shapes.corner_buffer(gpu)?);
+            let indices = Arc::new(shapes.index_buffer(gpu)?);
+            let levels = Levels::new(leaves);
+            for crown in CrownChunk::all(gpu, &levels, shapes.kinds, CHUNK_BYTES)? {
+                chunks.push(Self {
+                    crown,
+                    corners: Arc::clone(&corners),
+                    indices: Arc::clone(&indices),
+                });
             }
         }
         Ok(chunks)
     }
+}
 
-    fn new(
-        gpu: &Gpu,
-        leaves: &[Leaf],
-        corners: &[Corner],
-        triangles: &[u32],
-    ) -> Result<Self, RenderError> {
-        let batch = BATCH as usize;
-        let padded = leaves.len().next_multiple_of(batch);
-        let each = u32::try_from(corners.len() - 1).unwrap_or(0);
-        let indices: Vec<u32> = (0..BATCH)
-            .flat_map(|copy| triangles.iter().map(move |at| at + copy * each))
-            .collect();
-        let sizes = [
-            padded * size_of::<Leaf>(),
-            size_of_val(corners),
-            size_of_val(indices.as_slice()),
-        ]
-        .map(|bytes| bytes as u64);
-        let mut staging = Staging::new(gpu, "the leaves on their way", sizes.iter().sum())?;
-        staging.write(0, leaves);
-        // Whole batches: spare leaves have no size.
-        let spare = [Leaf::default(); BATCH as usize];
-        let spare = spare.get(..padded - leaves.len()).unwrap_or_default();
-        staging.write(size_of_val(leaves) as u64, spare);
-        staging.write(sizes[0], corners);
-        staging.write(sizes[0] + sizes[1], &indices);
-        let there = |name, size, usage| {
-            let usage = usage | vk::BufferUsageFlags::TRANSFER_DST;
-            Buffer::new(gpu, name, size, usage, MemoryLocation::GpuOnly)
+/// Leaves beside those that hang near them: those that are whole, then those that grow, each along the tree's axes.
+fn neighbours(placed: &PlacedTree) -> Vec<&Placed> {
+    let tree = &placed.tree;
+    let mut rank = vec![0_u32; tree.len()];
+    let nodes: Vec<u32> = (0..)
+        .zip(&tree.parent)
+        .filter(|(_, parent)| **parent != NO_PARENT)
+        .map(|(node, _)| node)
+        .collect();
+    let order = along_axes(tree, &axis_children(tree));
+    for (at, record) in (0..).zip(order) {
+        let node = nodes.get(record as usize).copied().unwrap_or(0);
+        if let Some(rank) = rank.get_mut(node as usize) {
+            *rank = at;
+        }
+    }
+    let mut all: Vec<&Placed> = placed.organs.placed.iter().collect();
+    let place = |one: &&Placed| rank.get(one.node as usize).copied().unwrap_or(0);
+    all.sort_by_cached_key(|one| (one.birth >= placed.newest, place(one)));
+    all
+}
+
+/// A surface as the device has it: as it is, and as a kite where it is a leaf of a crown.
+struct Shapes {
+    corners: Vec<Corner>,
+    indices: Vec<u32>,
+    kinds: [Kind; KINDS],
+}
+
+impl Shapes {
+    fn new(surface: &Surface, crown: Vec3, placed: &PlacedTree, looks: &mut LookTable) -> Self {
+        let mut shapes = Self {
+            corners: corners(surface, crown, placed, looks),
+            indices: Vec::new(),
+            kinds: [Kind::default(); KINDS],
         };
-        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        Ok(Self {
-            leaves: there("the leaves", sizes[0], storage)?,
-            corners: there("a leaf's corners", sizes[1], storage)?,
-            indices: there(
-                "a leaf's triangles",
-                sizes[2],
-                vk::BufferUsageFlags::INDEX_BUFFER,
-            )?,
-            count: u32::try_from(indices.len()).unwrap_or(u32::MAX),
-            batches: u32::try_from(padded / batch).unwrap_or(u32::MAX),
-            staging,
-            set: vk::DescriptorSet::null(),
-        })
+        let [whole, kite] = LEAVES_BELOW;
+        shapes.add(0, &surface.indices, surface.positions.len(), whole);
+        if surface.thin && surface.rounded > 0.0 {
+            let (simple, part) = two_triangles(surface);
+            let of = corners_of(&simple, reach(surface), placed, looks);
+            shapes.corners.extend(of);
+            shapes.add(1, &simple.indices, simple.positions.len(), kite * part);
+        }
+        shapes
     }
 
-    /// Copies up to `budget` bytes more; true when all is there.
-    pub(crate) fn copy(
-        &mut self,
-        gpu: &Gpu,
-        commands: vk::CommandBuffer,
-        budget: &mut u64,
-    ) -> bool {
-        let parts = [&self.leaves, &self.corners, &self.indices];
-        let parts = parts.map(|buffer| (buffer.handle, buffer.size));
-        self.staging.copy(gpu, commands, &parts, budget)
+    /// A kind whose triangles are these, by so many corners.
+    fn add(&mut self, kind: usize, triangles: &[u32], corners: usize, below: f32) {
+        let first = self.indices.len();
+        for copy in 0..BATCH {
+            let corner = u32::try_from(copy * corners).unwrap_or(u32::MAX);
+            self.indices.extend(triangles.iter().map(|at| at + corner));
+        }
+        let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        if let Some(kind) = self.kinds.get_mut(kind) {
+            *kind = Kind {
+                indices: count(self.indices.len() - first),
+                first: count(first),
+                below,
+                ends: NONE,
+            };
+        }
     }
 
-    pub(crate) fn take_staging(&mut self) -> Option<Buffer> {
-        self.staging.take()
+    fn corner_buffer(&self, gpu: &Gpu) -> Result<Buffer, RenderError> {
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        filled(gpu, "a leaf's corners", usage, &self.corners)
+    }
+
+    fn index_buffer(&self, gpu: &Gpu) -> Result<Buffer, RenderError> {
+        let usage = vk::BufferUsageFlags::INDEX_BUFFER;
+        filled(gpu, "a leaf's triangles", usage, &self.indices)
     }
 }
 
@@ -170,7 +175,7 @@ fn leaf(placed: &PlacedTree, bases: &[u32], one: &Placed, looks: &mut LookTable)
     let packed = |part: f32| (part.clamp(-1.0, 1.0) * 32767.0).round() as i16;
     Leaf {
         place: one.position.to_array(),
-        scale: one.scale,
+        scale: one.scale * surface.map_or(1.0, reach),
         base: base.unwrap_or(one.position).to_array(),
         look: looks.number(colour, &organs.palette, one.paint.material),
         orientation: Quat::to_array(&one.orientation).map(packed),
@@ -190,6 +195,13 @@ fn base(placed: &PlacedTree, bases: &[u32], one: &Placed) -> Option<Vec3> {
     (!whole).then_some(*foot)
 }
 
+/// How far a surface's farthest corner is from where it hangs.
+fn reach(surface: &Surface) -> f32 {
+    let lengths = surface.positions.iter().map(|place| place.length());
+    let longest = lengths.fold(0.0, f32::max);
+    if longest > 0.0 { longest } else { 1.0 }
+}
+
 /// The header and the corners of a surface.
 fn corners(
     surface: &Surface,
@@ -197,13 +209,26 @@ fn corners(
     placed: &PlacedTree,
     looks: &mut LookTable,
 ) -> Vec<Corner> {
-    let mut corners = vec![Corner {
+    let header = Corner {
         place: crown.to_array(),
         normal: surface.rounded.to_bits(),
         look: u32::try_from(surface.positions.len()).unwrap_or(0),
         thin: u32::from(surface.thin),
         pad: [0; 2],
-    }];
+    };
+    let mut corners = vec![header];
+    corners.extend(corners_of(surface, reach(surface), placed, looks));
+    corners
+}
+
+/// The corners of a surface, `reach` being 1.
+fn corners_of(
+    surface: &Surface,
+    reach: f32,
+    placed: &PlacedTree,
+    looks: &mut LookTable,
+) -> Vec<Corner> {
+    let mut corners = Vec::with_capacity(surface.positions.len());
     for (at, place) in surface.positions.iter().enumerate() {
         let tone = surface.tone.get(at).copied().unwrap_or(0);
         let fixed = surface.tones.get(usize::from(tone)).filter(|_| tone > 0);
@@ -211,7 +236,7 @@ fn corners(
             looks.number(tone.colour, &placed.organs.palette, 0) + 1
         });
         corners.push(Corner {
-            place: place.to_array(),
+            place: (*place / reach).to_array(),
             normal: octahedral(surface.normals.get(at).copied().unwrap_or(Vec3::Z)),
             look,
             ..Corner::default()

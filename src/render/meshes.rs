@@ -10,11 +10,10 @@ use glam::{Quat, Vec3, Vec4};
 use gpu_allocator::MemoryLocation;
 
 use super::{error::RenderError, gpu::Gpu, memory::Buffer};
-
-/// Sides of a tube (as shaders/tree.wgsl has it).
-pub(crate) const SIDES: u32 = 8;
-/// Segments (or caps) an instance: few instances, each with enough vertices to fill a processor's lanes.
-pub(crate) const BATCH: u32 = 8;
+use crate::tree::levels::{
+    BATCH,
+    kinds::{ENDS, KINDS, SIDES},
+};
 
 /// A vertex of a solid: place and part of the model, normal.
 #[repr(C)]
@@ -44,13 +43,11 @@ pub(crate) struct Meshes {
     pub(crate) plate: Run,
     pub(crate) left: Run,
     pub(crate) right: Run,
-    pub(crate) tubes: Run,
-    pub(crate) caps: Run,
 }
 
 impl Meshes {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, RenderError> {
-        let mut indices = Vec::new();
+        let mut indices = tube_batches();
         let mut spheres: Vec<Vec4> = Vec::new();
         let mut add = |made: (Vec<Vec4>, Vec<u16>)| {
             let run = Run {
@@ -87,18 +84,6 @@ impl Meshes {
         let left = add(controller(), true);
         let right = add(controller(), false);
 
-        let mut add = |made: Vec<u16>| {
-            let run = Run {
-                first: index(indices.len()),
-                count: index(made.len()),
-                vertex: 0,
-            };
-            indices.extend(made);
-            run
-        };
-        let tubes = add(tube_indices());
-        let caps = add(cap_indices());
-
         let vertex = vk::BufferUsageFlags::VERTEX_BUFFER;
         Ok(Self {
             spheres: filled(gpu, "the spheres", vertex, &spheres)?,
@@ -114,14 +99,12 @@ impl Meshes {
             plate,
             left,
             right,
-            tubes,
-            caps,
         })
     }
 }
 
-/// These buffers are small (60 kB): they stay where the processor wrote them.
-fn filled<T: bytemuck::NoUninit>(
+/// A small buffer, which stays where the processor wrote it.
+pub(crate) fn filled<T: bytemuck::NoUninit>(
     gpu: &Gpu,
     name: &'static str,
     usage: vk::BufferUsageFlags,
@@ -188,33 +171,40 @@ fn sphere(sides: u32, rows: u32) -> (Vec<Vec4>, Vec<u16>) {
     (points, indices)
 }
 
-/// Indices of eight segments: sixteen vertices each, two rings.
-fn tube_indices() -> Vec<u16> {
-    let sides = 0..SIDES;
-    (0..BATCH)
+/// The indices of a batch of segments as each kind: tubes of each number of sides, then the ends of those that have some, as
+/// [`of_tubes`](crate::tree::levels::kinds::of_tubes) counts them. They are the first of [`Meshes::indices`].
+fn tube_batches() -> Vec<u16> {
+    let tubes = SIDES.into_iter().flat_map(tube_indices);
+    let ends = SIDES.into_iter().take(KINDS - ENDS);
+    tubes.chain(ends.flat_map(cap_indices)).collect()
+}
+
+/// Indices of a batch of tubes, two rings of vertices each; of two sides: ribbons.
+fn tube_indices(sides: u32) -> Vec<u16> {
+    let quads = if sides == 2 { 1 } else { sides };
+    (0..index(BATCH))
         .flat_map(|segment| {
-            let first = segment * 2 * SIDES;
-            sides.clone().flat_map(move |side| {
-                let next = (side + 1) % SIDES;
+            let first = segment * 2 * sides;
+            (0..quads).flat_map(move |side| {
+                let next = (side + 1) % sides;
                 quad(
                     first + side,
                     first + next,
-                    first + SIDES + side,
-                    first + SIDES + next,
+                    first + sides + side,
+                    first + sides + next,
                 )
             })
         })
         .collect()
 }
 
-/// Indices of eight caps: a ring and a tip each.
-fn cap_indices() -> Vec<u16> {
-    let sides = 0..SIDES;
-    (0..BATCH)
+/// Indices of a batch of ends: a ring and a tip each.
+fn cap_indices(sides: u32) -> Vec<u16> {
+    (0..index(BATCH))
         .flat_map(|cap| {
-            let first = cap * (SIDES + 1);
-            sides.clone().flat_map(move |side| {
-                [first + (side + 1) % SIDES, first + side, first + SIDES].map(short)
+            let first = cap * (sides + 1);
+            (0..sides).flat_map(move |side| {
+                [first + (side + 1) % sides, first + side, first + sides].map(short)
             })
         })
         .collect()
@@ -387,6 +377,7 @@ fn controller() -> Solid {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
     use super::*;
+    use crate::tree::levels::kinds::{NONE, of_tubes};
 
     /// Volume by the divergence theorem: positive when the triangles turn outwards everywhere.
     fn volume(points: &[Vec3], indices: &[u16]) -> f32 {
@@ -426,15 +417,26 @@ mod tests {
 
     #[test]
     fn batches_stay_within_their_vertices() {
-        assert_eq!(tube_indices().len(), 384);
+        let indices = tube_batches();
+        let kinds = of_tubes();
+        let sides = [16, 8, 5, 3, 2, 16, 8, 5];
+        for (number, (kind, sides)) in kinds.iter().zip(sides).enumerate() {
+            let run = kind.first as usize..(kind.first + kind.indices) as usize;
+            let most = u32::from(*indices[run].iter().max().unwrap());
+            let (vertices, triangles) = match number {
+                4 => (4, 2),
+                0..4 => (2 * sides, 2 * sides),
+                _ => (sides + 1, sides),
+            };
+            assert_eq!((most, kind.indices), (8 * vertices - 1, 8 * 3 * triangles));
+            assert_eq!(kind.ends, if number < 3 { index(number) + 5 } else { NONE });
+        }
         assert_eq!(
-            u32::from(*tube_indices().iter().max().unwrap()),
-            BATCH * 2 * SIDES - 1
-        );
-        assert_eq!(cap_indices().len(), 192);
-        assert_eq!(
-            u32::from(*cap_indices().iter().max().unwrap()),
-            BATCH * (SIDES + 1) - 1
+            indices.len(),
+            kinds
+                .iter()
+                .map(|kind| kind.indices as usize)
+                .sum::<usize>()
         );
     }
 }

@@ -11,6 +11,7 @@
 //! Knows scenes, trees, models and egui's triangles; never tools; of headsets only the handles in `ramus_xr::vulkan`. The frame's path and what its
 //! synchronisation covers are written down in `docs/src/rendering.md`.
 
+mod crown_upload;
 mod data;
 mod error;
 mod eye;

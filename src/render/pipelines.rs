@@ -340,7 +340,7 @@ pub(crate) struct Formats {
 
 /// The stage's pipelines.
 pub(crate) struct Pipelines {
-    /// Set 0: the frame. Set 1: a chunk of the tree.
+    /// Set 0: the frame. Set 1: a chunk of the tree. Set 2: the batches to draw.
     pub(crate) tree_layout: Layout,
     /// Set 0: the frame. Set 1: the panel's picture.
     pub(crate) board_layout: Layout,
@@ -355,7 +355,6 @@ pub(crate) struct Pipelines {
     pub(crate) sky: Pipeline,
     pub(crate) ground: Pipeline,
     pub(crate) tubes: Pipeline,
-    pub(crate) caps: Pipeline,
     pub(crate) shadow: Pipeline,
     pub(crate) organs: Pipeline,
     pub(crate) organ_shadow: Pipeline,
@@ -387,7 +386,7 @@ impl Pipelines {
             Kind::SAMPLED_IMAGE,
             Kind::SAMPLER,
         ];
-        let tree_layout = Layout::new(gpu, &[&frame, &chunk], 0)?;
+        let tree_layout = Layout::new(gpu, &[&frame, &chunk, &[Kind::STORAGE_BUFFER]], 0)?;
         let board_layout = Layout::new(gpu, &[&frame, &[Kind::SAMPLED_IMAGE, Kind::SAMPLER]], 0)?;
 
         let immediates = u32::try_from(size_of::<ModelData>()).unwrap_or(0);
@@ -533,10 +532,6 @@ impl Pipelines {
                 ..solid
             })?,
             tubes: pipeline(tubes)?,
-            caps: pipeline(PipelineDesc {
-                vertex: shaders::tree::CAP_VERTEX,
-                ..tubes
-            })?,
             shadow: pipeline(cast(PipelineDesc {
                 vertex: shaders::tree::SHADOW_VERTEX,
                 ..tubes

@@ -13,7 +13,7 @@ mod trees;
 use std::sync::Arc;
 
 use ash::vk;
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Affine3A, Mat4, Vec3, Vec4};
 
 use self::record::Pass;
 use super::{
@@ -29,7 +29,7 @@ use super::{
     offscreen::{COLOR_FORMAT, DEPTH_FORMAT, check_extent},
     panel::{LayerImage, Panel},
     pipelines::{Formats, Pipelines},
-    selection::{Chosen, OldRoom, Selection},
+    selection::{Chosen, OldCrowns, OldRoom, Selection, sun_views},
     shadow::{self, Shadow, ShadowKey},
     target::{Attachments, Target},
     texture::Texture,
@@ -86,11 +86,14 @@ pub struct RendererParams {
     pub sun: Vec3,
     /// Whether the tree throws a shadow.
     pub shadows: bool,
-    /// A new tree of up to so many segments, or a model of so many triangles, is built and shown within the frame that brings it; larger ones must
-    /// come through [`Renderer::set_tree`] and [`Renderer::set_model`].
+    /// A new tree of up to so many segments is built and shown within the frame that brings it; larger ones must come through [`Renderer::set_tree`].
     pub direct_segments: usize,
-    /// Triangles and points of all models together that a frame hands over at most.
-    pub model_primitives: u32,
+    /// The same of models and their triangles, and [`Renderer::set_model`].
+    pub direct_triangles: usize,
+    /// Triangles and points of all trees and models together that a frame hands over at most.
+    pub primitives: u32,
+    /// What levels of detail may be off by where `primitives` allow it, pixels.
+    pub error_px: f32,
 }
 
 impl RendererParams {
@@ -104,9 +107,11 @@ impl RendererParams {
             backdrop: Backdrop::Stage,
             sun: Vec3::new(0.62, 0.70, 0.36),
             shadows: true,
-            direct_segments: 100_000,
+            direct_segments: 20_000,
+            direct_triangles: 100_000,
             // With what else stands on the stage 1.5 million.
-            model_primitives: 1_400_000,
+            primitives: 1_400_000,
+            error_px: 1.0,
         }
     }
 }
@@ -130,9 +135,9 @@ pub enum TreeState {
 pub struct DrawReport {
     /// Draw calls.
     pub draws: u32,
-    /// Triangles handed over but for those of models' faces, each counted once for both eyes.
+    /// Triangles handed over but for those that the device chose, each counted once for both eyes.
     pub triangles: u64,
-    /// What the device chose of models' faces in the last frame that is known to be done: two frames ago. See [`Renderer::chosen`].
+    /// What the device chose of trees and of models' faces in the last frame that is known to be done: two frames ago. See [`Renderer::chosen`].
     pub chosen: Chosen,
     /// Segments of the tree that was shown.
     pub segments: u32,
@@ -149,6 +154,7 @@ enum Garbage {
     Shape(#[allow(dead_code, reason = "kept to be dropped later")] Geometry),
     Colours(#[allow(dead_code, reason = "kept to be dropped later")] Colours),
     Room(#[allow(dead_code, reason = "kept to be dropped later")] OldRoom),
+    Crowns(#[allow(dead_code, reason = "kept to be dropped later")] OldCrowns),
     Buffer(#[allow(dead_code, reason = "kept to be dropped later")] Buffer),
 }
 
@@ -219,7 +225,7 @@ impl Renderer {
         };
         let slots = [slot()?, slot()?];
         let list = pipelines.model_layout.sets.get(2).copied();
-        let most = params.model_primitives;
+        let most = params.primitives;
         let selection = Selection::new(gpu, list.unwrap_or_default(), most)?;
         Ok(Self {
             meshes: Meshes::new(gpu)?,
@@ -366,9 +372,10 @@ impl Renderer {
             state = TreeState::Shown;
         }
         let (models, model) = self.update_models(scene, commands)?;
-        let chosen = self.gather(scene, at)?;
+        let views = self.views_of(eyes);
+        let chosen = self.gather(scene, placed, &views, at)?;
         let points = self.points_each(scene);
-        self.choose(scene, eyes, commands, at, points);
+        let budget = self.budget(scene, points);
         let mut painted = false;
         for panel in &mut self.panels {
             painted |= panel.record(&self.gpu, commands, at, self.frame, done)?;
@@ -418,9 +425,18 @@ impl Renderer {
         if let Some(key) = key
             && self.shadow.drawn != Some(key)
         {
+            let texel = numbers.tree.w;
+            let sun = sun_views(
+                self.params.sun,
+                sphere_of(&pass, key.world_from_tree),
+                texel,
+            );
+            let primitives = self.params.primitives;
+            self.selection.record_sun(commands, at, sun, primitives);
             self.record_shadow(&pass, &mut report);
             self.shadow.drawn = Some(key);
         }
+        self.selection.record(commands, at, &views, budget);
         match self.params.mode {
             StereoMode::Multiview => self.record_both(&pass, target, &mut report),
             StereoMode::PerEye | StereoMode::OneEye => self.record_each(&pass, target, &mut report),
@@ -559,6 +575,14 @@ impl Drop for Renderer {
     fn drop(&mut self) {
         let _ = self.gpu.wait_idle();
     }
+}
+
+/// A sphere around a tree where it stands.
+fn sphere_of(pass: &Pass<'_>, world_from_tree: Affine3A) -> Vec4 {
+    let bounds = pass.tree.map(|tree| tree.bounds).unwrap_or_default();
+    let scale = world_from_tree.x_axis.length();
+    let middle = world_from_tree.transform_point3(bounds.center);
+    middle.extend(bounds.radius * scale)
 }
 
 fn whole_buffer(buffer: vk::Buffer) -> vk::DescriptorBufferInfo {

@@ -1,8 +1,11 @@
-//! Which triangles of models are drawn in a frame: worked out on the device by shaders/select.wgsl, before the stage is drawn.
+//! Which triangles of models and which clusters of trees are drawn in a frame: worked out on the device by shaders/select.wgsl and crown.wgsl, before the
+//! stage is drawn, at one threshold for all.
 //!
 //! Everything stays on the device: a list of triangles, and for each chunk of each model a draw that says which part of the list is its own. The
 //! processor hands over a few numbers a chunk and asks nothing back; what was chosen is told two frames later, when the slot's fence says that it is
 //! there anyway.
+
+mod crowns;
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -20,13 +23,15 @@ use super::{
     pipelines::{Layout, Pipeline},
     shaders::select,
 };
-use crate::mesh::levels::cut::{BINS, Standing, Views, pixels, side};
+use crate::tree::levels::cut::{BINS, Standing, Views, pixels, side};
 use crate::world::scene::{ModelLook, PlacedModel};
+
+pub(crate) use self::crowns::{Crowns, For, OldCrowns};
 
 /// Clusters that a workgroup looks at.
 const GROUP: u32 = 64;
 
-/// `Item` of shaders/select.wgsl: a dispatch's immediates.
+/// `Item` of shaders/shared/choice.wgsl: a dispatch's immediates.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 struct ItemData {
@@ -44,17 +49,17 @@ struct ItemData {
 
 const _: () = assert!(
     size_of::<ItemData>() == 96,
-    "shaders/select.wgsl reads 96 bytes"
+    "shaders/shared/choice.wgsl reads 96 bytes"
 );
 
 const BY_GRAIN: u32 = 1;
 
-/// Bytes of `State` of shaders/select.wgsl.
+/// Bytes of `State` of shaders/shared/choice.wgsl.
 const STATE_BYTES: u64 = BINS as u64 * 4 + 4;
 /// Bytes of a draw.
 pub(crate) const DRAW_BYTES: u64 = size_of::<vk::DrawIndirectCommand>() as u64;
 
-/// What the device chose of all models in a frame.
+/// What the device chose of all models and trees in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Chosen {
     /// Triangles, each counted once for both eyes.
@@ -89,6 +94,9 @@ struct Room {
 /// What must live until the frames before are done.
 pub(crate) struct OldRoom(#[allow(dead_code, reason = "kept to be dropped later")] Box<Room>);
 
+/// Those of models and of trees.
+pub(crate) type OldRooms = (Option<OldRoom>, Option<OldCrowns>);
+
 pub(crate) struct Selection {
     /// Set 0: everything; set 1: a chunk's clusters.
     pub(crate) layout: Layout,
@@ -103,17 +111,19 @@ pub(crate) struct Selection {
     pub(crate) items: Vec<Item>,
     /// By slot: how many draws were told of.
     told: [usize; SLOTS],
+    pub(crate) crowns: Crowns,
     gpu: Gpu,
 }
 
 impl Selection {
-    /// `list_layout`: of one storage buffer, for the list; `most`: triangles of all models.
+    /// `list_layout`: of one storage buffer, for a list; `most`: triangles of all models and trees.
     pub(crate) fn new(
         gpu: &Gpu,
         list_layout: vk::DescriptorSetLayout,
         most: u32,
     ) -> Result<Self, RenderError> {
         use vk::DescriptorType as Kind;
+        let most = most.min(gpu.limits.max_storage_buffer_range / 4);
         let first = [
             Kind::UNIFORM_BUFFER,
             Kind::STORAGE_BUFFER,
@@ -161,7 +171,9 @@ impl Selection {
         let list_set = pool.set(list_layout)?;
         write_set(gpu, list_set, 0, &[&list]);
         let room = Room::new(gpu, &layout, &views, [&state, &list], [64, 16])?;
+        let crowns = Crowns::new(gpu, list_layout, most, &views, &state)?;
         Ok(Self {
+            crowns,
             layout,
             kernels,
             views,
@@ -179,8 +191,18 @@ impl Selection {
     /// Begins a frame's list of chunks; of what the slot's last frame chose.
     pub(crate) fn begin(&mut self, slot: usize) -> Chosen {
         self.items.clear();
+        let of_trees = self.crowns.begin(slot);
+        self.chosen_with(slot, of_trees)
+    }
+
+    fn chosen_with(&mut self, slot: usize, of_trees: Option<u64>) -> Chosen {
         let draws = self.told[slot];
-        chosen(self.room.told[slot].bytes(), draws)
+        if draws == 0 && of_trees.is_none() {
+            return Chosen::default();
+        }
+        let mut chosen = chosen(self.room.told[slot].bytes(), draws);
+        chosen.triangles += of_trees.unwrap_or(0);
+        chosen
     }
 
     /// Adds a model.
@@ -210,10 +232,11 @@ impl Selection {
     }
 
     /// Makes room for what was added; what held it before, where that had to change.
-    pub(crate) fn make_room(&mut self) -> Result<Option<OldRoom>, RenderError> {
+    pub(crate) fn make_room(&mut self) -> Result<OldRooms, RenderError> {
+        let crowns = self.crowns.make_room(&self.views, &self.state)?;
         let draws = u32::try_from(self.items.len()).unwrap_or(u32::MAX);
         if self.groups() <= self.room.groups && draws <= self.room.draws {
-            return Ok(None);
+            return Ok((None, crowns));
         }
         let wanted = [
             self.groups().max(self.room.groups).next_power_of_two(),
@@ -223,7 +246,7 @@ impl Selection {
         let room = Room::new(&self.gpu, &self.layout, &self.views, shared, wanted)?;
         self.told = [0; SLOTS];
         let old = std::mem::replace(&mut self.room, room);
-        Ok(Some(OldRoom(Box::new(old))))
+        Ok((Some(OldRoom(Box::new(old))), crowns))
     }
 
     fn groups(&self) -> u32 {
@@ -231,20 +254,55 @@ impl Selection {
         last.map_or(0, |data| data.first_group + data.groups)
     }
 
-    /// Records the choice of at most `budget` triangles as these eyes see them, `pixel` being a pixel's width at a metre.
+    /// Records the choice of at most `budget` triangles as these eyes see them.
     pub(crate) fn record(
         &mut self,
         commands: vk::CommandBuffer,
         slot: usize,
-        eyes: &[Eye; 2],
-        width_px: u32,
+        views: &Views,
         budget: u32,
     ) {
         self.told[slot] = self.items.len();
-        if self.items.is_empty() {
+        if self.items.is_empty() && self.crowns.is_empty() {
+            self.crowns.tell(commands, slot);
             return;
         }
-        self.views[slot].write(0, &[views(eyes, width_px)]);
+        self.views[slot].write(0, &[*views]);
+        self.begin_choice(commands);
+        let [weigh, _, count, place, write] = &self.kernels;
+        self.each(commands, slot, weigh);
+        self.crowns.weigh(commands, slot, For::Eyes);
+        self.settle(commands, slot, budget);
+        if !self.items.is_empty() {
+            let all = ItemData {
+                groups: self.groups(),
+                ..ItemData::default()
+            };
+            self.each(commands, slot, count);
+            self.once(commands, slot, place, &all);
+            self.each(commands, slot, write);
+        }
+        self.crowns.list(commands, slot, For::Eyes);
+        self.tell(commands, slot);
+    }
+
+    /// Records the choice of trees for the sun's map, at most `budget` triangles.
+    pub(crate) fn record_sun(
+        &mut self,
+        commands: vk::CommandBuffer,
+        slot: usize,
+        views: Views,
+        budget: u32,
+    ) {
+        self.crowns.write_sun(slot, views);
+        self.begin_choice(commands);
+        self.crowns.weigh(commands, slot, For::Sun);
+        self.settle(commands, slot, budget);
+        self.crowns.list(commands, slot, For::Sun);
+    }
+
+    /// Forgets what was counted.
+    fn begin_choice(&self, commands: vk::CommandBuffer) {
         let gpu = &self.gpu;
         full_barrier(gpu, commands, &[]);
         // SAFETY: the buffer has so many bytes.
@@ -253,18 +311,14 @@ impl Selection {
                 .cmd_fill_buffer(commands, self.state.handle, 0, STATE_BYTES, 0);
         }
         full_barrier(gpu, commands, &[]);
-        let all = ItemData {
-            groups: self.groups(),
+    }
+
+    fn settle(&self, commands: vk::CommandBuffer, slot: usize, budget: u32) {
+        let data = ItemData {
             budget,
             ..ItemData::default()
         };
-        let [weigh, settle, count, place, write] = &self.kernels;
-        self.each(commands, slot, weigh);
-        self.once(commands, slot, settle, &all);
-        self.each(commands, slot, count);
-        self.once(commands, slot, place, &all);
-        self.each(commands, slot, write);
-        self.tell(commands, slot);
+        self.once(commands, slot, &self.kernels[1], &data);
     }
 
     fn each(&self, commands: vk::CommandBuffer, slot: usize, kernel: &Pipeline) {
@@ -310,22 +364,12 @@ impl Selection {
     }
 
     fn run(&self, commands: vk::CommandBuffer, data: &ItemData, groups: u32) {
-        // SAFETY: the layout takes immediates of this size; there was room made for these groups.
-        unsafe {
-            let device = &self.gpu.device;
-            device.cmd_push_constants(
-                commands,
-                self.layout.handle,
-                vk::ShaderStageFlags::COMPUTE,
-                0,
-                bytemuck::bytes_of(data),
-            );
-            device.cmd_dispatch(commands, groups, 1, 1);
-        }
+        run(&self.gpu, commands, &self.layout, data, groups);
     }
 
     /// Copies what was chosen to where the processor sees it when the frame is done.
-    fn tell(&self, commands: vk::CommandBuffer, slot: usize) {
+    fn tell(&mut self, commands: vk::CommandBuffer, slot: usize) {
+        self.crowns.tell(commands, slot);
         let told = self.room.told[slot].handle;
         let copy = |src_offset, dst_offset, size| {
             [vk::BufferCopy {
@@ -346,8 +390,10 @@ impl Selection {
             let device = &self.gpu.device;
             let threshold = copy(STATE_BYTES - 4, 0, 4);
             device.cmd_copy_buffer(commands, self.state.handle, told, &threshold);
-            let draws = copy(0, DRAW_BYTES, draws);
-            device.cmd_copy_buffer(commands, self.room.chosen.handle, told, &draws);
+            if draws > 0 {
+                let draws = copy(0, DRAW_BYTES, draws);
+                device.cmd_copy_buffer(commands, self.room.chosen.handle, told, &draws);
+            }
             (self.gpu.newer.barrier)(commands, &raw const info);
         }
     }
@@ -359,36 +405,18 @@ impl Selection {
 
     /// What the last frame in a slot chose; only when that is done.
     pub(crate) fn chosen(&mut self, slot: usize) -> Chosen {
-        let draws = self.told[slot];
-        chosen(self.room.told[slot].bytes(), draws)
+        let of_trees = self.crowns.chosen(slot);
+        self.chosen_with(slot, of_trees)
     }
 
     /// The last frame's list for each item: triangles by their numbers in the chunk. Only when all frames are done.
     pub(crate) fn read(&mut self, slot: usize) -> Result<Vec<Vec<u32>>, RenderError> {
-        let mut copy = Buffer::new(
-            &self.gpu,
-            "reading back",
-            self.list.size,
-            vk::BufferUsageFlags::TRANSFER_DST,
-            MemoryLocation::GpuToCpu,
-        )?;
-        run_now(&self.gpu, |commands| {
-            let region = [vk::BufferCopy::default().size(self.list.size)];
-            // SAFETY: both buffers have this size.
-            unsafe {
-                self.gpu
-                    .device
-                    .cmd_copy_buffer(commands, self.list.handle, copy.handle, &region);
-            }
-            full_barrier(&self.gpu, commands, &[]);
-        })?;
+        let list = read(&self.gpu, &self.list)?;
         let count = self.told[slot];
         let draws: Vec<[u32; 4]> = draws(self.room.told[slot].bytes(), count).collect();
-        let bytes = copy.bytes();
         let part = |[vertices, _, first, _]: [u32; 4]| {
-            let range = first as usize / 3 * 4..(first + vertices) as usize / 3 * 4;
-            let words = bytes.get(range).unwrap_or_default().as_chunks::<4>().0;
-            words.iter().map(|word| u32::from_le_bytes(*word)).collect()
+            let run = first as usize / 3..(first + vertices) as usize / 3;
+            list.get(run).unwrap_or_default().to_vec()
         };
         Ok(draws.into_iter().map(part).collect())
     }
@@ -446,6 +474,43 @@ impl Room {
     }
 }
 
+/// What is in a buffer; only when all frames are done.
+fn read(gpu: &Gpu, from: &Buffer) -> Result<Vec<u32>, RenderError> {
+    let mut copy = Buffer::new(
+        gpu,
+        "reading back",
+        from.size,
+        vk::BufferUsageFlags::TRANSFER_DST,
+        MemoryLocation::GpuToCpu,
+    )?;
+    run_now(gpu, |commands| {
+        let region = [vk::BufferCopy::default().size(from.size)];
+        // SAFETY: both buffers have this size.
+        unsafe {
+            gpu.device
+                .cmd_copy_buffer(commands, from.handle, copy.handle, &region);
+        }
+        full_barrier(gpu, commands, &[]);
+    })?;
+    let words = copy.bytes().as_chunks::<4>().0;
+    Ok(words.iter().map(|word| u32::from_le_bytes(*word)).collect())
+}
+
+/// Runs a kernel that is bound, with its set.
+fn run(gpu: &Gpu, commands: vk::CommandBuffer, layout: &Layout, data: &ItemData, groups: u32) {
+    // SAFETY: the layout takes immediates of this size; there was room made for these groups.
+    unsafe {
+        gpu.device.cmd_push_constants(
+            commands,
+            layout.handle,
+            vk::ShaderStageFlags::COMPUTE,
+            0,
+            bytemuck::bytes_of(data),
+        );
+        gpu.device.cmd_dispatch(commands, groups, 1, 1);
+    }
+}
+
 fn buffer(gpu: &Gpu, name: &'static str, size: u64) -> Result<Buffer, RenderError> {
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER
         | vk::BufferUsageFlags::INDIRECT_BUFFER
@@ -473,9 +538,6 @@ fn draws(told: &[u8], count: usize) -> impl Iterator<Item = [u32; 4]> {
 }
 
 fn chosen(told: &[u8], count: usize) -> Chosen {
-    if count == 0 {
-        return Chosen::default();
-    }
     let threshold = told.first_chunk().copied().map_or(0, u32::from_le_bytes);
     Chosen {
         triangles: draws(told, count).map(|draw| u64::from(draw[0] / 3)).sum(),
@@ -495,8 +557,8 @@ pub(crate) fn standing(placed: &PlacedModel) -> Standing {
     Standing::new(placed.world_from_model, cut_of(look), by_grain, NEAR)
 }
 
-/// Both eyes as the choice takes them; pictures are so many pixels wide.
-pub(crate) fn views(eyes: &[Eye; 2], width_px: u32) -> Views {
+/// Both eyes as the choice takes them; pictures are so many pixels wide, and `error_px` of these count as one.
+pub(crate) fn views(eyes: &[Eye; 2], width_px: u32, error_px: f32) -> Views {
     let of = |eye: &Eye| {
         let [left, right, up, down] = eye.fov.tangents();
         let pose = eye.pose();
@@ -519,7 +581,7 @@ pub(crate) fn views(eyes: &[Eye; 2], width_px: u32) -> Views {
             )
         };
         #[allow(clippy::cast_precision_loss, reason = "widths are small")]
-        let pixels = width_px.max(1) as f32 / (right - left);
+        let pixels = width_px.max(1) as f32 / ((right - left) * error_px);
         (
             [upright(left), upright(right), level(up), level(down)],
             pose.position.extend(pixels),
@@ -531,3 +593,17 @@ pub(crate) fn views(eyes: &[Eye; 2], width_px: u32) -> Views {
         eyes: [left_eye, right_eye],
     }
 }
+
+/// The sun as the choice takes it: so far that all is equally near, and a texel of its map, in metres, is a pixel.
+pub(crate) fn sun_views(sun: Vec3, sphere: Vec4, texel: f32) -> Views {
+    let far = sphere.w.max(texel) * SUN;
+    let eye = (sphere.truncate() + sun * far).extend(far / texel);
+    Views {
+        // Nothing is outside.
+        planes: [[Vec4::W; 4]; 2],
+        eyes: [eye; 2],
+    }
+}
+
+/// The sun's distance in radii of what it shines on.
+const SUN: f32 = 1000.0;

@@ -4,7 +4,7 @@
 //! staging memory) and may run on any thread; the renderer then copies at most
 //! [`COPY_BYTES`] a frame to the device and swaps the tree in when all of it is there.
 //! A storage buffer may be limited to 128 MiB, so large trees are cut into chunks of
-//! whole batches, each with its own buffers and descriptor set.
+//! whole clusters, each with its own buffers and descriptor set.
 
 use std::sync::Arc;
 
@@ -13,14 +13,15 @@ use glam::Vec3;
 use gpu_allocator::MemoryLocation;
 
 use super::{
-    error::RenderError, frame::Pool, gpu::Gpu, leaf_upload::LeafChunk, memory::Buffer,
-    meshes::BATCH, organ_upload::OrganChunk, staging::Staging, texture::Texture,
+    crown_upload::CrownChunk, error::RenderError, frame::Pool, gpu::Gpu, leaf_upload::LeafChunk,
+    memory::Buffer, organ_upload::OrganChunk, texture::Texture,
 };
 use crate::{
     tree::{
         bark::Bark,
+        levels::{Levels, along_axes, kinds::of_tubes},
         organs::{LookTable, paint_segments, refined},
-        tubes::{self, CAPPED, LETTER_SHIFT, PAINTED, SegmentBuilder, TubeSegment},
+        tubes::{self, SegmentBuilder, TubeSegment},
     },
     world::scene::PlacedTree,
 };
@@ -29,7 +30,7 @@ use crate::{
 pub(crate) const COPY_BYTES: u64 = 32 << 20;
 
 /// A chunk is never larger than this, whatever the device allows.
-pub(crate) const CHUNK_BYTES: u64 = 64 << 20;
+pub(crate) const CHUNK_BYTES: u64 = 256 << 20;
 
 /// A sphere around the whole tree and the radius at its foot, in the tree's own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,24 +55,13 @@ impl Bounds {
     }
 }
 
-/// Segments that one descriptor set shows.
-pub(crate) struct Chunk {
-    pub(crate) segments: Buffer,
-    pub(crate) caps: Buffer,
-    /// Instances of the tubes' and of the caps' batches.
-    pub(crate) tube_batches: u32,
-    pub(crate) cap_batches: u32,
-    /// Both, one after the other.
-    staging: Staging,
-    pub(crate) set: vk::DescriptorSet,
-}
-
 /// A tree that is ready to be copied to the device.
 pub struct TreeUpload {
     pub(crate) revision: u64,
     pub(crate) segments: u32,
     pub(crate) bounds: Bounds,
-    pub(crate) chunks: Vec<Chunk>,
+    /// Branches.
+    pub(crate) chunks: Vec<CrownChunk>,
     /// Polygons and spheres.
     pub(crate) organs: Vec<OrganChunk>,
     /// Surfaces.
@@ -90,7 +80,6 @@ pub struct TreeUpload {
 pub(crate) struct Scratch {
     builder: SegmentBuilder,
     segments: Vec<TubeSegment>,
-    caps: Vec<u32>,
 }
 
 impl TreeUpload {
@@ -126,13 +115,13 @@ impl TreeUpload {
             &mut scratch.segments,
             &mut looks,
         );
-        let mut upload = Self::cut(
-            gpu,
-            &scratch.segments,
-            placed.revision,
-            &mut scratch.caps,
-            CHUNK_BYTES,
-        )?;
+        let order = along_axes(tree, scratch.builder.axis());
+        let segments = &scratch.segments;
+        let ordered: Vec<TubeSegment> = order
+            .iter()
+            .filter_map(|at| segments.get(*at as usize).copied())
+            .collect();
+        let mut upload = Self::in_chunks(gpu, &ordered, placed.revision, CHUNK_BYTES)?;
         if !placed.organs.is_bare() {
             upload.organs = OrganChunk::all(gpu, placed, &mut looks)?;
             upload.leaves = LeafChunk::all(gpu, placed, &mut looks)?;
@@ -143,7 +132,8 @@ impl TreeUpload {
         Ok(upload)
     }
 
-    /// The same from segments made elsewhere, in chunks of at most so many bytes (and no more than the device allows).
+    /// The same from segments made elsewhere, of which neighbours follow each other ([`along_axes`]), in chunks of at most so many bytes (and no more than
+    /// the device allows).
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`].
@@ -153,29 +143,12 @@ impl TreeUpload {
         revision: u64,
         chunk_bytes: u64,
     ) -> Result<Self, RenderError> {
-        Self::cut(gpu, segments, revision, &mut Vec::new(), chunk_bytes)
-    }
-
-    fn cut(
-        gpu: &Gpu,
-        segments: &[TubeSegment],
-        revision: u64,
-        caps: &mut Vec<u32>,
-        chunk_bytes: u64,
-    ) -> Result<Self, RenderError> {
-        let range = chunk_bytes.min(u64::from(gpu.limits.max_storage_buffer_range));
-        let record = size_of::<TubeSegment>() as u64;
-        let batches = (range / record / u64::from(BATCH)).max(1);
-        let most = usize::try_from(batches * u64::from(BATCH)).unwrap_or(usize::MAX);
-        let chunks = segments
-            .chunks(most)
-            .map(|part| Chunk::new(gpu, part, caps))
-            .collect::<Result<_, _>>()?;
+        let levels = Levels::new(segments);
         Ok(Self {
             revision,
             segments: u32::try_from(segments.len()).unwrap_or(u32::MAX),
             bounds: bounds(segments),
-            chunks,
+            chunks: CrownChunk::all(gpu, &levels, of_tubes(), chunk_bytes)?,
             organs: Vec::new(),
             leaves: Vec::new(),
             bark: Bark::default(),
@@ -190,16 +163,21 @@ impl TreeUpload {
         self.revision
     }
 
+    /// Chunks of branches, then of leaves.
+    pub(crate) fn crowns(&self) -> impl Iterator<Item = &CrownChunk> {
+        let leaves = self.leaves.iter().map(|chunk| &chunk.crown);
+        self.chunks.iter().chain(leaves)
+    }
+
     /// Copies up to `budget` bytes more; true when all is there.
     pub(crate) fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, mut budget: u64) -> bool {
-        let tubes = |chunk: &mut Chunk| chunk.copy(gpu, commands, &mut budget);
-        self.chunks.iter_mut().all(tubes)
+        let crowns = self.chunks.iter_mut();
+        let leaves = self.leaves.iter_mut().map(|chunk| &mut chunk.crown);
+        crowns
+            .chain(leaves)
+            .all(|chunk| chunk.copy(gpu, commands, &mut budget))
             && self
                 .organs
-                .iter_mut()
-                .all(|chunk| chunk.copy(gpu, commands, &mut budget))
-            && self
-                .leaves
                 .iter_mut()
                 .all(|chunk| chunk.copy(gpu, commands, &mut budget))
     }
@@ -207,71 +185,10 @@ impl TreeUpload {
     /// Staging memory that is not needed any more; the caller frees it when the device is done.
     pub(crate) fn take_staging(&mut self) -> impl Iterator<Item = Buffer> {
         let organs = self.organs.iter_mut().map(OrganChunk::take_staging);
-        let tubes = self.chunks.iter_mut().map(|chunk| chunk.staging.take());
-        let leaves = self.leaves.iter_mut().map(LeafChunk::take_staging);
-        tubes.chain(organs).chain(leaves).flatten()
-    }
-}
-
-impl Chunk {
-    fn new(gpu: &Gpu, segments: &[TubeSegment], caps: &mut Vec<u32>) -> Result<Self, RenderError> {
-        let batch = BATCH as usize;
-        caps.clear();
-        caps.extend(
-            (0_u32..)
-                .zip(segments)
-                .filter(|(_, segment)| segment.flags & CAPPED != 0)
-                .map(|(at, _)| at),
-        );
-        // Whole batches: spare caps draw the last one again, spare segments are points of no size.
-        if let Some(last) = caps.last().copied() {
-            caps.resize(caps.len().next_multiple_of(batch), last);
-        }
-        let padded = segments.len().next_multiple_of(batch);
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-        let segment_bytes = (padded * size_of::<TubeSegment>()) as u64;
-        let cap_bytes = (caps.len() * size_of::<u32>()) as u64;
-        let bytes = segment_bytes + cap_bytes;
-        let mut staging = Staging::new(gpu, "the tree on its way", bytes)?;
-        staging.write(0, segments);
-        let spare = [TubeSegment::default(); BATCH as usize];
-        staging.write(
-            size_of_val(segments) as u64,
-            spare.get(..padded - segments.len()).unwrap_or_default(),
-        );
-        staging.write(segment_bytes, caps);
-        let count = |n: usize| u32::try_from(n / batch).unwrap_or(u32::MAX);
-        Ok(Self {
-            segments: Buffer::new(
-                gpu,
-                "the tree's segments",
-                segment_bytes,
-                usage,
-                MemoryLocation::GpuOnly,
-            )?,
-            caps: Buffer::new(
-                gpu,
-                "the tree's caps",
-                cap_bytes,
-                usage,
-                MemoryLocation::GpuOnly,
-            )?,
-            tube_batches: count(padded),
-            cap_batches: count(caps.len()),
-            staging,
-            set: vk::DescriptorSet::null(),
-        })
-    }
-
-    fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, budget: &mut u64) -> bool {
-        let segment_bytes =
-            u64::from(self.tube_batches) * u64::from(BATCH) * size_of::<TubeSegment>() as u64;
-        let cap_bytes = u64::from(self.cap_batches) * u64::from(BATCH) * size_of::<u32>() as u64;
-        let parts = [
-            (self.segments.handle, segment_bytes),
-            (self.caps.handle, cap_bytes),
-        ];
-        self.staging.copy(gpu, commands, &parts, budget)
+        let leaves = self.leaves.iter_mut().map(|chunk| &mut chunk.crown);
+        let crowns = self.chunks.iter_mut().chain(leaves);
+        let crowns = crowns.map(CrownChunk::take_staging);
+        crowns.chain(organs).flatten()
     }
 }
 
@@ -326,6 +243,10 @@ pub(crate) fn upload_size(placed: &PlacedTree) -> usize {
 }
 
 const _: () = assert!(
-    tubes::GROWING == 1 && CAPPED == 2 && PAINTED == 8 && LETTER_SHIFT == 16,
+    tubes::GROWING == 1
+        && tubes::CAPPED == 2
+        && tubes::PAINTED == 8
+        && tubes::WIDER_SHIFT == 4
+        && tubes::LETTER_SHIFT == 16,
     "shaders/tree.wgsl knows these bits"
 );

@@ -23,6 +23,7 @@ pub mod file;
 pub mod foliage;
 pub mod growth;
 pub mod import;
+pub mod levels;
 pub mod measure;
 pub mod mesh;
 pub(crate) mod nearest;

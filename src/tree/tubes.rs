@@ -49,7 +49,8 @@ pub struct TubeSegment {
     /// Centre of the second ring.
     pub to: [f32; 3],
     /// Bit 0 ([`GROWING`]): part of the newest step. Bit 1 ([`CAPPED`]): the tube ends here.
-    /// Bit 2 ([`STARTS`]): the tube begins here. Bit 3 ([`PAINTED`]): bits 16…31 are a look's number and not the letter.
+    /// Bit 2 ([`STARTS`]): the tube begins here. Bit 3 ([`PAINTED`]): bits 16…31 are a look's number and not the letter. Bits 4…11 ([`WIDER_SHIFT`]): how
+    /// much wider than its twig it is, where it stands for others, too.
     pub flags: u32,
     /// The nearest whole ancestor's position, from which a growing segment unfolds (of a whole segment: its own second point).
     pub base: [f32; 3],
@@ -71,6 +72,9 @@ pub const CAPPED: u32 = 2;
 pub const STARTS: u32 = 4;
 /// Flag of a segment with a look of its own, whose number then stands in the place of its letter.
 pub const PAINTED: u32 = 8;
+/// Bits to shift [`TubeSegment::flags`] right by to get how much wider a segment is than its twig: sixteenths of powers of two, up to 255. By it a coarser
+/// level's segment has the colour that its twig has.
+pub const WIDER_SHIFT: u32 = 4;
 /// Bits to shift [`TubeSegment::flags`] right by to get the letter.
 pub const LETTER_SHIFT: u32 = 16;
 
@@ -250,6 +254,12 @@ impl SegmentBuilder {
 }
 
 impl SegmentBuilder {
+    /// Of each node of the tree that was built last the child that continues its axis, or [`NO_PARENT`].
+    #[must_use]
+    pub fn axis(&self) -> &[u32] {
+        &self.axis
+    }
+
     /// Finds which nodes are tips, now and one step earlier. A root is none: its ring is a foot.
     fn mark(&mut self, tree: &Tree, newest: u32) {
         self.marks.clear();

@@ -9,10 +9,11 @@ use glam::{Affine3A, Vec3, Vec4};
 use image::{DynamicImage, RgbaImage};
 use ramus::mesh::Mesh;
 use ramus::mesh::display::Display;
-use ramus::mesh::levels::{Levels, cut};
+use ramus::mesh::levels::Levels;
 use ramus::render::{
     Backdrop, Chosen, Eye, Gpu, ModelUpload, Offscreen, Renderer, RendererParams, StereoMode,
 };
+use ramus::tree::levels::cut;
 use ramus::world::scene::{ModelLook, PlacedModel, Scene, SurfaceLook, new_revision};
 
 use super::support::{ahead, device, mode, silent};
@@ -107,8 +108,8 @@ fn scene(models: impl IntoIterator<Item = PlacedModel>) -> Scene {
 fn params(mode: StereoMode) -> RendererParams {
     RendererParams {
         backdrop: Backdrop::Plain([0.0, 0.0, 0.0, 1.0]),
-        direct_segments: usize::MAX,
-        model_primitives: 3_000_000,
+        direct_triangles: usize::MAX,
+        primitives: 3_000_000,
         ..RendererParams::new(FINE, FINE, mode)
     }
 }
@@ -231,7 +232,7 @@ fn a_frame_never_hands_over_more_than_its_budget() {
     let Some(gpu) = device() else { return };
     // As the workshop has it.
     let params = RendererParams {
-        model_primitives: RendererParams::new(1, 1, StereoMode::Multiview).model_primitives,
+        primitives: RendererParams::new(1, 1, StereoMode::Multiview).primitives,
         ..params(mode(&gpu))
     };
     let mut stage = Stage::new(&gpu, &params);
@@ -254,7 +255,7 @@ fn a_frame_never_hands_over_more_than_its_budget() {
     let mut few = Stage::new(
         &gpu,
         &RendererParams {
-            model_primitives: 60_000,
+            primitives: 60_000,
             ..params
         },
     );
@@ -273,7 +274,7 @@ fn a_frame_never_hands_over_more_than_its_budget() {
 fn the_device_chooses_what_its_twin_chooses() {
     let Some(gpu) = device() else { return };
     let params = RendererParams {
-        model_primitives: 30_000,
+        primitives: 30_000,
         ..params(mode(&gpu))
     };
     let mut stage = Stage::new(&gpu, &params);
@@ -296,11 +297,11 @@ fn the_device_chooses_what_its_twin_chooses() {
             let (standing, views) = stage.renderer.choice_of(placed, &eyes);
             let levels = &placed.display.levels;
             counted.extend(levels.clusters.iter().map(|cluster| {
-                let bins = standing.bins(cluster, &views);
+                let bins = cluster.bins(&standing, &views);
                 (bins.unwrap_or([255, 255]), cluster.count)
             }));
         }
-        let threshold = cut::threshold(counted.iter().copied(), params.model_primitives);
+        let threshold = cut::threshold(counted.iter().copied(), params.primitives);
         let mut expected = counted
             .iter()
             .map(|(bins, _)| cut::is_drawn(*bins, threshold));
@@ -450,7 +451,7 @@ fn what_neither_eye_sees_or_is_cut_away_is_not_handed_over() {
 fn another_colouring_goes_up_alone_and_the_last_one_stays_until_it_is_there() {
     let Some(gpu) = device() else { return };
     let params = RendererParams {
-        direct_segments: 0,
+        direct_triangles: 0,
         ..params(mode(&gpu))
     };
     let mut stage = Stage::new(&gpu, &params);

@@ -392,7 +392,7 @@ fn a_lamp_lights_what_it_is_at_and_colours_are_the_triangles_own() {
 fn a_model_in_many_chunks_is_the_same_and_goes_when_the_scene_lets_it_go() {
     let Some(gpu) = device() else { return };
     let params = RendererParams {
-        direct_segments: 0,
+        direct_triangles: 0,
         ..plain(mode(&gpu), 0.1)
     };
     let mesh = ball_mesh(24, RADIUS);

@@ -420,7 +420,7 @@ fn large_images_come_in_parts_and_go_with_their_model() {
     let Some(gpu) = device() else { return };
     let [start, _] = gpu.memory();
     let params = RendererParams {
-        direct_segments: usize::MAX,
+        direct_triangles: usize::MAX,
         ..plain(mode(&gpu), 0.0)
     };
     let mut renderer = Renderer::new(&gpu, &params).unwrap();

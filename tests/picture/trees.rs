@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 use ramus::{
     render::{Backdrop, Eye, Offscreen, Renderer, RendererParams, TreeState, TreeUpload},
-    tree::{NO_PARENT, Tree},
+    tree::{NO_PARENT, Tree, axes::axis_children, levels::along_axes, tubes::TubeSegment},
     world::scene::{PlacedTree, Scene},
 };
 
@@ -85,7 +85,12 @@ fn differing(a: &[f32], b: &[f32]) -> usize {
 #[test]
 fn growth_runs_from_the_step_before_to_the_whole_tree() {
     let Some(gpu) = device() else { return };
-    let params = plain(mode(&gpu), 0.3);
+    // In full detail: levels differ where other segments grow.
+    let params = RendererParams {
+        error_px: 0.0,
+        backdrop: Backdrop::Plain([0.3, 0.3, 0.3, 1.0]),
+        ..RendererParams::new(2 * SIDE, 2 * SIDE, mode(&gpu))
+    };
     let eyes =
         Eye::looking_at(Vec3::new(0.6, 1.0, 2.2), Vec3::new(0.0, 1.0, 0.0), field()).pair(0.064);
     let depth = |tree: PlacedTree| {
@@ -196,14 +201,16 @@ fn large_trees_come_from_a_worker_and_in_chunks() {
     let upload = std::thread::spawn(move || {
         let mut segments = Vec::new();
         ramus::tree::tubes::segments(&tree.tree, &tree.radius_before, tree.newest, &mut segments);
-        // 1,000 bytes: one batch of eight a chunk.
-        TreeUpload::in_chunks(&worker, &segments, tree.revision, 1000).unwrap()
+        let order = along_axes(&tree.tree, &axis_children(&tree.tree));
+        let ordered: Vec<TubeSegment> = order.iter().map(|at| segments[*at as usize]).collect();
+        // 1,000 bytes: one cluster a chunk.
+        TreeUpload::in_chunks(&worker, &ordered, tree.revision, 1000).unwrap()
     });
     renderer.set_tree(upload.join().unwrap());
     let report = draw(&mut renderer, &scene);
     assert_eq!(report.tree, TreeState::Shown);
     assert!(
-        report.segments > 300 && report.draws > report.segments / 8,
+        report.segments > 300 && report.draws > 4 * report.segments.div_ceil(64),
         "{report:?}"
     );
     let chunked = offscreen.read_color().unwrap();

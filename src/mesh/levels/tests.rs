@@ -14,12 +14,12 @@ use std::sync::atomic::AtomicBool;
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use proptest::prelude::*;
 
-use super::cut::{self, BINS, COARSEST as COARSEST_BIN, NEVER, Standing, Views};
 use super::{COARSEST, Cluster, Joined, Levels, MOST_TRIANGLES, SMALL};
 use crate::mesh::display::Display;
 use crate::mesh::paint::{Material, Paint};
 use crate::mesh::textured::{LayerLimits, Textured};
 use crate::mesh::{Mesh, made};
+use crate::tree::levels::cut::{self, BINS, COARSEST as COARSEST_BIN, NEVER, Standing, Views};
 
 fn levels(mesh: Mesh) -> Arc<Levels> {
     let display = Display::new(Arc::new(mesh), None, &AtomicBool::new(false)).unwrap();
@@ -52,7 +52,7 @@ fn drawn_for<'a>(
     threshold: u32,
 ) -> Vec<&'a Cluster> {
     let is = |cluster: &&Cluster| {
-        let bins = standing.bins(cluster, views);
+        let bins = cluster.bins(standing, views);
         bins.is_some_and(|bins| cut::is_drawn(bins, threshold))
     };
     levels.clusters.iter().filter(is).collect()
@@ -359,7 +359,7 @@ proptest! {
         let views = wide(Vec3::from(eye) * scale, pixels);
         // Everything is seen, so errors never fall on the way up.
         for cluster in &levels.clusters {
-            let [own, parent] = standing.bins(cluster, &views).unwrap();
+            let [own, parent] = cluster.bins(&standing, &views).unwrap();
             prop_assert!(own <= parent);
         }
         let drawn = drawn_for(levels, &standing, &views, threshold);
@@ -374,7 +374,7 @@ proptest! {
         let most = ((1.0 + off).powi(3) - 1.0).max(0.2);
         prop_assert!((share - 1.0).abs() < most.into(), "{share} {most}");
         let all = levels.clusters.iter().filter_map(|cluster| {
-            Some((standing.bins(cluster, &views)?, cluster.count))
+            Some((cluster.bins(&standing, &views)?, cluster.count))
         });
         let found = cut::threshold(all, budget);
         let count = |at: u32| -> u32 {
@@ -408,7 +408,7 @@ proptest! {
         };
         let plane = Vec4::from(plane);
         let standing = Standing::new(Affine3A::IDENTITY, plane, false, 0.05);
-        for cluster in levels.clusters.iter().filter(|c| standing.bins(c, &views).is_none()) {
+        for cluster in levels.clusters.iter().filter(|c| c.bins(&standing, &views).is_none()) {
             for vertex in levels.triangles[cluster.triangles()].as_flattened() {
                 let at = mesh.positions[*vertex as usize];
                 let before_the_cut = plane.truncate().dot(at) > plane.w - 1e-4;

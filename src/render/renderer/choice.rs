@@ -1,22 +1,31 @@
 //! Which triangles of the models a frame draws: what is handed to the [`Selection`](crate::render::selection::Selection), and what comes back.
 
-use ash::vk;
+use glam::{Affine3A, Vec4};
 
 use super::{Chosen, Garbage, Renderer, SLOTS};
-use crate::mesh::levels::cut::{Standing, Views};
 use crate::render::{
     error::RenderError,
-    eye::Eye,
+    eye::{Eye, NEAR},
     selection::{standing, views},
 };
-use crate::world::scene::{PlacedModel, Scene};
+use crate::tree::levels::cut::{Standing, Views};
+use crate::world::scene::{PlacedModel, PlacedTree, Scene};
 
 /// A frame shows so many vertices as points, of larger models each second, third and so on.
 const MOST_POINTS: u32 = 250_000;
 
+/// Pixels that levels of detail are never asked to be better than.
+const FINEST: f32 = 1e-6;
+
 impl Renderer {
-    /// Lists the models' chunks; what the slot's last frame chose.
-    pub(super) fn gather(&mut self, scene: &Scene, slot: usize) -> Result<Chosen, RenderError> {
+    /// Lists the models' and the tree's chunks; what the slot's last frame chose.
+    pub(super) fn gather(
+        &mut self,
+        scene: &Scene,
+        tree: Option<&PlacedTree>,
+        views: &Views,
+        slot: usize,
+    ) -> Result<Chosen, RenderError> {
         let chosen = self.selection.begin(slot);
         for (number, placed) in scene.models.iter().enumerate() {
             let at = self.is_chosen(placed).and_then(|shape| {
@@ -27,16 +36,28 @@ impl Renderer {
                 self.selection.add(number, placed, shape);
             }
         }
-        if let Some(old) = self.selection.make_room()? {
-            self.garbage.push((self.frame, Garbage::Room(old)));
+        if let (Some(upload), Some(placed)) = (&self.tree, tree) {
+            let place = placed.world_from_tree;
+            let place = if place.is_finite() {
+                place
+            } else {
+                Affine3A::default()
+            };
+            for chunk in upload.crowns() {
+                self.selection.crowns.add(chunk, place, views);
+            }
         }
+        let (models, crowns) = self.selection.make_room()?;
+        let old = models.map(Garbage::Room).into_iter();
+        let old = old.chain(crowns.map(Garbage::Crowns));
+        self.garbage.extend(old.map(|old| (self.frame, old)));
         Ok(chosen)
     }
 
     /// Of so many vertices one is shown.
     pub(super) fn points_each(&self, scene: &Scene) -> u32 {
         self.points(scene)
-            .div_ceil(MOST_POINTS.min(self.params.model_primitives / 4).max(1))
+            .div_ceil(MOST_POINTS.min(self.params.primitives / 4).max(1))
             .max(1)
     }
 
@@ -47,26 +68,23 @@ impl Renderer {
         points.fold(0, u32::saturating_add)
     }
 
-    /// Records the choice; `each`: of so many vertices one is shown.
-    pub(super) fn choose(
-        &mut self,
-        scene: &Scene,
-        eyes: &[Eye; 2],
-        commands: vk::CommandBuffer,
-        slot: usize,
-        each: u32,
-    ) {
+    /// Triangles of trees and models that a frame may have; `each`: of so many vertices one is shown.
+    pub(super) fn budget(&self, scene: &Scene, each: u32) -> u32 {
         let points = 2 * (self.points(scene) / each.max(1));
-        let budget = self.params.model_primitives.saturating_sub(points);
-        let width = self.params.extent.width;
-        self.selection.record(commands, slot, eyes, width, budget);
+        self.params.primitives.saturating_sub(points)
+    }
+
+    /// Both eyes as the choice takes them.
+    pub(super) fn views_of(&self, eyes: &[Eye; 2]) -> Views {
+        let params = &self.params;
+        views(eyes, params.extent.width, params.error_px.max(FINEST))
     }
 
     fn last_slot(&self) -> usize {
         usize::try_from(self.frame.saturating_sub(1) % SLOTS as u64).unwrap_or(0)
     }
 
-    /// Waits for the last frame, and says what was chosen of models' faces in it, as the draws say it that the device made. For tests and benchmarks:
+    /// Waits for the last frame, and says what was chosen of trees and models' faces in it, as the draws say it that the device made. For tests and benchmarks:
     /// frames do without waiting.
     ///
     /// # Errors
@@ -99,9 +117,27 @@ impl Renderer {
         Ok(all)
     }
 
-    /// What the choice is worked out from, for its twin in [`crate::mesh::levels::cut`].
+    /// What the choice is worked out from, for its twin in [`crate::tree::levels::cut`].
     #[must_use]
     pub fn choice_of(&self, placed: &PlacedModel, eyes: &[Eye; 2]) -> (Standing, Views) {
-        (standing(placed), views(eyes, self.params.extent.width))
+        (standing(placed), self.views_of(eyes))
+    }
+
+    /// Waits for the last frame, and says which batches of the tree's records were chosen in it: of each chunk, branches and then each surface's leaves, a list of
+    /// numbers with the [kind](crate::tree::levels::kinds) in the bits from 28 on. For tests.
+    ///
+    /// # Errors
+    /// [`RenderError`] when the device fails.
+    pub fn chosen_batches(&mut self) -> Result<Vec<Vec<u32>>, RenderError> {
+        self.wait()?;
+        let slot = self.last_slot();
+        self.selection.crowns.read(slot)
+    }
+
+    /// What the choice of a tree that stands like this is worked out from, for its twin in [`crate::tree::levels`].
+    #[must_use]
+    pub fn choice_of_tree(&self, world_from_tree: Affine3A, eyes: &[Eye; 2]) -> (Standing, Views) {
+        let standing = Standing::new(world_from_tree, Vec4::ZERO, false, NEAR);
+        (standing, self.views_of(eyes))
     }
 }

@@ -65,7 +65,7 @@ impl Renderer {
                 .textured
                 .as_ref()
                 .map_or(0, |textured| textured.layers.texels.len() / TEXELS_EACH);
-            if display.mesh.triangles.len().max(texels) > self.params.direct_segments {
+            if display.mesh.triangles.len().max(texels) > self.params.direct_triangles {
                 missing = missing.or(Some(placed.revision));
                 continue;
             }

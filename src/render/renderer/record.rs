@@ -9,6 +9,8 @@ use crate::render::{
     hidden::HiddenEyes,
     memory::Buffer,
     meshes::Run,
+    pipelines::Pipeline,
+    selection::For,
     target::{Resolved, StereoImage, Target, aspects, discard},
     tree_upload::TreeUpload,
 };
@@ -49,9 +51,14 @@ impl Renderer {
             .layer_count(1)
             .depth_attachment(&depth);
         self.begin(pass, &info, self.shadow.extent(), 0);
-        self.record_tubes(pass, self.pipelines.shadow.handle, report);
-        self.record_organs(pass, self.pipelines.organ_shadow.handle, report);
-        self.record_leaves(pass, self.pipelines.leaf_shadow.handle, report);
+        let pipelines = &self.pipelines;
+        self.record_crowns(
+            pass,
+            For::Sun,
+            [&pipelines.shadow, &pipelines.leaf_shadow],
+            report,
+        );
+        self.record_organs(pass, pipelines.organ_shadow.handle, report);
         self.end(pass);
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         full_barrier(
@@ -231,10 +238,14 @@ impl Renderer {
             .depth_attachment(&many_depth);
         self.begin(pass, &info, extent, block);
         self.record_hidden(pass, block, report);
-        self.record_tubes(pass, self.pipelines.tubes.handle, report);
-        self.record_caps(pass, report);
-        self.record_organs(pass, self.pipelines.organs.handle, report);
-        self.record_leaves(pass, self.pipelines.leaves.handle, report);
+        let pipelines = &self.pipelines;
+        self.record_crowns(
+            pass,
+            For::Eyes,
+            [&pipelines.tubes, &pipelines.leaves],
+            report,
+        );
+        self.record_organs(pass, pipelines.organs.handle, report);
         self.record_models(pass, block, report);
         self.record_instances(pass, report);
         self.record_panels(pass, block, report);
@@ -320,21 +331,44 @@ impl Renderer {
         };
     }
 
-    fn record_tubes(&self, pass: &Pass<'_>, pipeline: vk::Pipeline, report: &mut DrawReport) {
+    /// What was chosen of branches, then of leaves.
+    fn record_crowns(
+        &self,
+        pass: &Pass<'_>,
+        whom: For,
+        [tubes, leaves]: [&Pipeline; 2],
+        report: &mut DrawReport,
+    ) {
         let Some(tree) = pass.tree else { return };
-        self.bind(pass, pipeline);
-        for chunk in &tree.chunks {
+        self.bind(pass, tubes.handle);
+        self.bind_set(pass, 2, self.selection.crowns.list_set);
+        for (item, chunk) in tree.chunks.iter().enumerate() {
             self.bind_chunk(pass, chunk.set);
-            self.draw_run(pass, self.meshes.tubes, 0..chunk.tube_batches, report);
+            self.draw_chosen(pass, item, whom, report);
         }
+        if tree.leaves.is_empty() {
+            return;
+        }
+        self.bind(pass, leaves.handle);
+        for (item, chunk) in (tree.chunks.len()..).zip(&tree.leaves) {
+            self.bind_chunk(pass, chunk.crown.set);
+            self.bind_indices(pass, &chunk.indices, vk::IndexType::UINT32);
+            self.draw_chosen(pass, item, whom, report);
+        }
+        self.bind_indices(pass, &self.meshes.indices, vk::IndexType::UINT16);
     }
 
-    fn record_caps(&self, pass: &Pass<'_>, report: &mut DrawReport) {
-        let Some(tree) = pass.tree else { return };
-        self.bind(pass, self.pipelines.caps.handle);
-        for chunk in &tree.chunks {
-            self.bind_chunk(pass, chunk.set);
-            self.draw_run(pass, self.meshes.caps, 0..chunk.cap_batches, report);
+    /// The draws that the device made of a chunk.
+    fn draw_chosen(&self, pass: &Pass<'_>, item: usize, whom: For, report: &mut DrawReport) {
+        const STRIDE: u32 = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
+        let (buffer, runs) = self.selection.crowns.draws(item, whom);
+        for (offset, count) in runs.into_iter().filter(|(_, count)| *count > 0) {
+            // SAFETY: the buffer has these draws; what they draw lies within the bound buffers.
+            unsafe {
+                let device = &self.gpu.device;
+                device.cmd_draw_indexed_indirect(pass.commands, buffer, offset, count, STRIDE);
+            }
+            report.draws += count;
         }
     }
 
@@ -355,23 +389,6 @@ impl Renderer {
         self.bind_indices(pass, &self.meshes.indices, vk::IndexType::UINT16);
     }
 
-    fn record_leaves(&self, pass: &Pass<'_>, pipeline: vk::Pipeline, report: &mut DrawReport) {
-        let Some(tree) = pass.tree.filter(|tree| !tree.leaves.is_empty()) else {
-            return;
-        };
-        self.bind(pass, pipeline);
-        for chunk in &tree.leaves {
-            self.bind_chunk(pass, chunk.set);
-            self.bind_indices(pass, &chunk.indices, vk::IndexType::UINT32);
-            let run = Run {
-                count: chunk.count,
-                ..Run::default()
-            };
-            self.draw_run(pass, run, 0..chunk.batches, report);
-        }
-        self.bind_indices(pass, &self.meshes.indices, vk::IndexType::UINT16);
-    }
-
     fn bind_indices(&self, pass: &Pass<'_>, buffer: &Buffer, kind: vk::IndexType) {
         // SAFETY: the buffer lives until the frame is done.
         unsafe {
@@ -382,14 +399,19 @@ impl Renderer {
     }
 
     fn bind_chunk(&self, pass: &Pass<'_>, set: vk::DescriptorSet) {
+        self.bind_set(pass, 1, set);
+    }
+
+    /// Binds a set of what trees are drawn by.
+    fn bind_set(&self, pass: &Pass<'_>, number: u32, set: vk::DescriptorSet) {
         let layout = self.pipelines.tree_layout.handle;
-        // SAFETY: the set's layout is the second of the pipeline layout.
+        // SAFETY: the set's layout is that of this number of the pipeline layout.
         unsafe {
             self.gpu.device.cmd_bind_descriptor_sets(
                 pass.commands,
                 vk::PipelineBindPoint::GRAPHICS,
                 layout,
-                1,
+                number,
                 &[set],
                 &[],
             );

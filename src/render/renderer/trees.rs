@@ -7,8 +7,8 @@ use ash::vk;
 use super::{Garbage, Renderer, whole_buffer};
 use crate::mesh::{paint::Pixels, textured::Layers};
 use crate::render::{
-    error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, texture::Texture,
-    tree_upload::COPY_BYTES,
+    error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer, model_upload::write_set,
+    texture::Texture, tree_upload::COPY_BYTES,
 };
 use crate::tree::bark::Bark;
 
@@ -42,9 +42,9 @@ impl Renderer {
         let count = u32::try_from(chunks).unwrap_or(u32::MAX).max(1);
         let pool = Pool::new(
             &self.gpu,
-            count,
+            2 * count,
             &[
-                (vk::DescriptorType::STORAGE_BUFFER, 3 * count),
+                (vk::DescriptorType::STORAGE_BUFFER, 5 * count),
                 (vk::DescriptorType::SAMPLED_IMAGE, count),
                 (vk::DescriptorType::SAMPLER, count),
             ],
@@ -53,19 +53,19 @@ impl Renderer {
         let repeated = self.pipelines.image_samplers.handles[0];
         let sampler = [vk::DescriptorImageInfo::default().sampler(repeated)];
         let looks = coming.looks.handle;
-        let tubes = coming
-            .chunks
-            .iter_mut()
-            .map(|chunk| (&mut chunk.set, chunk.segments.handle, chunk.caps.handle));
-        // Organs have nothing at the caps' place: their vertices stand there again.
-        let organs = coming
-            .organs
-            .iter_mut()
-            .map(|chunk| (&mut chunk.set, chunk.vertices.handle, chunk.vertices.handle));
-        let leaves = coming
-            .leaves
-            .iter_mut()
-            .map(|chunk| (&mut chunk.set, chunk.leaves.handle, chunk.corners.handle));
+        // Only leaves have something at the corners' place: records stand there again.
+        let tubes = coming.chunks.iter_mut().map(|chunk| {
+            let records = chunk.records.handle;
+            (&mut chunk.set, records, records)
+        });
+        let organs = coming.organs.iter_mut().map(|chunk| {
+            let vertices = chunk.vertices.handle;
+            (&mut chunk.set, vertices, vertices)
+        });
+        let leaves = coming.leaves.iter_mut().map(|chunk| {
+            let records = chunk.crown.records.handle;
+            (&mut chunk.crown.set, records, chunk.corners.handle)
+        });
         for (set, first, second) in tubes.chain(organs).chain(leaves) {
             *set = pool.set(layout)?;
             let buffers = [first, second, looks].map(whole_buffer);
@@ -92,6 +92,13 @@ impl Renderer {
                 self.gpu.device.update_descriptor_sets(&writes, &[]);
                 self.gpu.device.update_descriptor_sets(&images, &[]);
             }
+        }
+        let choice = self.selection.crowns.layout.sets.get(1).copied();
+        let choice = choice.unwrap_or_default();
+        let leaves = coming.leaves.iter_mut().map(|chunk| &mut chunk.crown);
+        for chunk in coming.chunks.iter_mut().chain(leaves) {
+            chunk.choice = pool.set(choice)?;
+            write_set(&self.gpu, chunk.choice, 0, &[&chunk.clusters, &chunk.kinds]);
         }
         // Known from here on: until now something could fail, and its copy would never be made.
         self.bark = Some((bark, Arc::clone(&picture)));

@@ -27,6 +27,7 @@ mod thin;
 pub use kinds::{Kind, kind, kinds};
 use light::Light;
 pub(super) use thin::thin;
+pub(crate) use thin::two_triangles;
 
 /// Leaves beyond which fewer and larger ones stand for all.
 pub const MOST_LEAVES: u64 = 1 << 21;

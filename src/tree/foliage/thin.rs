@@ -1,7 +1,7 @@
 //! Leaves of coarser levels of detail: simpler, then fewer and larger, so that a crown stays as dense as it was.
 //!
 //! Of leaves that lean on their crown ([`Surface::rounded`]) alone; what a grammar places one by one (flowers, leaves of its own) stays. A leaf of length s
-//! becomes two triangles where the level may be off by more than s/12, and of all leaves s/4w parts stay where it may be off by w beyond s/4, each as much
+//! becomes two triangles where the level may be off by more than s/12 (a sparse one later), and of all leaves s/4w parts stay where it may be off by w beyond s/4, each as much
 //! larger as keeps their area (Cook, Halstead, Planck and Ryu 2007, "Stochastic simplification of aggregate detail").
 
 use glam::Vec3;
@@ -20,19 +20,20 @@ pub(crate) fn thin(organs: &mut Organs, within: f32) {
     if within.is_nan() || within <= 0.0 {
         return;
     }
-    let coarse: Vec<Option<u16>> = (0..organs.surfaces.len())
+    let coarse: Vec<Option<(u16, f32)>> = (0..organs.surfaces.len())
         .map(|at| {
             let surface = organs.surfaces.get(at).filter(|one| one.rounded > 0.0)?;
             let number = u16::try_from(organs.surfaces.len()).ok()?;
-            organs.surfaces.push(two_triangles(surface));
-            Some(number)
+            let (kite, part) = two_triangles(surface);
+            organs.surfaces.push(kite);
+            Some((number, part))
         })
         .collect();
     // By surface: how much of a leaf is owed.
     let mut owed = vec![0.0_f32; coarse.len()];
     organs.placed.retain_mut(|leaf| {
         let at = usize::from(leaf.surface);
-        let Some(coarse) = coarse.get(at).copied().flatten() else {
+        let Some((coarse, part)) = coarse.get(at).copied().flatten() else {
             return true;
         };
         let share = share(leaf, within);
@@ -43,7 +44,7 @@ pub(crate) fn thin(organs: &mut Organs, within: f32) {
             }
             *owed -= 1.0;
         }
-        if leaf.scale.abs() < SHAPED * within {
+        if leaf.scale.abs() < SHAPED * part * within {
             leaf.surface = coarse;
         }
         leaf.scale *= share.sqrt().recip();
@@ -56,17 +57,26 @@ fn share(leaf: &Placed, within: f32) -> f32 {
     (leaf.scale.abs() / (ALL * within)).clamp(1.0 / FEWEST, 1.0)
 }
 
-/// A leaf as a kite: foot, widest place, tip.
-fn two_triangles(surface: &Surface) -> Surface {
+/// A leaf as a kite (foot, widest place, tip) of the leaf's own area, and what part of the kite around the leaf that is, [`SPARSE`] to 1: a spray of needles
+/// fills little of its outline, so it must look smaller than a leaf before a kite may stand for it.
+pub(crate) fn two_triangles(surface: &Surface) -> (Surface, f32) {
     let tip = surface
         .positions
         .iter()
         .fold(Vec3::ZERO, |tip, p| if p.y > tip.y { *p } else { tip });
-    let widest =
+    let mut widest =
         surface.positions.iter().fold(
             Vec3::ZERO,
             |widest, p| if p.x > widest.x { *p } else { widest },
         );
+    let around = widest.x * tip.y;
+    let part = area(surface) / around;
+    let part = if part.is_finite() {
+        part.clamp(SPARSE, 1.0)
+    } else {
+        1.0
+    };
+    widest.x *= part;
     let other = Vec3::new(-widest.x, widest.y, widest.z);
     let mut kite = Surface {
         positions: vec![Vec3::ZERO, widest, tip, other],
@@ -76,7 +86,22 @@ fn two_triangles(surface: &Surface) -> Surface {
     kite.normals.clear();
     kite.tone.clear();
     kite.smooth();
-    kite
+    (kite, part)
+}
+
+/// The least part of its outline that a leaf is taken to fill.
+const SPARSE: f32 = 0.2;
+
+/// The area of a surface of scale 1.
+fn area(surface: &Surface) -> f32 {
+    let at = |corner: &u32| surface.positions.get(*corner as usize).copied();
+    let triangles = surface.indices.as_chunks::<3>().0.iter();
+    triangles
+        .filter_map(|[a, b, c]| {
+            let (a, b, c) = (at(a)?, at(b)?, at(c)?);
+            Some((b - a).cross(c - a).length() / 2.0)
+        })
+        .sum()
 }
 
 #[cfg(test)]

@@ -1,15 +1,14 @@
-//! Which clusters are drawn: what shaders/select.wgsl works out on the device, in plain Rust, as its oracle.
+//! Which clusters are drawn, of trees and of models: what shaders/crown.wgsl and shaders/select.wgsl work out on the device, in plain Rust, as their
+//! oracle.
 //!
 //! A cluster's errors are projected to pixels as the nearer eye sees them. Sizes of pixels are not compared as they are but in [`bin`]s of an eighth of
 //! an octave, so that the triangles drawn at each threshold can be counted in one pass: a cluster adds its triangles at its own bin and takes them away at
-//! its parents'. The smallest threshold from one pixel up whose triangles fit the budget is taken for all models.
+//! its parents'. The smallest threshold from one pixel up whose triangles fit the budget is taken for all trees and models.
 //!
 //! Distances count from the eye and not along its axis, so that a turn of the head changes no level.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3, Vec4};
-
-use super::Cluster;
 
 /// How many thresholds there are.
 pub const BINS: usize = 128;
@@ -18,7 +17,7 @@ pub const COARSEST: u32 = 127;
 /// The bin of what nothing replaces.
 pub const NEVER: u32 = 255;
 
-/// Both eyes: `Views` of shaders/select.wgsl.
+/// Both eyes: `Views` of shaders/shared/choice.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Views {
@@ -30,10 +29,10 @@ pub struct Views {
 
 const _: () = assert!(
     size_of::<Views>() == 160,
-    "shaders/select.wgsl reads 160 bytes"
+    "shaders/shared/choice.wgsl reads 160 bytes"
 );
 
-/// A model as it stands: what shaders/select.wgsl is told of it.
+/// A model or a tree as it stands: what the device is told of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Standing {
     /// Model to world: a similarity.
@@ -67,26 +66,26 @@ impl Standing {
         }
     }
 
-    /// The bins of a cluster's own error and of its parents'; none where neither eye sees it.
+    /// The bins of a cluster's own error and of its parents', each with the sphere that it counts from; none where neither eye sees the cluster's own
+    /// sphere. `parent`: none where nothing replaces it.
     #[must_use]
-    pub fn bins(&self, cluster: &Cluster, views: &Views) -> Option<[u32; 2]> {
-        if !self.is_seen(cluster.sphere, views) {
+    pub fn bins(
+        &self,
+        sphere: Vec4,
+        own: (Vec4, f32),
+        parent: Option<(Vec4, f32)>,
+        views: &Views,
+    ) -> Option<[u32; 2]> {
+        if !self.is_seen(sphere, views) {
             return None;
         }
-        let [own, parent] = if self.by_grain {
-            [cluster.own_grain, cluster.parent_grain]
-        } else {
-            [cluster.own_error, cluster.parent_error]
-        };
-        let parent = if parent < 0.0 {
-            NEVER
-        } else {
-            bin(self.pixels(cluster.parent, parent, views))
-        };
-        Some([bin(self.pixels(cluster.own, own, views)), parent])
+        let bin = |(sphere, error): (Vec4, f32)| bin(self.pixels(sphere, error, views));
+        Some([bin(own), parent.map_or(NEVER, bin)])
     }
 
-    fn is_seen(&self, sphere: Vec4, views: &Views) -> bool {
+    /// Whether either eye sees anything of a sphere.
+    #[must_use]
+    pub fn is_seen(&self, sphere: Vec4, views: &Views) -> bool {
         let middle = self.world_from_model.transform_point3(sphere.truncate());
         let radius = sphere.w * self.scale;
         let within = |plane: &Vec4| plane.truncate().dot(middle) + plane.w >= -radius;
@@ -96,8 +95,9 @@ impl Standing {
         left && views.planes.iter().any(sees)
     }
 
-    /// An error from a sphere's nearest point in pixels.
-    fn pixels(&self, sphere: Vec4, error: f32, views: &Views) -> f32 {
+    /// A length at a sphere's nearest point in pixels.
+    #[must_use]
+    pub fn pixels(&self, sphere: Vec4, error: f32, views: &Views) -> f32 {
         let middle = self.world_from_model.transform_point3(sphere.truncate());
         let radius = sphere.w * self.scale;
         let seen = |eye: &Vec4| {

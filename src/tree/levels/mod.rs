@@ -1,0 +1,280 @@
+//! Levels of detail of a tree as it is drawn: clusters of tube segments, or of leaves, halved and halved again until one is left.
+//!
+//! ```text
+//! finest     ▣ ▣ ▣ ▣ ▣ ▣ ▣ ▣     64 records each, neighbours along the axes
+//!             ╲╱  ╲╱  ╲╱  ╲╱
+//! coarser      ▣   ▣   ▣   ▣      of two neighbours' 128 records the 64 that miss least
+//!               ╲ ╱     ╲ ╱
+//! ...            ▣       ▣
+//!                 ╲     ╱
+//! coarsest            ▣           the whole tree in 64 records
+//! ```
+//!
+//! Each cluster has one parent, so a cut through this tree of clusters shows every part of the plant once: a cluster is drawn where its own error is
+//! small enough on the screen and its parent's is not ([`cut`]). A mesh needs more than that ([`crate::mesh::levels`](../../mesh/levels/index.html)),
+//! since its levels must agree along their borders. Tubes need not: whatever a level leaves out, the rings at both ends of what it keeps stay as they
+//! are, so pieces of all levels meet in the same rings.
+//!
+//! What a step towards the coarse does is said by [`Record`]: of tubes, neighbours along an axis become one, and thin ones go while others grow wider
+//! ([`branches`]); of leaves, every second one goes while others grow larger ([`leaves`]). Errors grow from level to level and spheres hold those below.
+//!
+//! Sources: Karis, Stubbe and Wihlidal 2021, "A Deep Dive into Nanite Virtualized Geometry" (the question that a cluster is asked); Cook, Halstead, Planck
+//! and Ryu 2007, "Stochastic Simplification of Aggregate Detail" (fewer and larger).
+
+pub mod branches;
+pub mod cut;
+pub mod kinds;
+pub mod leaves;
+mod order;
+#[cfg(test)]
+mod tests;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+pub use self::leaves::{Leaf, LeafLevels};
+pub use self::order::along_axes;
+
+/// Records of a cluster at most.
+pub const MOST: usize = 64;
+/// Records that are drawn by one instance; a cluster has whole ones of them.
+pub const BATCH: usize = 8;
+/// So many records have one level: to draw them whole costs less than to choose.
+const SMALL: usize = 512;
+
+/// A record that clusters are made of: a segment or a leaf.
+pub trait Record: Copy + Default + Send + Sync {
+    /// The corners of a box around it, at any growth.
+    fn corners(&self) -> [Vec3; 2];
+
+    /// What its number of triangles depends on: how wide a tube is or how long a leaf, metres.
+    fn size(&self) -> f32;
+
+    /// Whether it has an end that is drawn by itself; a cluster's first records are those that have.
+    fn ends(&self) -> bool;
+
+    /// What is noted of a record of the finest level: what [`Self::halve`] needs to know of it, level by level.
+    const NOTE: f32;
+
+    /// Leaves at most `most` of a run of neighbours, and says what is off by that, metres. Each has its note.
+    fn halve(run: &mut Vec<(Self, f32)>, most: usize) -> f32;
+}
+
+/// Records that are drawn together or not at all: `Cluster` of shaders/crown.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Cluster {
+    /// A sphere around its records: middle and radius, in the tree's frame.
+    pub sphere: Vec4,
+    /// The sphere that its own error counts from.
+    pub own: Vec4,
+    /// The sphere that its parent's error counts from; holds `own`.
+    pub parent: Vec4,
+    /// How far what it shows is from the tree, metres; 0 where it is the tree.
+    pub own_error: f32,
+    /// The error of what replaces it; −1: nothing does.
+    pub parent_error: f32,
+    /// The largest [`Record::size`] of its records.
+    pub size: f32,
+    /// Nothing: shaders read 16 bytes at a time.
+    pub pad: u32,
+    /// Its first batch of [`BATCH`] records.
+    pub first: u32,
+    /// How many batches it has.
+    pub batches: u32,
+    /// In how many of these, from the first one on, something [`Record::ends`].
+    pub ends: u32,
+    /// Nothing.
+    pub pad_end: u32,
+}
+
+const _: () = assert!(
+    size_of::<Cluster>() == 80,
+    "shaders/crown.wgsl reads 80 bytes"
+);
+
+impl Cluster {
+    /// The bins of its own error and of its parent's as the eyes see them; none where neither does.
+    #[must_use]
+    pub fn bins(&self, standing: &cut::Standing, views: &cut::Views) -> Option<[u32; 2]> {
+        let parent = (self.parent_error >= 0.0).then_some((self.parent, self.parent_error));
+        standing.bins(self.sphere, (self.own, self.own_error), parent, views)
+    }
+}
+
+/// Records in all levels of detail.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Levels<R> {
+    /// Of all levels, cluster by cluster, each filled up to whole batches with records of no size.
+    pub records: Vec<R>,
+    /// Clusters, finest level first.
+    pub clusters: Vec<Cluster>,
+    /// So many of these are the tree itself.
+    pub finest: usize,
+}
+
+impl<R> Default for Levels<R> {
+    fn default() -> Self {
+        Self {
+            records: Vec::new(),
+            clusters: Vec::new(),
+            finest: 0,
+        }
+    }
+}
+
+/// A cluster of the level that is being built.
+struct Made<R> {
+    /// In the order of neighbours, each with its note.
+    run: Vec<(R, f32)>,
+    /// A sphere around it and all that it stands for.
+    own: Vec4,
+    error: f32,
+    /// Where it stands among all clusters.
+    number: usize,
+}
+
+impl<R: Record> Levels<R> {
+    /// Builds all levels of records that lie beside their neighbours. The same for any number of threads.
+    #[must_use]
+    pub fn new(records: &[R]) -> Self {
+        let mut levels = Self::default();
+        let runs = records.par_chunks(MOST);
+        let mut level: Vec<Made<R>> = runs.map(Made::finest).collect();
+        levels.add(&mut level);
+        levels.finest = levels.clusters.len();
+        while level.len() > 1 && records.len() > SMALL {
+            let mut next: Vec<Made<R>> = pairs(&level).into_par_iter().map(Made::of).collect();
+            levels.add(&mut next);
+            for (made, pair) in next.iter().zip(pairs(&level)) {
+                levels.replace(pair, made);
+            }
+            level = next;
+        }
+        levels
+    }
+
+    /// Adds a level's clusters.
+    fn add(&mut self, level: &mut [Made<R>]) {
+        self.clusters.reserve(level.len());
+        self.records.reserve(level.len() * MOST);
+        for made in level {
+            made.number = self.clusters.len();
+            self.clusters.push(made.cluster(self.records.len() / BATCH));
+            let run = || made.run.iter().map(|(record, _)| *record);
+            self.records.extend(run().filter(R::ends));
+            self.records.extend(run().filter(|record| !record.ends()));
+            let whole = self.records.len().next_multiple_of(BATCH);
+            self.records.resize(whole, R::default());
+        }
+    }
+
+    /// Tells clusters what replaces them.
+    fn replace(&mut self, children: &[Made<R>], parent: &Made<R>) {
+        for child in children {
+            if let Some(cluster) = self.clusters.get_mut(child.number) {
+                cluster.parent = parent.own;
+                cluster.parent_error = parent.error;
+            }
+        }
+    }
+}
+
+/// Neighbours that become one: two each, of an odd number the last three.
+fn pairs<R>(level: &[Made<R>]) -> Vec<&[Made<R>]> {
+    let pairs = (level.len() / 2).max(1);
+    let end = |pair: usize| {
+        if pair + 1 == pairs {
+            level.len()
+        } else {
+            2 * pair + 2
+        }
+    };
+    let pair = |pair: usize| level.get(2 * pair..end(pair)).unwrap_or_default();
+    (0..pairs).map(pair).collect()
+}
+
+impl<R: Record> Made<R> {
+    fn finest(records: &[R]) -> Self {
+        let run: Vec<(R, f32)> = records.iter().map(|record| (*record, R::NOTE)).collect();
+        Self {
+            own: sphere(hull(&run)),
+            run,
+            error: 0.0,
+            number: 0,
+        }
+    }
+
+    /// What stands for these.
+    fn of(children: &[Self]) -> Self {
+        let mut run = Vec::with_capacity(children.len() * MOST);
+        let mut error = 0.0_f32;
+        for child in children {
+            run.extend_from_slice(&child.run);
+            error = error.max(child.error);
+        }
+        error = error.max(R::halve(&mut run, MOST));
+        let new = sphere(hull(&run));
+        let spheres = children.iter().map(|child| child.own);
+        Self {
+            own: spheres.fold(new, both),
+            run,
+            error,
+            number: 0,
+        }
+    }
+
+    /// As it is drawn, with its first batch's number.
+    fn cluster(&self, first: usize) -> Cluster {
+        let count = |records: usize| u32::try_from(records.div_ceil(BATCH)).unwrap_or(u32::MAX);
+        let ends = self.run.iter().filter(|(record, _)| record.ends()).count();
+        let sizes = self.run.iter().map(|(record, _)| record.size());
+        Cluster {
+            sphere: sphere(hull(&self.run)),
+            own: self.own,
+            own_error: self.error,
+            parent_error: -1.0,
+            size: sizes.fold(0.0, f32::max),
+            first: u32::try_from(first).unwrap_or(u32::MAX),
+            batches: count(self.run.len()),
+            ends: count(ends),
+            ..Cluster::default()
+        }
+    }
+}
+
+const NOWHERE: [Vec3; 2] = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+
+fn around([low, high]: [Vec3; 2], [other_low, other_high]: [Vec3; 2]) -> [Vec3; 2] {
+    [low.min(other_low), high.max(other_high)]
+}
+
+fn hull<R: Record>(run: &[(R, f32)]) -> [Vec3; 2] {
+    let boxes = run.iter().map(|(record, _)| record.corners());
+    boxes.fold(NOWHERE, around)
+}
+
+/// A sphere around a box, with room for rounding; of what is nowhere a point.
+fn sphere([low, high]: [Vec3; 2]) -> Vec4 {
+    if !low.cmple(high).all() {
+        return Vec4::ZERO;
+    }
+    let middle = (low + high) / 2.0;
+    middle.extend(low.distance(high) / 2.0 * 1.000_01)
+}
+
+/// The smallest sphere around two, with room for rounding.
+fn both(one: Vec4, other: Vec4) -> Vec4 {
+    let [from, to] = [one.truncate(), other.truncate()];
+    let apart = from.distance(to);
+    if apart + other.w <= one.w {
+        return one;
+    }
+    if apart + one.w <= other.w {
+        return other;
+    }
+    let radius = (apart + one.w + other.w) / 2.0;
+    let middle = from + (to - from) * ((radius - one.w) / apart);
+    middle.extend(radius * 1.000_01)
+}
