@@ -63,6 +63,9 @@ impl LeafChunk {
         looks: &mut LookTable,
     ) -> Result<Vec<Self>, RenderError> {
         let organs = &placed.organs;
+        if organs.placed.is_empty() {
+            return Ok(Vec::new());
+        }
         let bases = growth::bases(&placed.tree, placed.newest);
         let mut by_surface: Vec<Vec<Leaf>> = vec![Vec::new(); organs.surfaces.len()];
         for one in neighbours(placed) {

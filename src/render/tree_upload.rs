@@ -117,11 +117,9 @@ impl TreeUpload {
         );
         let order = along_axes(tree, scratch.builder.axis());
         let segments = &scratch.segments;
-        let ordered: Vec<TubeSegment> = order
-            .iter()
-            .filter_map(|at| segments.get(*at as usize).copied())
-            .collect();
-        let mut upload = Self::in_chunks(gpu, &ordered, placed.revision, CHUNK_BYTES)?;
+        let record = |at: usize| order.get(at).and_then(|at| segments.get(*at as usize));
+        let levels = Levels::of(order.len(), |at| record(at).copied().unwrap_or_default());
+        let mut upload = Self::with_levels(gpu, &levels, segments, placed.revision, CHUNK_BYTES)?;
         if !placed.organs.is_bare() {
             upload.organs = OrganChunk::all(gpu, placed, &mut looks)?;
             upload.leaves = LeafChunk::all(gpu, placed, &mut looks)?;
@@ -143,12 +141,21 @@ impl TreeUpload {
         revision: u64,
         chunk_bytes: u64,
     ) -> Result<Self, RenderError> {
-        let levels = Levels::new(segments);
+        Self::with_levels(gpu, &Levels::new(segments), segments, revision, chunk_bytes)
+    }
+
+    fn with_levels(
+        gpu: &Gpu,
+        levels: &Levels<TubeSegment>,
+        segments: &[TubeSegment],
+        revision: u64,
+        chunk_bytes: u64,
+    ) -> Result<Self, RenderError> {
         Ok(Self {
             revision,
             segments: u32::try_from(segments.len()).unwrap_or(u32::MAX),
             bounds: bounds(segments),
-            chunks: CrownChunk::all(gpu, &levels, of_tubes(), chunk_bytes)?,
+            chunks: CrownChunk::all(gpu, levels, of_tubes(), chunk_bytes)?,
             organs: Vec::new(),
             leaves: Vec::new(),
             bark: Bark::default(),

@@ -139,12 +139,26 @@ impl<R: Record> Levels<R> {
     /// Builds all levels of records that lie beside their neighbours. The same for any number of threads.
     #[must_use]
     pub fn new(records: &[R]) -> Self {
+        Self::of(records.len(), |at| {
+            records.get(at).copied().unwrap_or_default()
+        })
+    }
+
+    /// The same of so many records, each by its place in the order of neighbours.
+    #[must_use]
+    pub fn of(count: usize, record: impl Fn(usize) -> R + Sync) -> Self {
         let mut levels = Self::default();
-        let runs = records.par_chunks(MOST);
-        let mut level: Vec<Made<R>> = runs.map(Made::finest).collect();
+        let clusters = count.div_ceil(MOST);
+        let more = if count > SMALL { 2 } else { 1 };
+        levels.clusters.reserve_exact(more * clusters);
+        levels.records.reserve_exact(more * clusters * MOST);
+        let runs = (0..clusters).into_par_iter();
+        let run = |cluster: usize| cluster * MOST..count.min((cluster + 1) * MOST);
+        let finest = runs.map(|cluster| Made::finest(run(cluster).map(&record)));
+        let mut level: Vec<Made<R>> = finest.collect();
         levels.add(&mut level);
         levels.finest = levels.clusters.len();
-        while level.len() > 1 && records.len() > SMALL {
+        while level.len() > 1 && count > SMALL {
             let mut next: Vec<Made<R>> = pairs(&level).into_par_iter().map(Made::of).collect();
             levels.add(&mut next);
             for (made, pair) in next.iter().zip(pairs(&level)) {
@@ -157,8 +171,6 @@ impl<R: Record> Levels<R> {
 
     /// Adds a level's clusters.
     fn add(&mut self, level: &mut [Made<R>]) {
-        self.clusters.reserve(level.len());
-        self.records.reserve(level.len() * MOST);
         for made in level {
             made.number = self.clusters.len();
             self.clusters.push(made.cluster(self.records.len() / BATCH));
@@ -196,8 +208,8 @@ fn pairs<R>(level: &[Made<R>]) -> Vec<&[Made<R>]> {
 }
 
 impl<R: Record> Made<R> {
-    fn finest(records: &[R]) -> Self {
-        let run: Vec<(R, f32)> = records.iter().map(|record| (*record, R::NOTE)).collect();
+    fn finest(records: impl Iterator<Item = R>) -> Self {
+        let run: Vec<(R, f32)> = records.map(|record| (record, R::NOTE)).collect();
         Self {
             own: sphere(hull(&run)),
             run,
