@@ -8,7 +8,7 @@ use std::io;
 
 use glam::Vec3;
 
-use super::{ExportParams, MOST_BYTES, PART};
+use super::{ExportParams, Individual, MOST_BYTES, PART, Stand};
 use crate::tree::mesh::{SIDES, TubeMesh, mesh, vertices_per_segment};
 use crate::tree::organs::{
     Colour, LookTable, OrganMesh, Organist, Organs, look_of, paint_segments, refined, refined_len,
@@ -75,13 +75,78 @@ impl Part {
     }
 }
 
-/// All that is to be written.
+/// What the surfaces of one file may still take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget {
+    /// Of the file.
+    bytes: u64,
+    /// Vertices that may be kept in memory.
+    kept: u64,
+}
+
+/// A tree's surface, and where in a file it stands.
+#[derive(Debug)]
+pub(super) struct Standing<'a> {
+    /// Of the tree among others.
+    pub(super) name: String,
+    /// Metres from where the file counts from.
+    pub(super) at: Vec3,
+    pub(super) surface: Surface<'a>,
+}
+
+impl Standing<'_> {
+    /// A position where it stands.
+    pub(super) fn placed(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        [x + self.at.x, y + self.at.y, z + self.at.z]
+    }
+}
+
+/// The surfaces of all trees of a file, or why they cannot be written; `vertex_bytes` is what one vertex takes at most.
+pub(super) fn standing<'a>(
+    stand: &Stand<'a>,
+    format: &'static str,
+    vertex_bytes: u64,
+) -> Result<Vec<Standing<'a>>, TreeError> {
+    let mut budget = Budget {
+        bytes: MOST_BYTES,
+        kept: KEPT,
+    };
+    let made = stand.trees.iter().map(|one| {
+        let mut surface = Surface::new(one, format, vertex_bytes, &mut budget)?;
+        surface.measure(&mut budget)?;
+        let standing = Standing {
+            name: one.name.clone(),
+            at: one.at,
+            surface,
+        };
+        let corners = standing
+            .surface
+            .groups
+            .iter()
+            .flat_map(|group| group.bounds);
+        let mut corners = corners.map(|corner| standing.placed(corner));
+        match corners.all(|corner| Vec3::from(corner).is_finite()) {
+            true => Ok(standing),
+            false => Err(TreeError::TooWide),
+        }
+    });
+    let made: Vec<Standing<'_>> = made.collect::<Result<_, TreeError>>()?;
+    if made.is_empty() {
+        return Err(TreeError::Empty(format));
+    }
+    Ok(made)
+}
+
+/// All that is to be written of a tree.
 #[derive(Debug)]
 pub(super) struct Surface<'a> {
+    pub(super) tree: &'a Tree,
     records: Vec<TubeSegment>,
     sides: u32,
-    organs: &'a Organs,
+    pub(super) organs: &'a Organs,
     looks: LookTable,
+    /// Vertices that it may have.
+    most: u64,
     /// All parts where they are kept, with the vertices of their group before them.
     kept: Vec<(Matter, u32, Part)>,
     /// In the order in which they are written; none is empty.
@@ -89,17 +154,22 @@ pub(super) struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    /// The surface of a whole drawing, or why it cannot be written; `vertex_bytes` is what one vertex takes at most.
-    pub(super) fn new(
-        tree: &Tree,
-        organs: &'a Organs,
-        params: &ExportParams,
+    /// The surface of a whole drawing, not measured yet.
+    fn new(
+        one: &Individual<'a>,
         format: &'static str,
         vertex_bytes: u64,
+        budget: &mut Budget,
     ) -> Result<Self, TreeError> {
+        let Individual {
+            tree,
+            organs,
+            params,
+            ..
+        } = *one;
         tree.validate()?;
         organs.validate(tree)?;
-        let ExportParams { sides } = *params;
+        let ExportParams { sides } = params;
         if !SIDES.contains(&sides) {
             let [value, least, most] = [sides, *SIDES.start(), *SIDES.end()].map(f64::from);
             return Err(TreeError::Parameter {
@@ -119,13 +189,15 @@ impl<'a> Surface<'a> {
         let carried: u64 = (0..organs.len())
             .map(|index| organist.size(index).0 as u64)
             .sum();
-        if (tubes + carried).saturating_mul(vertex_bytes) > MOST_BYTES {
+        let most = tubes.saturating_add(carried);
+        let Some(left) = budget.bytes.checked_sub(most.saturating_mul(vertex_bytes)) else {
             return Err(TreeError::TooLarge {
                 format,
                 segments,
                 sides,
             });
-        }
+        };
+        budget.bytes = left;
         // Asked for once before it is needed in several pieces: those end the program where they are not given.
         let bytes = usize::try_from(nodes)
             .unwrap_or(usize::MAX)
@@ -140,20 +212,23 @@ impl<'a> Surface<'a> {
         tubes::segments(drawn, &[], u32::MAX, &mut records);
         let mut looks = LookTable::default();
         paint_segments(tree, organs, fine.as_ref(), &mut records, &mut looks);
-        let mut surface = Self {
+        Ok(Self {
+            tree,
             records,
             sides,
             organs,
             looks,
+            most,
             kept: Vec::new(),
             groups: Vec::new(),
-        };
-        surface.groups = surface.measured(tubes + carried <= KEPT)?;
-        Ok(surface)
+        })
     }
 
-    /// What there is of each group; `keeps` what is made for it.
-    fn measured(&mut self, keeps: bool) -> Result<Vec<Group>, TreeError> {
+    /// Finds what there is of each group, and keeps what is made for that where there is room.
+    fn measure(&mut self, budget: &mut Budget) -> Result<(), TreeError> {
+        let left = budget.kept.checked_sub(self.most);
+        budget.kept = left.unwrap_or(budget.kept);
+        let keeps = left.is_some();
         let mut matters = BTreeSet::new();
         for record in &self.records {
             matters.insert(self.matter(record));
@@ -194,7 +269,8 @@ impl<'a> Surface<'a> {
             }
         }
         self.kept = kept;
-        Ok(groups)
+        self.groups = groups;
+        Ok(())
     }
 
     fn matter(&self, record: &TubeSegment) -> Matter {

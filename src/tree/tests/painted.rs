@@ -77,17 +77,31 @@ pub(super) fn laden_glb() -> Vec<u8> {
 }
 
 #[test]
-fn a_glb_holds_bark_and_a_primitive_for_each_material() {
+fn a_glb_holds_a_node_for_bark_and_one_for_each_material() {
     let bytes = laden_glb();
     let file = gltf::Gltf::from_slice(&bytes).unwrap();
     let blob = file.blob.as_deref();
-    let mesh = file.meshes().next().unwrap();
-    let names: Vec<_> = mesh
-        .primitives()
+    let primitives: Vec<_> = file
+        .meshes()
+        .flat_map(|mesh| mesh.primitives().collect::<Vec<_>>())
+        .collect();
+    let names: Vec<_> = primitives
+        .iter()
         .map(|p| p.material().name().unwrap().to_owned())
         .collect();
     assert_eq!(names, ["bark", "material 0", "material 2"]);
-    let primitives: Vec<_> = mesh.primitives().collect();
+    let root = file.default_scene().unwrap().nodes().next().unwrap();
+    let parts: Vec<_> = root
+        .children()
+        .map(|node| node.name().unwrap().to_owned())
+        .collect();
+    assert_eq!(
+        (root.name(), parts),
+        (
+            Some("tree"),
+            ["wood", "painted", "painted-2"].map(str::to_owned).to_vec()
+        )
+    );
     let wet = primitives[2].material();
     let pbr = wet.pbr_metallic_roughness();
     assert_eq!((pbr.roughness_factor(), pbr.metallic_factor()), (0.25, 0.5));
