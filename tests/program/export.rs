@@ -7,6 +7,8 @@ use serde_json::Value;
 use super::cohort::write;
 use super::*;
 
+mod home;
+
 const LILY: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/assets/grammars/lily-of-the-valley.lsys"
