@@ -16,10 +16,13 @@ use crate::tree::Drawing;
 use crate::tree::detail::Detail;
 use crate::tree::foliage::Season;
 use crate::tree::vary::Spread;
+use extras::{ExtraArgs, Growth};
 use files::{All, File, Format, Told, files};
 use source::{Source, source, spread};
 
 mod coarse;
+mod estimate;
+mod extras;
 mod files;
 mod grove;
 mod single;
@@ -27,7 +30,7 @@ mod source;
 
 /// Files, and individuals in one picture, at most.
 const FILES_MOST: u64 = 100_000;
-const SHEET_MOST: u32 = 400;
+const SHEET_MOST: usize = 400;
 /// Trees of a grove at most: it lies in memory whole.
 const GROVE_MOST: u32 = 1000;
 /// Pixels of one picture at most: half a gigabyte.
@@ -83,6 +86,8 @@ pub(super) struct Args {
     /// Percent that segments of individuals are longer or shorter at most; of a sketch 15 where it has a seed or a count, else 0
     #[arg(long, value_name = "PERCENT", value_parser = up_to_90)]
     lengths: Option<f32>,
+    #[command(flatten)]
+    extra: ExtraArgs,
     /// Only tell what would be written, with triangles and bytes
     #[arg(long)]
     dry_run: bool,
@@ -109,14 +114,14 @@ fn up_to_90(text: &str) -> Result<f32, String> {
 pub(super) fn run(args: &Args) -> Result<()> {
     let source = source(args)?;
     let spread = spread(args, &source);
-    let (seeds, files) = planned(args, &source, spread)?;
+    let (shoots, files) = planned(args, &source, spread)?;
     start_watch();
     let began = Instant::now();
     let plan = Plan {
         args,
         source: &source,
         spread,
-        seeds: &seeds,
+        shoots: &shoots,
     };
     let done = match args.grove {
         true => grove::write(&plan, files.first().map_or(&[], Vec::as_slice))?,
@@ -140,8 +145,14 @@ struct Plan<'a> {
     args: &'a Args,
     source: &'a Source,
     spread: Spread,
-    /// Of each individual.
-    seeds: &'a [u64],
+    shoots: &'a [Shoot],
+}
+
+/// An individual, at a step where it is one of several.
+#[derive(Clone, Copy, Debug)]
+struct Shoot {
+    seed: u64,
+    step: Option<u32>,
 }
 
 /// What was written.
@@ -153,8 +164,8 @@ struct Done {
     printed: Result<()>,
 }
 
-/// The seeds and the files of each, if all may be asked for and written.
-fn planned(args: &Args, source: &Source, spread: Spread) -> Result<(Vec<u64>, Vec<Vec<File>>)> {
+/// The individuals and the files of each, if all may be asked for and written.
+fn planned(args: &Args, source: &Source, spread: Spread) -> Result<(Vec<Shoot>, Vec<Vec<File>>)> {
     let first = args.seed.unwrap_or_else(|| source.seed());
     let Some(last) = first.checked_add(u64::from(args.count) - 1) else {
         bail!(
@@ -162,31 +173,37 @@ fn planned(args: &Args, source: &Source, spread: Spread) -> Result<(Vec<u64>, Ve
             u64::MAX
         );
     };
-    let each = files(args, first).len() as u64;
+    let steps = steps(args, source)?;
+    let each = files(args, first, None, None).len() as u64;
     let all = match args.grove {
         true => each,
-        false => u64::from(args.count) * each,
+        false => u64::from(args.count) * each * steps.len() as u64,
     };
     ensure!(
         all <= FILES_MOST,
-        "{all} files are too many for one command: take a smaller --count"
+        "{all} files are too many for one command: take a smaller --count, or fewer --growth-steps"
     );
     check_grove(args)?;
+    extras::check(args, spread)?;
     ensure!(
         spread == Spread::NONE || !args.format.contains(&Format::Lsys),
         "a grammar does not say how its individuals are turned and longer by --angles and --lengths: leave lsys out, or set both to 0"
     );
-    let seeds: Vec<u64> = (first..=last).collect();
+    let shoots: Vec<Shoot> = (first..=last)
+        .flat_map(|seed| steps.iter().map(move |step| Shoot { seed, step: *step }))
+        .collect();
+    let last_step = steps.last().copied().flatten();
+    let files_of = |shoot: &Shoot| files(args, shoot.seed, shoot.step, last_step);
     let files: Vec<Vec<File>> = match args.grove {
-        true => vec![files(args, first)],
-        false => seeds.iter().map(|seed| files(args, *seed)).collect(),
+        true => shoots.iter().take(1).map(files_of).collect(),
+        false => shoots.iter().map(files_of).collect(),
     };
     let all = || files.iter().flatten().map(|file| &file.path);
-    let pixels = u64::from(args.count) * u64::from(args.size).pow(2);
+    let pixels = shoots.len() as u64 * u64::from(args.size).pow(2);
     ensure!(
-        args.sheet.is_none() || args.count <= SHEET_MOST && pixels <= PIXELS_MOST,
+        args.sheet.is_none() || shoots.len() <= SHEET_MOST && pixels <= PIXELS_MOST,
         "one picture of {} individuals of {} pixels is too large: take a smaller --count or --size",
-        args.count,
+        shoots.len(),
         args.size
     );
     let all = || all().chain(&args.sheet);
@@ -205,7 +222,20 @@ fn planned(args: &Args, source: &Source, spread: Spread) -> Result<(Vec<u64>, Ve
         })?;
         check_places(all())?;
     }
-    Ok((seeds, files))
+    Ok((shoots, files))
+}
+
+/// The steps that are written: the last alone, which need not be known before, or a sequence.
+fn steps(args: &Args, source: &Source) -> Result<Vec<Option<u32>>> {
+    if args.extra.growth != Some(Growth::Sequence) {
+        return Ok(vec![None]);
+    }
+    let last = source.steps(args)?;
+    let count = args.extra.growth_steps.unwrap_or(u32::MAX).min(last).max(1);
+    let first = (last - last.min(count - 1)).max(1).min(last);
+    // So many are refused before they are files.
+    let steps = (first..=last).take(usize::try_from(FILES_MOST + 1).unwrap_or(usize::MAX));
+    Ok(steps.map(Some).collect())
 }
 
 /// Refuses what a grove cannot be.

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::Args;
-use super::coarse::Coarse;
+use super::estimate::Holds;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
@@ -59,6 +59,9 @@ pub(super) struct Told {
     /// Trees of a grove.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) trees: Option<u32>,
+    /// Of a sequence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) step: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) level: Option<u32>,
     pub(super) segments: usize,
@@ -67,6 +70,8 @@ pub(super) struct Told {
     /// How far the surface is off at most, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) bound: Option<f32>,
+    #[serde(flatten)]
+    pub(super) holds: Holds,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) bytes: Option<u64>,
 }
@@ -93,6 +98,7 @@ pub(super) fn line(told: &Told) -> String {
             1e3 * bound
         );
     }
+    line += &told.holds.line();
     if let Some(bytes) = told.bytes {
         line += &format!(", about {} kB", bytes.div_ceil(1000));
     }
@@ -100,13 +106,16 @@ pub(super) fn line(told: &Told) -> String {
 }
 
 /// The files of an individual, or of a grove.
-pub(super) fn files(args: &Args, seed: u64) -> Vec<File> {
+/// A step of a sequence stands with as many digits as the last one's, two at least.
+pub(super) fn files(args: &Args, seed: u64, step: Option<u32>, last: Option<u32>) -> Vec<File> {
     let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
     let one = match args.seed.is_some() || args.count > 1 {
         _ if args.grove => "-grove".to_owned(),
         true => format!("-{seed}"),
         false => String::new(),
     };
+    let digits = last.unwrap_or(0).to_string().len().max(2);
+    let step = step.map_or_else(String::new, |step| format!("-step-{step:0digits$}"));
     let mut files: Vec<File> = Vec::new();
     let mut levels = args.lod.clone();
     levels.sort_unstable();
@@ -122,7 +131,7 @@ pub(super) fn files(args: &Args, seed: u64) -> Vec<File> {
         }
         formats.push(*format);
         let mut add = |level: Option<u32>, part: String| {
-            let name = format!("{stem}{one}{part}.{}", format.ending());
+            let name = format!("{stem}{one}{step}{part}.{}", format.ending());
             let path = args.out.join(name);
             files.push(File {
                 path,
@@ -143,18 +152,4 @@ pub(super) fn files(args: &Args, seed: u64) -> Vec<File> {
         }
     }
     files
-}
-
-/// Bytes that a surface takes as a file, about.
-pub(super) fn estimated(format: Format, coarse: &Coarse) -> u64 {
-    let triangles = coarse.triangles;
-    // Tubes have a corner more in each ring than sides, for the texture's seam.
-    let vertices = triangles + triangles / u64::from(coarse.sides);
-    match format {
-        Format::Glb => 32 * vertices + 12 * triangles + 119_000,
-        Format::Ply => 35 * vertices + 13 * triangles,
-        Format::Usda => 88 * vertices + 27 * triangles,
-        Format::Obj => 75 * vertices + 45 * triangles,
-        Format::Swc | Format::Lsys => 0,
-    }
 }

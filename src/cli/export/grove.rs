@@ -7,7 +7,8 @@ use anyhow::{Result, ensure};
 use rayon::prelude::*;
 
 use super::coarse::{Coarse, coarse};
-use super::files::{File, Told, estimated, line};
+use super::estimate::{Holds, estimated};
+use super::files::{File, Told, line};
 use super::single::size_of_file;
 use super::source::grown;
 use super::{Done, Plan};
@@ -47,6 +48,7 @@ pub(super) fn write(plan: &Plan<'_>, files: &[File]) -> Result<Done> {
             let stand = Stand {
                 name: name.into_owned(),
                 is_grove: true,
+                extras: args.extra.extras(),
                 trees: (1..)
                     .zip(trees.iter().zip(&places))
                     .map(|(number, (one, at))| Individual {
@@ -74,10 +76,10 @@ fn all_grown(plan: &Plan<'_>) -> Result<Vec<Arc<Drawing>>> {
     let mut drawings: Vec<Arc<Drawing>> = Vec::new();
     let mut progress = Progress::new("growing");
     let mut bytes = 0;
-    for seeds in plan.seeds.chunks(rayon::current_num_threads()) {
-        let made: Vec<Arc<Drawing>> = seeds
+    for shoots in plan.shoots.chunks(rayon::current_num_threads()) {
+        let made: Vec<Arc<Drawing>> = shoots
             .par_iter()
-            .map(|seed| Ok(grown(plan.args, plan.source, *seed, plan.spread)?.0))
+            .map(|shoot| Ok(grown(plan.args, plan.source, *shoot, plan.spread)?.0))
             .collect::<Result<_>>()?;
         bytes += made.iter().map(|one| bytes_of(one)).sum::<u64>();
         ensure!(
@@ -86,7 +88,7 @@ fn all_grown(plan: &Plan<'_>) -> Result<Vec<Arc<Drawing>>> {
             plan.args.count
         );
         drawings.extend(made);
-        progress.show(drawings.len(), plan.seeds.len());
+        progress.show(drawings.len(), plan.shoots.len());
     }
     Ok(drawings)
 }
@@ -101,7 +103,7 @@ fn bytes_of(drawing: &Drawing) -> u64 {
 fn places(plan: &Plan<'_>, drawings: &[Arc<Drawing>]) -> Vec<glam::Vec3> {
     let crowns: Vec<(glam::Vec3, f32)> = drawings.par_iter().map(|one| grove::crown(one)).collect();
     let reaches: Vec<f32> = crowns.iter().map(|(_, reach)| *reach).collect();
-    let seed = plan.seeds.first().copied().unwrap_or_default();
+    let seed = plan.shoots.first().map_or(0, |one| one.seed);
     let places = grove::places(&reaches, seed).into_iter();
     places
         .zip(&crowns)
@@ -110,14 +112,22 @@ fn places(plan: &Plan<'_>, drawings: &[Arc<Drawing>]) -> Vec<glam::Vec3> {
 }
 
 fn told(plan: &Plan<'_>, file: &File, trees: &[Coarse]) -> Told {
+    let extras = plan.args.extra.extras();
+    let holds = trees
+        .iter()
+        .map(|one| Holds::of(file.format, &one.drawing, &extras))
+        .fold(Holds::default(), Holds::and);
+    let bytes = trees.iter().map(|one| estimated(file.format, one, &extras));
     Told {
         file: file.path.clone(),
-        seed: plan.seeds.first().copied().unwrap_or_default(),
+        seed: plan.shoots.first().map_or(0, |one| one.seed),
         trees: u32::try_from(trees.len()).ok(),
+        step: None,
         level: file.level,
         segments: trees.iter().map(|one| one.segments).sum(),
         triangles: Some(trees.iter().map(|one| one.triangles).sum()),
         bound: Some(trees.iter().map(|one| one.bound).fold(0.0, f32::max)),
-        bytes: Some(trees.iter().map(|one| estimated(file.format, one)).sum()),
+        holds,
+        bytes: Some(bytes.sum()),
     }
 }

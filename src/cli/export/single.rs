@@ -8,14 +8,15 @@ use anyhow::{Context as _, Result};
 use rayon::prelude::*;
 
 use super::coarse::{Coarse, coarse};
-use super::files::{File, Format, Told, estimated, line};
+use super::estimate::{Holds, estimated};
+use super::files::{File, Format, Told, line};
 use super::source::grown;
-use super::{Args, Done, Plan};
+use super::{Args, Done, Plan, Shoot};
 use crate::app::export;
 use crate::cli::print_result;
 use crate::cli::progress::Progress;
 use crate::tree::Drawing;
-use crate::tree::export::{ExportParams, Swc};
+use crate::tree::export::{ExportParams, Stand, Swc};
 use crate::tree::file::write_atomically;
 
 /// Writes the files of each individual.
@@ -30,15 +31,16 @@ pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
     let mut count = 0;
     // As many at a time as there are threads, so that memory is bounded and the numbers come in order, before the files.
     let threads = rayon::current_num_threads();
-    for (seeds, files) in plan.seeds.chunks(threads).zip(files.chunks(threads)) {
-        let made: Vec<(Vec<Ready>, Arc<Drawing>)> = seeds
+    for (shoots, files) in plan.shoots.chunks(threads).zip(files.chunks(threads)) {
+        let made: Vec<(Vec<Ready>, Arc<Drawing>)> = shoots
             .par_iter()
             .zip(files)
-            .map(|(seed, files)| ready(plan, *seed, files))
+            .map(|(shoot, files)| ready(plan, *shoot, files))
             .collect::<Result<_>>()?;
         let (ready, drawings): (Vec<Vec<Ready>>, Vec<Arc<Drawing>>) = made.into_iter().unzip();
         if args.sheet.is_some() && !args.dry_run {
-            done.drawings.extend(drawings);
+            done.drawings
+                .extend(drawings.into_iter().filter(|one| !one.is_empty()));
         }
         if !args.json {
             done.printed = done.printed.and(print_result("the list", |out| {
@@ -54,8 +56,8 @@ pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
             })
             .collect::<Result<_>>()?;
         done.told.extend(written.into_iter().flatten());
-        count += seeds.len();
-        progress.show(count, args.count as usize);
+        count += shoots.len();
+        progress.show(count, plan.shoots.len());
     }
     Ok(done)
 }
@@ -70,9 +72,19 @@ struct Ready {
 }
 
 /// All files of an individual, and what it is.
-fn ready(plan: &Plan<'_>, seed: u64, files: &[File]) -> Result<(Vec<Ready>, Arc<Drawing>)> {
+fn ready(plan: &Plan<'_>, shoot: Shoot, files: &[File]) -> Result<(Vec<Ready>, Arc<Drawing>)> {
     let args = plan.args;
-    let (drawing, grammar) = grown(args, plan.source, seed, plan.spread)?;
+    let (drawing, grammar) = grown(args, plan.source, shoot, plan.spread)?;
+    if drawing.is_empty() {
+        let step = shoot.step.unwrap_or_default();
+        whisper!(
+            "step {step} of {} draws nothing and is left out",
+            args.file.display()
+        );
+        return Ok((Vec::new(), drawing));
+    }
+    let Shoot { seed, step } = shoot;
+    let extras = args.extra.extras();
     let mut levels: Vec<(Option<u32>, Coarse)> = Vec::new();
     let mut ready = Vec::new();
     for file in files {
@@ -81,11 +93,13 @@ fn ready(plan: &Plan<'_>, seed: u64, files: &[File]) -> Result<(Vec<Ready>, Arc<
                 file: file.path.clone(),
                 seed,
                 trees: None,
+                step,
                 level: file.level,
                 segments: coarse.segments,
                 triangles: Some(coarse.triangles),
                 bound: Some(coarse.bound),
-                bytes: Some(estimated(file.format, coarse)),
+                holds: Holds::of(file.format, &coarse.drawing, &extras),
+                bytes: Some(estimated(file.format, coarse, &extras)),
             },
             format: file.format,
             sides: coarse.sides,
@@ -112,10 +126,12 @@ fn ready(plan: &Plan<'_>, seed: u64, files: &[File]) -> Result<(Vec<Ready>, Arc<
                 file: file.path.clone(),
                 seed,
                 trees: None,
+                step,
                 level: None,
                 segments,
                 triangles: None,
                 bound: None,
+                holds: Holds::default(),
                 bytes: Some(match file.format {
                     Format::Lsys => grammar.len() as u64,
                     _ => lines,
@@ -145,7 +161,12 @@ fn written(args: &Args, file: Ready) -> Result<Told> {
     }
     match (format, grammar) {
         (Format::Lsys, Some(text)) => write_atomically(&told.file, text.as_bytes())?,
-        _ => export::drawing_with(tree, organs, &ExportParams { sides }, &told.file)?,
+        _ => {
+            let name = told.file.file_stem().unwrap_or_default().to_string_lossy();
+            let mut stand = Stand::of(&name, tree, organs, &ExportParams { sides });
+            stand.extras = args.extra.extras();
+            export::stand(&stand, &told.file)?;
+        }
     }
     told.bytes = size_of_file(&told.file);
     Ok(told)

@@ -6,7 +6,7 @@ use std::sync::{Arc, Once};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 
 use super::super::inputs::grammar_text;
-use super::Args;
+use super::{Args, Shoot};
 use crate::app::store::read_project;
 use crate::app::trees;
 use crate::lsystem::Grammar;
@@ -70,6 +70,16 @@ pub(super) fn spread(args: &Args, source: &Source) -> Spread {
 }
 
 impl Source {
+    /// Steps that it grows.
+    pub(super) fn steps(&self, args: &Args) -> Result<u32> {
+        let stated = match self {
+            Self::Grammar(grammar, _) => args.steps.or(grammar.steps()),
+            Self::Sketch(_, step) => Some(*step),
+        };
+        let name = args.file.display();
+        stated.ok_or_else(|| anyhow!("{name} states no number of steps: give --steps"))
+    }
+
     /// The seed of its first individual, where none is asked for.
     pub(super) fn seed(&self) -> u64 {
         match self {
@@ -83,17 +93,18 @@ impl Source {
 pub(super) fn grown(
     args: &Args,
     source: &Source,
-    seed: u64,
+    Shoot { seed, step }: Shoot,
     spread: Spread,
 ) -> Result<(Arc<Drawing>, String)> {
     let name = args.file.display().to_string();
+    let asked = step.or(args.steps);
     let (drawing, grammar) = match source {
         Source::Grammar(grammar, text) => {
             let mut text = text.clone();
             if seed != grammar.seed() {
                 text = stating(&text, "seed", seed);
             }
-            if let Some(steps) = args.steps.filter(|steps| grammar.steps() != Some(*steps)) {
+            if let Some(steps) = asked.filter(|steps| grammar.steps() != Some(*steps)) {
                 text = stating(&text, "steps", u64::from(steps));
             }
             let mut grammar = (**grammar).clone().with_seed(seed);
@@ -102,7 +113,7 @@ pub(super) fn grown(
                 grammar = grammar.with_season(season);
             }
             let beside = rayon::current_num_threads().min(args.count as usize);
-            let (drawing, factor) = trees::grown(&grammar, args.steps, &name, beside)?;
+            let (drawing, factor) = trees::grown(&grammar, asked, &name, beside)?;
             if let Some(factor) = factor {
                 // Once, not for each individual.
                 static SAID: Once = Once::new();
@@ -114,7 +125,8 @@ pub(super) fn grown(
             }
             (drawing, text)
         }
-        Source::Sketch(sketch, step) => {
+        Source::Sketch(sketch, left) => {
+            let step = &step.unwrap_or(*left);
             let one_of_many = args.count > 1 || args.seed.is_some();
             let individual = if one_of_many && !sketch.habit.is_lawless() {
                 sketch.with_seed(folded(seed))
@@ -135,8 +147,9 @@ pub(super) fn grown(
         }
     };
     let drawing = Arc::new(varied(&drawing, seed, spread));
+    // A sequence may begin before there is anything.
     ensure!(
-        !drawing.is_empty(),
+        !drawing.is_empty() || step.is_some(),
         "{name} draws nothing after its steps, so there is no file to write"
     );
     Ok((drawing, grammar))

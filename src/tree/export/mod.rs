@@ -8,13 +8,16 @@
 
 mod glb;
 pub mod grove;
+mod instances;
 mod names;
 mod obj;
 mod ply;
 mod surface;
 mod swc;
+mod unfold;
 mod usd;
 mod vtp;
+mod wind;
 
 pub use glb::{Glb, glb};
 pub use obj::{Obj, obj};
@@ -42,6 +45,24 @@ pub struct Individual<'a> {
     pub params: ExportParams,
 }
 
+/// What a file holds besides, or otherwise, where its format can: all of it GLB, instances USD as well.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// Leaves and all else that is placed stand as instances of a few small meshes.
+    pub instances: bool,
+    /// How each vertex moves in the wind.
+    pub wind: bool,
+    /// So many of the last steps are morph targets with an animation, 0 to [`Extras::MORPHS_MOST`]; instances, which have no vertices of their own, stay.
+    pub morphs: u32,
+    /// Pixels that a side of a picture has at most; `None` for all there are.
+    pub texture: Option<u32>,
+}
+
+impl Extras {
+    /// Morph targets of a file: each takes twelve bytes a vertex.
+    pub const MORPHS_MOST: u32 = 32;
+}
+
 /// What one file holds: a tree, or the trees of a grove.
 #[derive(Clone, Debug)]
 pub struct Stand<'a> {
@@ -51,6 +72,8 @@ pub struct Stand<'a> {
     pub is_grove: bool,
     /// One, or those of the grove.
     pub trees: Vec<Individual<'a>>,
+    /// What is written besides.
+    pub extras: Extras,
 }
 
 impl<'a> Stand<'a> {
@@ -67,6 +90,7 @@ impl<'a> Stand<'a> {
                 at: Vec3::ZERO,
                 params: *params,
             }],
+            extras: Extras::default(),
         }
     }
 

@@ -7,7 +7,7 @@
 
 use std::io::{self, Write};
 
-use super::surface::{Group, Matter, Standing, standing};
+use super::surface::{Costs, Group, Matter, Standing, standing};
 use super::{ExportParams, Stand, TREE};
 use crate::tree::organs::{Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
@@ -53,7 +53,14 @@ impl<'a> Obj<'a> {
     /// As [`Self::new`].
     pub fn of(stand: &Stand<'a>) -> Result<Self, TreeError> {
         Ok(Self {
-            trees: standing(stand, "OBJ", VERTEX_BYTES)?,
+            trees: standing(
+                stand,
+                "OBJ",
+                Costs {
+                    vertex: VERTEX_BYTES,
+                    instance: 0,
+                },
+            )?,
             segments: stand.segments(),
         })
     }

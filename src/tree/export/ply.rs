@@ -7,7 +7,7 @@ use std::io::{self, Write};
 
 use bytemuck::{Pod, Zeroable, cast_slice};
 
-use super::surface::{Standing, standing};
+use super::surface::{Costs, Standing, standing};
 use super::{ExportParams, Stand, TREE};
 use crate::tree::organs::{Colour, Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
@@ -60,7 +60,14 @@ impl<'a> Ply<'a> {
         // About two triangles to each vertex.
         let bytes = (size_of::<Vertex>() + 2 * size_of::<Face>()) as u64;
         Ok(Self {
-            trees: standing(stand, "PLY", bytes)?,
+            trees: standing(
+                stand,
+                "PLY",
+                Costs {
+                    vertex: bytes,
+                    instance: 0,
+                },
+            )?,
         })
     }
 

@@ -8,7 +8,10 @@ use std::io;
 
 use glam::Vec3;
 
-use super::{ExportParams, Individual, MOST_BYTES, PART, Stand};
+use super::instances::{Run, runs};
+use super::unfold::Unfolding;
+use super::wind::Bending;
+use super::{ExportParams, Extras, Individual, MOST_BYTES, PART, Stand};
 use crate::tree::mesh::{SIDES, TubeMesh, mesh, vertices_per_segment};
 use crate::tree::organs::{
     Colour, LookTable, OrganMesh, Organist, Organs, look_of, paint_segments, refined, refined_len,
@@ -101,18 +104,28 @@ impl Standing<'_> {
     }
 }
 
-/// The surfaces of all trees of a file, or why they cannot be written; `vertex_bytes` is what one vertex takes at most.
+/// What things take in a file at most, bytes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Costs {
+    pub(super) vertex: u64,
+    /// What is placed and has no triangles of its own; 0 where the format has no such.
+    pub(super) instance: u64,
+}
+
+/// The surfaces of all trees of a file, or why they cannot be written.
 pub(super) fn standing<'a>(
     stand: &Stand<'a>,
     format: &'static str,
-    vertex_bytes: u64,
+    costs: Costs,
 ) -> Result<Vec<Standing<'a>>, TreeError> {
+    let mut extras = stand.extras;
+    extras.instances &= costs.instance > 0;
     let mut budget = Budget {
         bytes: MOST_BYTES,
         kept: KEPT,
     };
     let made = stand.trees.iter().map(|one| {
-        let mut surface = Surface::new(one, format, vertex_bytes, &mut budget)?;
+        let mut surface = Surface::new(one, extras, format, costs, &mut budget)?;
         surface.measure(&mut budget)?;
         let standing = Standing {
             name: one.name.clone(),
@@ -141,10 +154,17 @@ pub(super) fn standing<'a>(
 #[derive(Debug)]
 pub(super) struct Surface<'a> {
     pub(super) tree: &'a Tree,
-    records: Vec<TubeSegment>,
-    sides: u32,
+    /// Of the tubes, one for each node that has a parent.
+    pub(super) records: Vec<TubeSegment>,
+    pub(super) sides: u32,
     pub(super) organs: &'a Organs,
     looks: LookTable,
+    /// Organs, the first ones, that are triangles of their own.
+    pub(super) loose: usize,
+    /// The others.
+    pub(super) runs: Vec<Run>,
+    pub(super) bending: Option<Bending>,
+    pub(super) unfolding: Option<Unfolding>,
     /// Vertices that it may have.
     most: u64,
     /// All parts where they are kept, with the vertices of their group before them.
@@ -157,8 +177,9 @@ impl<'a> Surface<'a> {
     /// The surface of a whole drawing, not measured yet.
     fn new(
         one: &Individual<'a>,
+        extras: Extras,
         format: &'static str,
-        vertex_bytes: u64,
+        costs: Costs,
         budget: &mut Budget,
     ) -> Result<Self, TreeError> {
         let Individual {
@@ -186,11 +207,16 @@ impl<'a> Surface<'a> {
         let nodes = refined_len(tree, organs);
         let tubes = (nodes - tree.root_count() as u64).saturating_mul(vertices_per_segment(sides));
         let organist = Organist::new(organs);
-        let carried: u64 = (0..organs.len())
-            .map(|index| organist.size(index).0 as u64)
-            .sum();
+        let apart = match extras.instances {
+            true => organs.placed.len(),
+            false => 0,
+        };
+        let loose = organs.len() - apart;
+        let carried: u64 = (0..loose).map(|index| organist.size(index).0 as u64).sum();
         let most = tubes.saturating_add(carried);
-        let Some(left) = budget.bytes.checked_sub(most.saturating_mul(vertex_bytes)) else {
+        let instances = costs.instance.saturating_mul(apart as u64);
+        let bytes = most.saturating_mul(costs.vertex).saturating_add(instances);
+        let Some(left) = budget.bytes.checked_sub(bytes) else {
             return Err(TreeError::TooLarge {
                 format,
                 segments,
@@ -212,8 +238,18 @@ impl<'a> Surface<'a> {
         tubes::segments(drawn, &[], u32::MAX, &mut records);
         let mut looks = LookTable::default();
         paint_segments(tree, organs, fine.as_ref(), &mut records, &mut looks);
+        let runs = match extras.instances {
+            true => runs(organs).ok_or(TreeError::TooWide)?,
+            false => Vec::new(),
+        };
+        let bending = extras.wind.then(|| Bending::of(tree, fine.as_ref()));
+        let unfolding = (extras.morphs > 0).then(|| Unfolding::of(tree, fine, extras.morphs));
         Ok(Self {
             tree,
+            runs,
+            loose,
+            bending,
+            unfolding,
             records,
             sides,
             organs,
@@ -234,7 +270,7 @@ impl<'a> Surface<'a> {
             matters.insert(self.matter(record));
         }
         let organist = Organist::new(self.organs);
-        for organ in (0..self.organs.len()).filter_map(|index| organist.organ(index)) {
+        for organ in (0..self.loose).filter_map(|index| organist.organ(index)) {
             matters.insert(Matter::Painted(organ.paint.material));
         }
         let (mut groups, mut kept) = (Vec::new(), Vec::new());
@@ -273,7 +309,7 @@ impl<'a> Surface<'a> {
         Ok(())
     }
 
-    fn matter(&self, record: &TubeSegment) -> Matter {
+    pub(super) fn matter(&self, record: &TubeSegment) -> Matter {
         look_of(record).map_or(Matter::Bark, |look| {
             Matter::Painted(self.looks.look(look).1)
         })
@@ -333,7 +369,7 @@ impl<'a> Surface<'a> {
         };
         let mut organist = Organist::new(self.organs);
         let mut mesh = OrganMesh::default();
-        for index in 0..self.organs.len() {
+        for index in 0..self.loose {
             if organist.organ(index).map(|organ| organ.paint.material) == Some(material) {
                 organist.add(index, &mut mesh);
             }
@@ -349,7 +385,7 @@ impl<'a> Surface<'a> {
 }
 
 /// Vertices that a segment's mesh has.
-fn vertices_of(record: &TubeSegment, sides: u32) -> usize {
+pub(super) fn vertices_of(record: &TubeSegment, sides: u32) -> usize {
     let sides = sides as usize;
     let has = |flag, vertices| {
         if record.flags & flag == 0 {

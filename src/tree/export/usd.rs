@@ -8,15 +8,23 @@
 
 use std::io::{self, Write};
 
-use super::names::{identifier, names, unlike};
-use super::surface::{Group, Matter, Standing, Surface, standing};
+use super::instances::Run;
+use super::names::{identifier, name, names, unlike};
+use super::surface::{Costs, Group, Matter, Standing, Surface, standing};
 use super::{ExportParams, Stand, TREE};
 use crate::tree::bark::Bark;
 use crate::tree::organs::{Organs, bark_colour};
 use crate::tree::{Tree, TreeError};
 
-/// What the text of one vertex with its share of the faces takes at most, roughly.
-const VERTEX_BYTES: u64 = 70 + 40 + 40 + 2 * 50;
+mod instancer;
+
+use instancer::Site;
+
+/// What the text of one vertex with its share of the faces takes at most, roughly, and that of an instance.
+const COSTS: Costs = Costs {
+    vertex: 70 + 40 + 40 + 2 * 50,
+    instance: 4 + 45 + 45 + 40,
+};
 /// Numbers on a line.
 const LINE: usize = 12;
 
@@ -57,12 +65,19 @@ impl<'a> Usd<'a> {
     /// # Errors
     /// As [`Self::new`].
     pub fn of(stand: &Stand<'a>) -> Result<Self, TreeError> {
-        let trees = standing(stand, "USD", VERTEX_BYTES)?;
+        let trees = standing(stand, "USD", COSTS)?;
         let mut materials: Vec<Material> = Vec::new();
         for Standing { surface, .. } in &trees {
-            for group in &surface.groups {
-                if !materials.iter().any(|known| known.is_of(surface, group)) {
-                    let mut made = Material::of(surface, group);
+            let of_runs = surface.runs.iter();
+            let of_runs = of_runs.map(|run| Matter::Painted(run.paint.material));
+            for matter in surface
+                .groups
+                .iter()
+                .map(|group| group.matter)
+                .chain(of_runs)
+            {
+                if !materials.iter().any(|known| known.is_of(surface, matter)) {
+                    let mut made = Material::of(surface, matter);
                     let taken: Vec<String> = materials.iter().map(|one| one.name.clone()).collect();
                     made.name = identifier(&unlike(&taken, made.name));
                     materials.push(made);
@@ -119,13 +134,38 @@ impl<'a> Usd<'a> {
                 triple(&standing.at.to_array()),
             )?;
         }
-        for (group, name) in surface.groups.iter().zip(names(surface)) {
-            self.mesh(surface, group, &identifier(&name), inside, out)?;
+        let mut taken = names(surface);
+        for (group, name) in surface.groups.iter().zip(&taken) {
+            self.mesh(surface, group, &identifier(name), inside, out)?;
+        }
+        let mut above = format!("/{}", self.name);
+        if self.is_grove {
+            above += &format!("/{}", identifier(&standing.name));
+        }
+        let same = |a: &Run, b: &Run| a.paint.material == b.paint.material;
+        for runs in surface.runs.chunk_by(same) {
+            let Some(first) = runs.first() else { continue };
+            let matter = Matter::Painted(first.paint.material);
+            taken.push(unlike(&taken, name(surface, matter)));
+            let site = Site {
+                name: &identifier(taken.last().map_or("", String::as_str)),
+                above: &above,
+                material: &self.path(surface, matter),
+                inside,
+            };
+            instancer::write(surface, runs, &site, out)?;
         }
         if self.is_grove {
             writeln!(out, "    }}\n")?;
         }
         Ok(())
+    }
+
+    /// The path of a material.
+    fn path(&self, surface: &Surface<'_>, matter: Matter) -> String {
+        let known = self.materials.iter().find(|one| one.is_of(surface, matter));
+        let material = known.map_or("", |known| &known.name);
+        format!("/{}/materials/{material}", self.name)
     }
 
     fn mesh(
@@ -137,13 +177,11 @@ impl<'a> Usd<'a> {
         out: &mut dyn Write,
     ) -> io::Result<()> {
         let [low, high] = group.bounds.map(|corner| triple(&corner));
-        let known = self.materials.iter().find(|one| one.is_of(surface, group));
-        let material = known.map_or("", |known| &known.name);
+        let material = self.path(surface, group.matter);
         write!(
             out,
-            "{inside}def Mesh \"{name}\" (\n{inside}    prepend apiSchemas = [\"MaterialBindingAPI\"]\n{inside})\n{inside}{{\n{inside}    uniform bool doubleSided = {}\n{inside}    float3[] extent = [{low}, {high}]\n{inside}    rel material:binding = </{}/materials/{material}>\n{inside}    uniform token subdivisionScheme = \"none\"\n",
+            "{inside}def Mesh \"{name}\" (\n{inside}    prepend apiSchemas = [\"MaterialBindingAPI\"]\n{inside})\n{inside}{{\n{inside}    uniform bool doubleSided = {}\n{inside}    float3[] extent = [{low}, {high}]\n{inside}    rel material:binding = <{material}>\n{inside}    uniform token subdivisionScheme = \"none\"\n",
             u8::from(group.matter != Matter::Bark),
-            self.name,
         )?;
         let mut list = List::begin(out, inside, "int[] faceVertexCounts")?;
         for _ in 0..group.indices / 3 {
@@ -217,9 +255,9 @@ impl<'a> Usd<'a> {
 }
 
 impl Material {
-    fn of(surface: &Surface<'_>, group: &Group) -> Self {
+    fn of(surface: &Surface<'_>, matter: Matter) -> Self {
         let organs = surface.organs;
-        match group.matter {
+        match matter {
             Matter::Bark => Self {
                 name: "bark".to_owned(),
                 bark: Some(organs.bark),
@@ -239,8 +277,8 @@ impl Material {
     }
 
     /// Whether it is that of a group; names were made unlike each other.
-    fn is_of(&self, surface: &Surface<'_>, group: &Group) -> bool {
-        let other = Self::of(surface, group);
+    fn is_of(&self, surface: &Surface<'_>, matter: Matter) -> bool {
+        let other = Self::of(surface, matter);
         let is_named =
             self.name == other.name || self.name.starts_with(&format!("{}_", other.name));
         is_named

@@ -8,26 +8,28 @@ use serde_json::{Value, json};
 use super::super::Stand;
 use super::super::names::names;
 use super::super::surface::{Group, Matter, Standing, Surface};
+use super::growth::Animated;
+use super::placed::{EXTENSION, Shared};
 use super::{Piece, What};
 use crate::tree::TreeError;
 use crate::tree::bark::Bark;
 
 /// glTF's number for f32.
-const FLOAT: u32 = 5126;
+pub(super) const FLOAT: u32 = 5126;
 /// glTF's number for u32.
-const UNSIGNED_INT: u32 = 5125;
+pub(super) const UNSIGNED_INT: u32 = 5125;
 /// glTF's number for u16.
-const UNSIGNED_SHORT: u32 = 5123;
+pub(super) const UNSIGNED_SHORT: u32 = 5123;
 /// glTF's number for a buffer of vertices.
-const ARRAY_BUFFER: u32 = 34962;
+pub(super) const ARRAY_BUFFER: u32 = 34962;
 /// glTF's number for a buffer of indices.
-const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
 /// The lists of the document, which refer to each other by number.
 #[derive(Default)]
 pub(super) struct Document {
-    nodes: Vec<Value>,
-    meshes: Vec<Value>,
+    pub(super) nodes: Vec<Value>,
+    pub(super) meshes: Vec<Value>,
     materials: Vec<Value>,
     textures: Vec<Value>,
     images: Vec<Value>,
@@ -38,12 +40,21 @@ pub(super) struct Document {
     bytes: usize,
     /// Materials of bark that are there.
     barks: Vec<(Bark, usize)>,
+    /// Pixels of a picture's side at most.
+    texture: Option<u32>,
+    pub(super) has_instances: bool,
+    pub(super) shared: Shared,
+    pub(super) animated: Animated,
+    pub(super) animations: Vec<Value>,
 }
 
 impl Document {
     /// Of all that stands in a file.
     pub(super) fn of(stand: &Stand<'_>, trees: &[Standing<'_>]) -> Result<Self, TreeError> {
-        let mut document = Self::default();
+        let mut document = Self {
+            texture: stand.extras.texture,
+            ..Self::default()
+        };
         // The node on top is the first.
         document.nodes.push(json!({ "name": stand.name }));
         let mut below = Vec::new();
@@ -63,6 +74,7 @@ impl Document {
             below.push(add(&mut document.nodes, node));
         }
         document.nodes[0]["children"] = json!(below);
+        document.animation();
         document.pictures()?;
         Ok(document)
     }
@@ -71,13 +83,25 @@ impl Document {
     fn parts(&mut self, number: usize, standing: &Standing<'_>) -> Vec<usize> {
         let surface = &standing.surface;
         let mut parts = Vec::new();
-        for (group, name) in surface.groups.iter().zip(names(surface)) {
-            let primitive = self.primitive(number, surface, group);
-            let mesh =
-                json!({ "name": format!("{}-{name}", standing.name), "primitives": [primitive] });
+        let mut names = names(surface);
+        for (group, name) in surface.groups.iter().zip(&names) {
+            let mut primitive = self.primitive(number, surface, group);
+            let (targets, steps) = self.targets(number, surface, group);
+            let weights = vec![0.0; targets.len()];
+            let mut mesh = json!({ "name": format!("{}-{name}", standing.name) });
+            if !targets.is_empty() {
+                primitive["targets"] = json!(targets);
+                mesh["weights"] = json!(weights);
+                // As Blender and three.js read them.
+                mesh["extras"] = json!({ "targetNames": steps });
+            }
+            mesh["primitives"] = json!([primitive]);
             let mesh = add(&mut self.meshes, mesh);
-            parts.push(add(&mut self.nodes, json!({ "name": name, "mesh": mesh })));
+            let node = add(&mut self.nodes, json!({ "name": name, "mesh": mesh }));
+            self.animates(node, weights.len());
+            parts.push(node);
         }
+        parts.extend(self.placed(number, standing, &mut names));
         parts
     }
 
@@ -91,24 +115,37 @@ impl Document {
         place["min"] = json!(low);
         place["max"] = json!(high);
         let bytes = 12 * vertices;
-        let place = self.column(piece(What::Positions), bytes, ARRAY_BUFFER, place);
-        let normal = self.column(piece(What::Normals), bytes, ARRAY_BUFFER, floats(3));
+        let place = self.column(piece(What::Positions), bytes, Some(ARRAY_BUFFER), place);
+        let normal = self.column(piece(What::Normals), bytes, Some(ARRAY_BUFFER), floats(3));
         let mut attributes = json!({ "POSITION": place, "NORMAL": normal });
         let bytes = 8 * vertices;
         if matter == Matter::Bark {
             let piece = piece(What::Coordinates);
-            attributes["TEXCOORD_0"] = json!(self.column(piece, bytes, ARRAY_BUFFER, floats(2)));
+            attributes["TEXCOORD_0"] =
+                json!(self.column(piece, bytes, Some(ARRAY_BUFFER), floats(2)));
         } else {
             let colours = json!({ "componentType": UNSIGNED_SHORT, "normalized": true, "count": vertices, "type": "VEC4" });
             let piece = piece(What::Colours);
-            attributes["COLOR_0"] = json!(self.column(piece, bytes, ARRAY_BUFFER, colours));
+            attributes["COLOR_0"] = json!(self.column(piece, bytes, Some(ARRAY_BUFFER), colours));
+        }
+        if surface.bending.is_some() {
+            if matter != Matter::Bark {
+                let piece = piece(What::LeafCoordinates);
+                let column = self.column(piece, bytes, Some(ARRAY_BUFFER), floats(2));
+                attributes["TEXCOORD_0"] = json!(column);
+            }
+            for (set, what) in [("TEXCOORD_1", What::Trunk), ("TEXCOORD_2", What::Branch)] {
+                let shorts = json!({ "componentType": UNSIGNED_SHORT, "normalized": true, "count": vertices, "type": "VEC2" });
+                let column = self.column(piece(what), 4 * vertices, Some(ARRAY_BUFFER), shorts);
+                attributes[set] = json!(column);
+            }
         }
         let corners =
             json!({ "componentType": UNSIGNED_INT, "count": group.indices, "type": "SCALAR" });
         let indices = self.column(
             piece(What::Indices),
             4 * group.indices,
-            ELEMENT_ARRAY_BUFFER,
+            Some(ELEMENT_ARRAY_BUFFER),
             corners,
         );
         json!({
@@ -119,10 +156,22 @@ impl Document {
     }
 
     /// An accessor with a view of its own.
-    fn column(&mut self, piece: Piece, bytes: usize, target: u32, mut accessor: Value) -> usize {
-        let view = self.view(piece, bytes, Some(target));
+    pub(super) fn column(
+        &mut self,
+        piece: Piece,
+        bytes: usize,
+        target: Option<u32>,
+        mut accessor: Value,
+    ) -> usize {
+        let view = self.view(piece, bytes, target);
         accessor["bufferView"] = json!(view);
         add(&mut self.accessors, accessor)
+    }
+
+    /// The same of numbers that are few.
+    pub(super) fn small(&mut self, bytes: Vec<u8>, target: u32, accessor: Value) -> usize {
+        let length = bytes.len();
+        self.column(Piece::Bytes(bytes), length, Some(target), accessor)
     }
 
     fn view(&mut self, piece: Piece, bytes: usize, target: Option<u32>) -> usize {
@@ -136,7 +185,7 @@ impl Document {
     }
 
     /// The number of a material, which trees that look alike share.
-    fn material(&mut self, matter: Matter, surface: &Surface<'_>) -> usize {
+    pub(super) fn material(&mut self, matter: Matter, surface: &Surface<'_>) -> usize {
         let organs = surface.organs;
         let Matter::Painted(index) = matter else {
             return self.bark(organs.bark);
@@ -179,7 +228,10 @@ impl Document {
     fn pictures(&mut self) -> Result<(), TreeError> {
         let barks: Vec<Bark> = self.barks.iter().map(|(bark, _)| *bark).collect();
         for bark in barks {
-            let pictures = bark.pngs()?;
+            let pictures = match self.texture {
+                Some(most) => bark.pngs_within(most)?,
+                None => bark.pngs()?,
+            };
             for (part, picture) in ["colour", "normal", "roughness"].iter().zip(pictures) {
                 let view = self.view(Piece::Picture(picture), picture.len(), None);
                 let name = format!("{} {part}", bark_name(bark));
@@ -212,6 +264,13 @@ impl Document {
                 json!([{ "magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497 }]);
             document["images"] = self.images.into();
         }
+        if self.has_instances {
+            document["extensionsUsed"] = json!([EXTENSION]);
+            document["extensionsRequired"] = json!([EXTENSION]);
+        }
+        if !self.animations.is_empty() {
+            document["animations"] = self.animations.into();
+        }
         let mut text = document.to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
         let length = |bytes: usize| u32::try_from(bytes).ok();
@@ -235,7 +294,7 @@ impl Document {
 }
 
 /// Adds to a list; the number of what was added.
-fn add(list: &mut Vec<Value>, value: Value) -> usize {
+pub(super) fn add(list: &mut Vec<Value>, value: Value) -> usize {
     list.push(value);
     list.len() - 1
 }

@@ -5,24 +5,35 @@
 //! Stand ─▶ surfaces (what there is of each group) ─▶ Document: JSON, and which pieces follow ─▶ pieces written one by one
 //! ```
 //!
+//! Leaves may be instances ([`placed`]), vertices may have numbers for the wind ([`super::wind`]) and places of earlier steps ([`growth`]).
+//!
 //! Metres, Y up, right-handed: glTF's own convention and ours, so nothing is turned. Textures are embedded; trees of a grove share them, and materials.
 //! Specification: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html> (§4.4 for the chunks).
 
 use std::io::{self, Write};
 
-use bytemuck::cast_slice;
+use bytemuck::{Pod, cast_slice};
 
-use super::surface::{Matter, Standing, standing};
-use super::{ExportParams, Stand, TREE};
+use super::surface::{Costs, Matter, Standing, Surface, standing};
+use super::{ExportParams, Stand, TREE, unfold, wind};
 use crate::tree::organs::{Colour, Organs};
 use crate::tree::{Tree, TreeError};
 
 mod document;
+mod growth;
+mod placed;
 
 use document::Document;
+use placed::Place;
 
 /// Position, normal, texture coordinates or colour, and (about six to each) indices.
 const VERTEX_BYTES: u64 = 12 + 12 + 8 + 6 * 4;
+/// What the wind takes: texture coordinates where there were none, and four short numbers.
+const WIND_BYTES: u64 = 8 + 8;
+/// A vertex of a morph target.
+const MORPH_BYTES: u64 = 12;
+/// Rows that are made at a time.
+const AT_ONCE: usize = 4096;
 
 /// The tree as a GLB file.
 ///
@@ -45,6 +56,14 @@ enum Piece {
         matter: Matter,
         what: What,
     },
+    /// Of what stands as instances: a run of the tree of a number.
+    Run {
+        tree: usize,
+        run: usize,
+        what: Place,
+    },
+    /// What is small.
+    Bytes(Vec<u8>),
     /// A file of its own.
     Picture(&'static [u8]),
 }
@@ -57,6 +76,14 @@ enum What {
     Coordinates,
     Colours,
     Indices,
+    /// Texture coordinates of what has colours.
+    LeafCoordinates,
+    /// Sway and phase.
+    Trunk,
+    /// Branch and flutter.
+    Branch,
+    /// How far the growth of a step moves vertices, backwards.
+    Moved(u32),
 }
 
 /// A GLB file that is checked and not written yet.
@@ -66,6 +93,8 @@ pub struct Glb<'a> {
     head: Vec<u8>,
     trees: Vec<Standing<'a>>,
     pieces: Vec<Piece>,
+    /// Of all of it.
+    bytes: u64,
 }
 
 impl<'a> Glb<'a> {
@@ -86,14 +115,23 @@ impl<'a> Glb<'a> {
     /// # Errors
     /// As [`Self::new`].
     pub fn of(stand: &Stand<'a>) -> Result<Self, TreeError> {
-        let trees = standing(stand, "GLB", VERTEX_BYTES)?;
+        let extras = &stand.extras;
+        let wind = if extras.wind { WIND_BYTES } else { 0 };
+        let costs = Costs {
+            vertex: VERTEX_BYTES + wind + MORPH_BYTES * u64::from(extras.morphs),
+            instance: Place::BYTES,
+        };
+        let trees = standing(stand, "GLB", costs)?;
         let document = Document::of(stand, &trees)?;
         let (head, pieces) = document.head().ok_or(TreeError::TooLarge {
             format: "GLB",
             segments: stand.segments(),
             sides: stand.sides(),
         })?;
+        // The header tells the length.
+        let length = head.get(8..).and_then(<[u8]>::first_chunk);
         Ok(Self {
+            bytes: length.map_or(0, |length| u64::from(u32::from_le_bytes(*length))),
             head,
             trees,
             pieces,
@@ -108,18 +146,28 @@ impl<'a> Glb<'a> {
         out.write_all(&self.head)?;
         for piece in &self.pieces {
             match piece {
+                // Both of whole words throughout.
                 Piece::Group { tree, matter, what } => {
-                    // Of whole words throughout.
                     self.write_group(*tree, *matter, *what, out)?;
                 }
-                Piece::Picture(bytes) => {
-                    out.write_all(bytes)?;
-                    let padding = bytes.len().next_multiple_of(4) - bytes.len();
-                    out.write_all(&[0; 3][..padding])?;
+                Piece::Run { tree, run, what } => {
+                    let surface = self.trees.get(*tree).map(|one| &one.surface);
+                    let run = surface.and_then(|surface| surface.runs.get(*run));
+                    for (surface, run) in surface.into_iter().zip(run) {
+                        what.write(surface, run, out)?;
+                    }
                 }
+                Piece::Bytes(bytes) => padded(bytes, out)?,
+                Piece::Picture(bytes) => padded(bytes, out)?,
             }
         }
         Ok(())
+    }
+
+    /// Bytes of the whole file.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     fn write_group(
@@ -132,6 +180,9 @@ impl<'a> Glb<'a> {
         let Some(Standing { surface, .. }) = self.trees.get(tree) else {
             return Ok(());
         };
+        if let Some(written) = write_more(surface, matter, what, out) {
+            return written;
+        }
         let mut indices: Vec<u32> = Vec::new();
         let mut colours: Vec<[u16; 4]> = Vec::new();
         surface.each(matter, |part, before| match what {
@@ -148,16 +199,70 @@ impl<'a> Glb<'a> {
                 indices.extend(part.indices.iter().map(|index| index + before));
                 out.write_all(cast_slice(&indices))
             }
+            _ => Ok(()),
         })
     }
 }
 
+/// Writes what is no part of the surface itself; `None` where it is.
+fn write_more(
+    surface: &Surface<'_>,
+    matter: Matter,
+    what: What,
+    out: &mut dyn Write,
+) -> Option<io::Result<()>> {
+    Some(match what {
+        What::LeafCoordinates => gathered(out, |take| wind::coordinates(surface, matter, take)),
+        What::Trunk => gathered(out, |take| {
+            wind::each(surface, matter, |[sway, phase, ..]| {
+                take(shorts([sway, phase]))
+            });
+        }),
+        What::Branch => gathered(out, |take| {
+            wind::each(surface, matter, |[.., branch, flutter]| {
+                take(shorts([branch, flutter]));
+            });
+        }),
+        What::Moved(step) => gathered(out, |take| unfold::moved(surface, matter, step, take)),
+        _ => return None,
+    })
+}
+
+/// Writes rows as they are made, some at a time.
+fn gathered<T: Pod>(out: &mut dyn Write, make: impl FnOnce(&mut dyn FnMut(T))) -> io::Result<()> {
+    let mut rows: Vec<T> = Vec::with_capacity(AT_ONCE);
+    let mut written = Ok(());
+    make(&mut |row| {
+        rows.push(row);
+        if rows.len() == AT_ONCE {
+            if written.is_ok() {
+                written = out.write_all(cast_slice(&rows));
+            }
+            rows.clear();
+        }
+    });
+    written?;
+    out.write_all(cast_slice(&rows))
+}
+
+/// Writes up to a multiple of four bytes.
+fn padded(bytes: &[u8], out: &mut dyn Write) -> io::Result<()> {
+    out.write_all(bytes)?;
+    let padding = bytes.len().next_multiple_of(4) - bytes.len();
+    out.write_all(&[0; 3][..padding])
+}
+
 /// A linear colour as glTF's vertices hold it.
 fn short([r, g, b]: Colour) -> [u16; 4] {
+    shorts([r, g, b, 1.0])
+}
+
+/// Numbers from 0 to 1 as parts of 65535.
+fn shorts<const N: usize>(parts: [f32; N]) -> [u16; N] {
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "0 to 65535, and `as` saturates"
     )]
-    [r, g, b, 1.0].map(|part| (part * 65535.0).round() as u16)
+    parts.map(|part| (part * 65535.0).round() as u16)
 }
