@@ -243,7 +243,8 @@ impl<'a> Surface<'a> {
             false => Vec::new(),
         };
         let bending = extras.wind.then(|| Bending::of(tree, fine.as_ref()));
-        let unfolding = (extras.morphs > 0).then(|| Unfolding::of(tree, fine, extras.morphs));
+        let morphs = extras.morphs.min(Extras::MORPHS_MOST);
+        let unfolding = (morphs > 0).then(|| Unfolding::of(tree, fine, morphs));
         Ok(Self {
             tree,
             runs,

@@ -57,7 +57,7 @@ fn leaves_as_instances_are_the_same_leaves_in_fewer_bytes() {
         let usd = fs::read_to_string(path(&instanced[1])).unwrap();
         assert!(usd.contains("    def PointInstancer \"leaves\"\n"));
         let length = |name: &str| -> usize { lists(&usd, name).iter().map(Vec::len).sum() };
-        let instances = count(&instanced[1], "instances") as usize;
+        let instances = usize::try_from(count(&instanced[1], "instances")).unwrap();
         assert_eq!(length("int[] protoIndices"), instances);
         assert_eq!(length("point3f[] positions"), 3 * instances);
         assert_eq!(length("quath[] orientations"), 4 * instances);
@@ -134,8 +134,11 @@ fn wind_moves_tips_and_leaves_and_not_the_foot() {
     for one in instances {
         let attributes = &one["EXT_mesh_gpu_instancing"]["attributes"];
         let count_of = |name: &str| {
-            let accessor = attributes[name].as_u64().unwrap() as usize;
-            count(&file["accessors"][accessor], "count")
+            let accessor = attributes[name].as_u64().unwrap();
+            count(
+                &file["accessors"][usize::try_from(accessor).unwrap()],
+                "count",
+            )
         };
         assert_eq!(count_of("_WIND"), count_of("TRANSLATION"));
     }
