@@ -86,6 +86,13 @@ enum What {
     Moved(u32),
 }
 
+/// Memory that is used for one piece after the other: given back each time, its pages would be asked for anew, which took a third of the time.
+#[derive(Default)]
+struct Scratch {
+    indices: Vec<u32>,
+    colours: Vec<[u16; 4]>,
+}
+
 /// A GLB file that is checked and not written yet.
 #[derive(Debug)]
 pub struct Glb<'a> {
@@ -144,11 +151,12 @@ impl<'a> Glb<'a> {
     /// What `out` fails in.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         out.write_all(&self.head)?;
+        let mut scratch = Scratch::default();
         for piece in &self.pieces {
             match piece {
                 // Both of whole words throughout.
                 Piece::Group { tree, matter, what } => {
-                    self.write_group(*tree, *matter, *what, out)?;
+                    self.write_group(*tree, *matter, *what, &mut scratch, out)?;
                 }
                 Piece::Run { tree, run, what } => {
                     let surface = self.trees.get(*tree).map(|one| &one.surface);
@@ -175,6 +183,7 @@ impl<'a> Glb<'a> {
         tree: usize,
         matter: Matter,
         what: What,
+        Scratch { indices, colours }: &mut Scratch,
         out: &mut dyn Write,
     ) -> io::Result<()> {
         let Some(Standing { surface, .. }) = self.trees.get(tree) else {
@@ -183,8 +192,6 @@ impl<'a> Glb<'a> {
         if let Some(written) = write_more(surface, matter, what, out) {
             return written;
         }
-        let mut indices: Vec<u32> = Vec::new();
-        let mut colours: Vec<[u16; 4]> = Vec::new();
         surface.each(matter, |part, before| match what {
             What::Positions => out.write_all(cast_slice(&part.positions)),
             What::Normals => out.write_all(cast_slice(&part.normals)),
@@ -192,12 +199,12 @@ impl<'a> Glb<'a> {
             What::Colours => {
                 colours.clear();
                 colours.extend(part.colours.iter().map(|colour| short(*colour)));
-                out.write_all(cast_slice(&colours))
+                out.write_all(cast_slice(colours))
             }
             What::Indices => {
                 indices.clear();
                 indices.extend(part.indices.iter().map(|index| index + before));
-                out.write_all(cast_slice(&indices))
+                out.write_all(cast_slice(indices))
             }
             _ => Ok(()),
         })
