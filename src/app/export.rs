@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, RgbaImage};
 
-use crate::tree::export::{self, ExportParams};
+use crate::tree::export::{self, ExportParams, Stand};
 use crate::tree::file::{write_atomically, write_atomically_with};
 use crate::tree::{Organs, Tree, TreeError};
 
@@ -93,26 +93,37 @@ pub fn drawing_with(
     params: &ExportParams,
     path: &Path,
 ) -> Result<(), ExportError> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    stand(&Stand::of(&name, tree, organs, params), path)
+}
+
+/// Writes all that is to stand in one file, whole or not at all. SWC holds the first tree alone.
+///
+/// # Errors
+/// [`ExportError`].
+pub fn stand(stand: &Stand<'_>, path: &Path) -> Result<(), ExportError> {
     match Format::of(path)? {
         Format::Glb => {
-            let file = export::Glb::new(tree, organs, params)?;
+            let file = export::Glb::of(stand)?;
             write_atomically_with(path, |out| file.write(out))?;
         }
         Format::Usd => {
-            let file = export::Usd::new(tree, organs, params)?;
+            let file = export::Usd::of(stand)?;
             write_atomically_with(path, |out| file.write(out))?;
         }
         Format::Ply => {
-            let file = export::Ply::new(tree, organs, params)?;
+            let file = export::Ply::of(stand)?;
             write_atomically_with(path, |out| file.write(out))?;
         }
         Format::Obj => {
-            let file = export::Obj::new(tree, organs, params)?;
+            let file = export::Obj::of(stand)?;
             write_atomically_with(path, |out| file.write(out))?;
         }
         Format::Swc => {
-            let file = export::Swc::new(tree)?;
-            write_atomically_with(path, |out| file.write(out))?;
+            if let Some(one) = stand.trees.first() {
+                let file = export::Swc::new(one.tree)?;
+                write_atomically_with(path, |out| file.write(out))?;
+            }
         }
     }
     Ok(())

@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use super::TreeError;
 
+mod smaller;
+
 /// Kinds of bark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -7,6 +7,10 @@ use serde_json::Value;
 use super::cohort::write;
 use super::*;
 
+mod extras;
+mod home;
+mod whole;
+
 const LILY: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/assets/grammars/lily-of-the-valley.lsys"

@@ -7,12 +7,17 @@
 //! holds in a row (positions, normals …), and each part is written and forgotten. Small ones, of which many may be written, are made once and kept.
 
 mod glb;
+pub mod grove;
+mod instances;
+mod names;
 mod obj;
 mod ply;
 mod surface;
 mod swc;
+mod unfold;
 mod usd;
 mod vtp;
+mod wind;
 
 pub use glb::{Glb, glb};
 pub use obj::{Obj, obj};
@@ -20,6 +25,86 @@ pub use ply::Ply;
 pub use swc::{Swc, swc};
 pub use usd::Usd;
 pub use vtp::Vtp;
+
+use glam::Vec3;
+
+use super::{Organs, Tree};
+
+/// A tree of a file.
+#[derive(Clone, Debug)]
+pub struct Individual<'a> {
+    /// Its name among the others.
+    pub name: String,
+    /// The skeleton.
+    pub tree: &'a Tree,
+    /// What it carries.
+    pub organs: &'a Organs,
+    /// Where its own zero stands in the file, metres.
+    pub at: Vec3,
+    /// How its tubes are written.
+    pub params: ExportParams,
+}
+
+/// What a file holds besides, or otherwise, where its format can: all of it GLB, instances USD as well.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// Leaves and all else that is placed stand as instances of a few small meshes.
+    pub instances: bool,
+    /// How each vertex moves in the wind.
+    pub wind: bool,
+    /// So many of the last steps are morph targets with an animation, 0 to [`Extras::MORPHS_MOST`]; instances, which have no vertices of their own, stay.
+    pub morphs: u32,
+    /// Pixels that a side of a picture has at most; `None` for all there are.
+    pub texture: Option<u32>,
+}
+
+impl Extras {
+    /// Morph targets of a file: each takes twelve bytes a vertex.
+    pub const MORPHS_MOST: u32 = 32;
+}
+
+/// What one file holds: a tree, or the trees of a grove.
+#[derive(Clone, Debug)]
+pub struct Stand<'a> {
+    /// What the node on top is called.
+    pub name: String,
+    /// Each has a node of its own below it; one that is no grove *is* the node on top.
+    pub is_grove: bool,
+    /// One, or those of the grove.
+    pub trees: Vec<Individual<'a>>,
+    /// What is written besides.
+    pub extras: Extras,
+}
+
+impl<'a> Stand<'a> {
+    /// A tree alone.
+    #[must_use]
+    pub fn of(name: &str, tree: &'a Tree, organs: &'a Organs, params: &ExportParams) -> Self {
+        Self {
+            name: name.to_owned(),
+            is_grove: false,
+            trees: vec![Individual {
+                name: name.to_owned(),
+                tree,
+                organs,
+                at: Vec3::ZERO,
+                params: *params,
+            }],
+            extras: Extras::default(),
+        }
+    }
+
+    fn sides(&self) -> u32 {
+        self.trees.first().map_or(0, |one| one.params.sides)
+    }
+
+    fn segments(&self) -> usize {
+        self.trees.iter().map(|one| one.tree.segment_count()).sum()
+    }
+}
+
+/// The name of a tree that has none.
+const TREE: &str = "tree";
 
 /// How tubes are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,8 +7,8 @@
 
 use std::io::{self, Write};
 
-use super::ExportParams;
-use super::surface::{Matter, Surface};
+use super::surface::{Costs, Group, Matter, Standing, standing};
+use super::{ExportParams, Stand, TREE};
 use crate::tree::organs::{Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
 
@@ -30,7 +30,7 @@ pub fn obj(tree: &Tree, params: &ExportParams) -> Result<Vec<u8>, TreeError> {
 /// An OBJ file that is checked and not written yet.
 #[derive(Debug)]
 pub struct Obj<'a> {
-    surface: Surface<'a>,
+    trees: Vec<Standing<'a>>,
     segments: usize,
 }
 
@@ -39,10 +39,29 @@ impl<'a> Obj<'a> {
     ///
     /// # Errors
     /// A tree that breaks an invariant, has nothing to draw or is too large; sides outside 3 to 64.
-    pub fn new(tree: &Tree, organs: &'a Organs, params: &ExportParams) -> Result<Self, TreeError> {
+    pub fn new(
+        tree: &'a Tree,
+        organs: &'a Organs,
+        params: &ExportParams,
+    ) -> Result<Self, TreeError> {
+        Self::of(&Stand::of(TREE, tree, organs, params))
+    }
+
+    /// The same of all that stands in a file, each tree an object.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(stand: &Stand<'a>) -> Result<Self, TreeError> {
         Ok(Self {
-            surface: Surface::new(tree, organs, params, "OBJ", VERTEX_BYTES)?,
-            segments: tree.segment_count(),
+            trees: standing(
+                stand,
+                "OBJ",
+                Costs {
+                    vertex: VERTEX_BYTES,
+                    instance: 0,
+                },
+            )?,
+            segments: stand.segments(),
         })
     }
 
@@ -51,60 +70,93 @@ impl<'a> Obj<'a> {
     /// # Errors
     /// What `out` fails in.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let what = match self.trees.len() {
+            1 => "a tree".to_owned(),
+            trees => format!("{trees} trees"),
+        };
         writeln!(
             out,
-            "# Ramus {}: a tree of {} segments; metres, Y up",
+            "# Ramus {}: {what} of {} segments; metres, Y up",
             env!("CARGO_PKG_VERSION"),
             self.segments
         )?;
-        writeln!(out, "o tree")?;
-        let surface = &self.surface;
-        let groups = &surface.groups;
-        let painted = groups.iter().any(|group| group.matter != Matter::Bark);
-        for group in groups {
-            surface.each(group.matter, |part, _| {
-                if !painted {
-                    let mut lines = part.positions.iter();
-                    return lines.try_for_each(|[x, y, z]| writeln!(out, "v {x} {y} {z}"));
+        let mut groups = self.trees.iter().flat_map(|one| &one.surface.groups);
+        let painted = groups.any(|group| group.matter != Matter::Bark);
+        let mut first = First {
+            vertex: 1,
+            coordinate: 1,
+        };
+        for one in &self.trees {
+            // One word, since some readers end a name at the first space.
+            let name = one
+                .name
+                .replace(|c: char| c.is_whitespace() || c.is_control(), "_");
+            writeln!(out, "o {name}")?;
+            vertices(one, painted, out)?;
+            for group in &one.surface.groups {
+                faces(one, group, &first, out)?;
+                first.vertex += group.vertices as u64;
+                if group.matter == Matter::Bark {
+                    first.coordinate += group.vertices as u64;
                 }
-                for (at, [x, y, z]) in part.positions.iter().enumerate() {
-                    let colour = part.colours.get(at).copied().unwrap_or_else(bark_colour);
-                    let [r, g, b] = colour.map(srgb);
-                    writeln!(out, "v {x} {y} {z} {r:.4} {g:.4} {b:.4}")?;
-                }
-                Ok(())
-            })?;
-        }
-        for group in groups {
-            surface.each(group.matter, |part, _| {
-                let mut lines = part.uvs.iter();
-                lines.try_for_each(|[u, v]| writeln!(out, "vt {u} {v}"))
-            })?;
-        }
-        // Five digits are finer than any shading shows and halve the file.
-        for group in groups {
-            surface.each(group.matter, |part, _| {
-                let mut lines = part.normals.iter();
-                lines.try_for_each(|[x, y, z]| writeln!(out, "vn {x:.5} {y:.5} {z:.5}"))
-            })?;
-        }
-        let mut first = 1;
-        for group in groups {
-            // Bark comes first, so its texture coordinates are numbered as its positions.
-            let has_uvs = group.matter == Matter::Bark;
-            surface.each(group.matter, |part, before| {
-                part.indices.chunks_exact(3).try_for_each(|triangle| {
-                    let [a, b, c] = [triangle[0], triangle[1], triangle[2]]
-                        .map(|index| u64::from(index) + u64::from(before) + first);
-                    if has_uvs {
-                        writeln!(out, "f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}")
-                    } else {
-                        writeln!(out, "f {a}//{a} {b}//{b} {c}//{c}")
-                    }
-                })
-            })?;
-            first += group.vertices as u64;
+            }
         }
         Ok(())
     }
+}
+
+/// The numbers of the next vertex and the next texture coordinates.
+struct First {
+    vertex: u64,
+    coordinate: u64,
+}
+
+fn vertices(one: &Standing<'_>, painted: bool, out: &mut dyn Write) -> io::Result<()> {
+    let surface = &one.surface;
+    for group in &surface.groups {
+        surface.each(group.matter, |part, _| {
+            for (at, position) in part.positions.iter().enumerate() {
+                let [x, y, z] = one.placed(*position);
+                if !painted {
+                    writeln!(out, "v {x} {y} {z}")?;
+                    continue;
+                }
+                let colour = part.colours.get(at).copied().unwrap_or_else(bark_colour);
+                let [r, g, b] = colour.map(srgb);
+                writeln!(out, "v {x} {y} {z} {r:.4} {g:.4} {b:.4}")?;
+            }
+            Ok(())
+        })?;
+    }
+    for group in &surface.groups {
+        surface.each(group.matter, |part, _| {
+            let mut lines = part.uvs.iter();
+            lines.try_for_each(|[u, v]| writeln!(out, "vt {u} {v}"))
+        })?;
+    }
+    // Five digits are finer than any shading shows and halve the file.
+    for group in &surface.groups {
+        surface.each(group.matter, |part, _| {
+            let mut lines = part.normals.iter();
+            lines.try_for_each(|[x, y, z]| writeln!(out, "vn {x:.5} {y:.5} {z:.5}"))
+        })?;
+    }
+    Ok(())
+}
+
+fn faces(one: &Standing<'_>, group: &Group, first: &First, out: &mut dyn Write) -> io::Result<()> {
+    let has_uvs = group.matter == Matter::Bark;
+    one.surface.each(group.matter, |part, before| {
+        part.indices.chunks_exact(3).try_for_each(|triangle| {
+            let corners = [triangle[0], triangle[1], triangle[2]]
+                .map(|index| u64::from(index) + u64::from(before));
+            let [a, b, c] = corners.map(|corner| corner + first.vertex);
+            if has_uvs {
+                let [u, v, w] = corners.map(|corner| corner + first.coordinate);
+                writeln!(out, "f {a}/{u}/{a} {b}/{v}/{b} {c}/{w}/{c}")
+            } else {
+                writeln!(out, "f {a}//{a} {b}//{b} {c}//{c}")
+            }
+        })
+    })
 }

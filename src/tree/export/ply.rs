@@ -7,8 +7,8 @@ use std::io::{self, Write};
 
 use bytemuck::{Pod, Zeroable, cast_slice};
 
-use super::ExportParams;
-use super::surface::Surface;
+use super::surface::{Costs, Standing, standing};
+use super::{ExportParams, Stand, TREE};
 use crate::tree::organs::{Colour, Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
 
@@ -36,7 +36,7 @@ struct Face {
 /// A PLY file that is checked and not written yet.
 #[derive(Debug)]
 pub struct Ply<'a> {
-    surface: Surface<'a>,
+    trees: Vec<Standing<'a>>,
 }
 
 impl<'a> Ply<'a> {
@@ -44,11 +44,30 @@ impl<'a> Ply<'a> {
     ///
     /// # Errors
     /// A tree that breaks an invariant, has nothing to draw or is too large; sides outside 3 to 64.
-    pub fn new(tree: &Tree, organs: &'a Organs, params: &ExportParams) -> Result<Self, TreeError> {
+    pub fn new(
+        tree: &'a Tree,
+        organs: &'a Organs,
+        params: &ExportParams,
+    ) -> Result<Self, TreeError> {
+        Self::of(&Stand::of(TREE, tree, organs, params))
+    }
+
+    /// The same of all that stands in a file, as one mesh.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(stand: &Stand<'a>) -> Result<Self, TreeError> {
         // About two triangles to each vertex.
         let bytes = (size_of::<Vertex>() + 2 * size_of::<Face>()) as u64;
         Ok(Self {
-            surface: Surface::new(tree, organs, params, "PLY", bytes)?,
+            trees: standing(
+                stand,
+                "PLY",
+                Costs {
+                    vertex: bytes,
+                    instance: 0,
+                },
+            )?,
         })
     }
 
@@ -57,9 +76,12 @@ impl<'a> Ply<'a> {
     /// # Errors
     /// What `out` fails in.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let groups = &self.surface.groups;
-        let vertices: usize = groups.iter().map(|group| group.vertices).sum();
-        let indices: usize = groups.iter().map(|group| group.indices).sum();
+        let groups = || {
+            let trees = self.trees.iter();
+            trees.flat_map(|one| one.surface.groups.iter().map(move |group| (one, group)))
+        };
+        let vertices: usize = groups().map(|(_, group)| group.vertices).sum();
+        let indices: usize = groups().map(|(_, group)| group.indices).sum();
         write!(
             out,
             "ply\nformat binary_little_endian 1.0\ncomment Ramus {}: metres, Y up\nelement vertex {vertices}\n",
@@ -78,10 +100,10 @@ impl<'a> Ply<'a> {
         )?;
         let bark = eight_bits(bark_colour());
         let mut made: Vec<Vertex> = Vec::with_capacity(AT_ONCE);
-        for group in groups {
-            self.surface.each(group.matter, |part, _| {
+        for (one, group) in groups() {
+            one.surface.each(group.matter, |part, _| {
                 let vertex = |at: usize| Vertex {
-                    position: part.positions[at].map(f32::to_le_bytes),
+                    position: one.placed(part.positions[at]).map(f32::to_le_bytes),
                     normal: part.normals[at].map(f32::to_le_bytes),
                     uv: part
                         .uvs
@@ -99,8 +121,8 @@ impl<'a> Ply<'a> {
         }
         let mut made: Vec<Face> = Vec::with_capacity(AT_ONCE);
         let mut first = 0;
-        for group in groups {
-            self.surface.each(group.matter, |part, before| {
+        for (one, group) in groups() {
+            one.surface.each(group.matter, |part, before| {
                 let (triangles, _) = part.indices.as_chunks::<3>();
                 let face = |at: usize| Face {
                     corners: 3,

@@ -8,7 +8,10 @@ use std::io;
 
 use glam::Vec3;
 
-use super::{ExportParams, MOST_BYTES, PART};
+use super::instances::{Run, runs};
+use super::unfold::Unfolding;
+use super::wind::Bending;
+use super::{ExportParams, Extras, Individual, MOST_BYTES, PART, Stand};
 use crate::tree::mesh::{SIDES, TubeMesh, mesh, vertices_per_segment};
 use crate::tree::organs::{
     Colour, LookTable, OrganMesh, Organist, Organs, look_of, paint_segments, refined, refined_len,
@@ -75,13 +78,95 @@ impl Part {
     }
 }
 
-/// All that is to be written.
+/// What the surfaces of one file may still take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget {
+    /// Of the file.
+    bytes: u64,
+    /// Vertices that may be kept in memory.
+    kept: u64,
+}
+
+/// A tree's surface, and where in a file it stands.
+#[derive(Debug)]
+pub(super) struct Standing<'a> {
+    /// Of the tree among others.
+    pub(super) name: String,
+    /// Metres from where the file counts from.
+    pub(super) at: Vec3,
+    pub(super) surface: Surface<'a>,
+}
+
+impl Standing<'_> {
+    /// A position where it stands.
+    pub(super) fn placed(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        [x + self.at.x, y + self.at.y, z + self.at.z]
+    }
+}
+
+/// What things take in a file at most, bytes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Costs {
+    pub(super) vertex: u64,
+    /// What is placed and has no triangles of its own; 0 where the format has no such.
+    pub(super) instance: u64,
+}
+
+/// The surfaces of all trees of a file, or why they cannot be written.
+pub(super) fn standing<'a>(
+    stand: &Stand<'a>,
+    format: &'static str,
+    costs: Costs,
+) -> Result<Vec<Standing<'a>>, TreeError> {
+    let mut extras = stand.extras;
+    extras.instances &= costs.instance > 0;
+    let mut budget = Budget {
+        bytes: MOST_BYTES,
+        kept: KEPT,
+    };
+    let made = stand.trees.iter().map(|one| {
+        let mut surface = Surface::new(one, extras, format, costs, &mut budget)?;
+        surface.measure(&mut budget)?;
+        let standing = Standing {
+            name: one.name.clone(),
+            at: one.at,
+            surface,
+        };
+        let corners = standing
+            .surface
+            .groups
+            .iter()
+            .flat_map(|group| group.bounds);
+        let mut corners = corners.map(|corner| standing.placed(corner));
+        match corners.all(|corner| Vec3::from(corner).is_finite()) {
+            true => Ok(standing),
+            false => Err(TreeError::TooWide),
+        }
+    });
+    let made: Vec<Standing<'_>> = made.collect::<Result<_, TreeError>>()?;
+    if made.is_empty() {
+        return Err(TreeError::Empty(format));
+    }
+    Ok(made)
+}
+
+/// All that is to be written of a tree.
 #[derive(Debug)]
 pub(super) struct Surface<'a> {
-    records: Vec<TubeSegment>,
-    sides: u32,
-    organs: &'a Organs,
+    pub(super) tree: &'a Tree,
+    /// Of the tubes, one for each node that has a parent.
+    pub(super) records: Vec<TubeSegment>,
+    pub(super) sides: u32,
+    pub(super) organs: &'a Organs,
     looks: LookTable,
+    /// Organs, the first ones, that are triangles of their own.
+    pub(super) loose: usize,
+    /// The others.
+    pub(super) runs: Vec<Run>,
+    pub(super) bending: Option<Bending>,
+    pub(super) unfolding: Option<Unfolding>,
+    /// Vertices that it may have.
+    most: u64,
     /// All parts where they are kept, with the vertices of their group before them.
     kept: Vec<(Matter, u32, Part)>,
     /// In the order in which they are written; none is empty.
@@ -89,17 +174,23 @@ pub(super) struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    /// The surface of a whole drawing, or why it cannot be written; `vertex_bytes` is what one vertex takes at most.
-    pub(super) fn new(
-        tree: &Tree,
-        organs: &'a Organs,
-        params: &ExportParams,
+    /// The surface of a whole drawing, not measured yet.
+    fn new(
+        one: &Individual<'a>,
+        extras: Extras,
         format: &'static str,
-        vertex_bytes: u64,
+        costs: Costs,
+        budget: &mut Budget,
     ) -> Result<Self, TreeError> {
+        let Individual {
+            tree,
+            organs,
+            params,
+            ..
+        } = *one;
         tree.validate()?;
         organs.validate(tree)?;
-        let ExportParams { sides } = *params;
+        let ExportParams { sides } = params;
         if !SIDES.contains(&sides) {
             let [value, least, most] = [sides, *SIDES.start(), *SIDES.end()].map(f64::from);
             return Err(TreeError::Parameter {
@@ -116,16 +207,23 @@ impl<'a> Surface<'a> {
         let nodes = refined_len(tree, organs);
         let tubes = (nodes - tree.root_count() as u64).saturating_mul(vertices_per_segment(sides));
         let organist = Organist::new(organs);
-        let carried: u64 = (0..organs.len())
-            .map(|index| organist.size(index).0 as u64)
-            .sum();
-        if (tubes + carried).saturating_mul(vertex_bytes) > MOST_BYTES {
+        let apart = match extras.instances {
+            true => organs.placed.len(),
+            false => 0,
+        };
+        let loose = organs.len() - apart;
+        let carried: u64 = (0..loose).map(|index| organist.size(index).0 as u64).sum();
+        let most = tubes.saturating_add(carried);
+        let instances = costs.instance.saturating_mul(apart as u64);
+        let bytes = most.saturating_mul(costs.vertex).saturating_add(instances);
+        let Some(left) = budget.bytes.checked_sub(bytes) else {
             return Err(TreeError::TooLarge {
                 format,
                 segments,
                 sides,
             });
-        }
+        };
+        budget.bytes = left;
         // Asked for once before it is needed in several pieces: those end the program where they are not given.
         let bytes = usize::try_from(nodes)
             .unwrap_or(usize::MAX)
@@ -140,26 +238,40 @@ impl<'a> Surface<'a> {
         tubes::segments(drawn, &[], u32::MAX, &mut records);
         let mut looks = LookTable::default();
         paint_segments(tree, organs, fine.as_ref(), &mut records, &mut looks);
-        let mut surface = Self {
+        let runs = match extras.instances {
+            true => runs(organs).ok_or(TreeError::TooWide)?,
+            false => Vec::new(),
+        };
+        let bending = extras.wind.then(|| Bending::of(tree, fine.as_ref()));
+        let morphs = extras.morphs.min(Extras::MORPHS_MOST);
+        let unfolding = (morphs > 0).then(|| Unfolding::of(tree, fine, morphs));
+        Ok(Self {
+            tree,
+            runs,
+            loose,
+            bending,
+            unfolding,
             records,
             sides,
             organs,
             looks,
+            most,
             kept: Vec::new(),
             groups: Vec::new(),
-        };
-        surface.groups = surface.measured(tubes + carried <= KEPT)?;
-        Ok(surface)
+        })
     }
 
-    /// What there is of each group; `keeps` what is made for it.
-    fn measured(&mut self, keeps: bool) -> Result<Vec<Group>, TreeError> {
+    /// Finds what there is of each group, and keeps what is made for that where there is room.
+    fn measure(&mut self, budget: &mut Budget) -> Result<(), TreeError> {
+        let left = budget.kept.checked_sub(self.most);
+        budget.kept = left.unwrap_or(budget.kept);
+        let keeps = left.is_some();
         let mut matters = BTreeSet::new();
         for record in &self.records {
             matters.insert(self.matter(record));
         }
         let organist = Organist::new(self.organs);
-        for organ in (0..self.organs.len()).filter_map(|index| organist.organ(index)) {
+        for organ in (0..self.loose).filter_map(|index| organist.organ(index)) {
             matters.insert(Matter::Painted(organ.paint.material));
         }
         let (mut groups, mut kept) = (Vec::new(), Vec::new());
@@ -194,10 +306,11 @@ impl<'a> Surface<'a> {
             }
         }
         self.kept = kept;
-        Ok(groups)
+        self.groups = groups;
+        Ok(())
     }
 
-    fn matter(&self, record: &TubeSegment) -> Matter {
+    pub(super) fn matter(&self, record: &TubeSegment) -> Matter {
         look_of(record).map_or(Matter::Bark, |look| {
             Matter::Painted(self.looks.look(look).1)
         })
@@ -257,7 +370,7 @@ impl<'a> Surface<'a> {
         };
         let mut organist = Organist::new(self.organs);
         let mut mesh = OrganMesh::default();
-        for index in 0..self.organs.len() {
+        for index in 0..self.loose {
             if organist.organ(index).map(|organ| organ.paint.material) == Some(material) {
                 organist.add(index, &mut mesh);
             }
@@ -273,7 +386,7 @@ impl<'a> Surface<'a> {
 }
 
 /// Vertices that a segment's mesh has.
-fn vertices_of(record: &TubeSegment, sides: u32) -> usize {
+pub(super) fn vertices_of(record: &TubeSegment, sides: u32) -> usize {
     let sides = sides as usize;
     let has = |flag, vertices| {
         if record.flags & flag == 0 {

@@ -1,4 +1,5 @@
-//! Universal Scene Description as text (`.usda`): a transform with a mesh for each material, which is a preview surface.
+//! Universal Scene Description as text (`.usda`): a transform named as the tree with a mesh for each thing that it is made of (`wood`, `leaves` …), whose
+//! material is a preview surface. A grove has a transform for each tree in between; all share their materials.
 //!
 //! Metres, Y up, normals and texture coordinates (`primvars:st`) at the vertices, `subdivisionScheme` none, since the tubes are already round. Bark has the colour
 //! of bark: a text can hold no picture, and a second file would be lost too easily; who wants its texture takes the GLB. What is painted has its colours
@@ -7,22 +8,43 @@
 
 use std::io::{self, Write};
 
-use super::ExportParams;
-use super::surface::{Group, Matter, Surface};
+use super::instances::Run;
+use super::names::{identifier, name, names, unlike};
+use super::surface::{Costs, Group, Matter, Standing, Surface, standing};
+use super::{ExportParams, Stand, TREE};
+use crate::tree::bark::Bark;
 use crate::tree::organs::{Organs, bark_colour};
 use crate::tree::{Tree, TreeError};
 
-/// What the text of one vertex with its share of the faces takes at most, roughly.
-const VERTEX_BYTES: u64 = 70 + 40 + 40 + 2 * 50;
+mod instancer;
+
+use instancer::Site;
+
+/// What the text of one vertex with its share of the faces takes at most, roughly, and that of an instance.
+const COSTS: Costs = Costs {
+    vertex: 70 + 40 + 40 + 2 * 50,
+    instance: 4 + 45 + 45 + 40,
+};
 /// Numbers on a line.
 const LINE: usize = 12;
 
 /// A USD file that is checked and not written yet.
 #[derive(Debug)]
 pub struct Usd<'a> {
-    surface: Surface<'a>,
-    segments: usize,
-    organs: &'a Organs,
+    /// Of the prim on top.
+    name: String,
+    is_grove: bool,
+    trees: Vec<Standing<'a>>,
+    materials: Vec<Material>,
+}
+
+/// A material that all trees share which look so.
+#[derive(Clone, Debug, PartialEq)]
+struct Material {
+    name: String,
+    bark: Option<Bark>,
+    metallic: f32,
+    roughness: f32,
 }
 
 impl<'a> Usd<'a> {
@@ -30,11 +52,43 @@ impl<'a> Usd<'a> {
     ///
     /// # Errors
     /// A tree that breaks an invariant, has nothing to draw or is too large; sides outside 3 to 64.
-    pub fn new(tree: &Tree, organs: &'a Organs, params: &ExportParams) -> Result<Self, TreeError> {
+    pub fn new(
+        tree: &'a Tree,
+        organs: &'a Organs,
+        params: &ExportParams,
+    ) -> Result<Self, TreeError> {
+        Self::of(&Stand::of(TREE, tree, organs, params))
+    }
+
+    /// The same of all that stands in a file.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(stand: &Stand<'a>) -> Result<Self, TreeError> {
+        let trees = standing(stand, "USD", COSTS)?;
+        let mut materials: Vec<Material> = Vec::new();
+        for Standing { surface, .. } in &trees {
+            let of_runs = surface.runs.iter();
+            let of_runs = of_runs.map(|run| Matter::Painted(run.paint.material));
+            for matter in surface
+                .groups
+                .iter()
+                .map(|group| group.matter)
+                .chain(of_runs)
+            {
+                if !materials.iter().any(|known| known.is_of(surface, matter)) {
+                    let mut made = Material::of(surface, matter);
+                    let taken: Vec<String> = materials.iter().map(|one| one.name.clone()).collect();
+                    made.name = identifier(&unlike(&taken, made.name));
+                    materials.push(made);
+                }
+            }
+        }
         Ok(Self {
-            surface: Surface::new(tree, organs, params, "USD", VERTEX_BYTES)?,
-            segments: tree.segment_count(),
-            organs,
+            name: identifier(&stand.name),
+            is_grove: stand.is_grove,
+            trees,
+            materials,
         })
     }
 
@@ -43,49 +97,111 @@ impl<'a> Usd<'a> {
     /// # Errors
     /// What `out` fails in.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let name = &self.name;
+        let segments: usize = self
+            .trees
+            .iter()
+            .map(|one| one.surface.tree.segment_count())
+            .sum();
+        let (what, kind) = match self.is_grove {
+            true => (format!("{} trees", self.trees.len()), "group"),
+            false => ("a tree".to_owned(), "component"),
+        };
         write!(
             out,
-            "#usda 1.0\n(\n    defaultPrim = \"tree\"\n    doc = \"Ramus {}: a tree of {} segments\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Xform \"tree\" (\n    kind = \"component\"\n)\n{{\n",
+            "#usda 1.0\n(\n    defaultPrim = \"{name}\"\n    doc = \"Ramus {}: {what} of {segments} segments\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Xform \"{name}\" (\n    kind = \"{kind}\"\n)\n{{\n",
             env!("CARGO_PKG_VERSION"),
-            self.segments
         )?;
-        for group in &self.surface.groups {
-            self.mesh(group, out)?;
+        for standing in &self.trees {
+            self.tree(standing, out)?;
         }
         writeln!(out, "    def Scope \"materials\"\n    {{")?;
-        for group in &self.surface.groups {
-            self.material(group.matter, out)?;
+        for material in &self.materials {
+            self.material(material, out)?;
         }
         writeln!(out, "    }}\n}}")
     }
 
-    fn mesh(&self, group: &Group, out: &mut dyn Write) -> io::Result<()> {
-        let (surface, name) = (&self.surface, name(group.matter));
+    /// A tree: in a grove below a transform of its own.
+    fn tree(&self, standing: &Standing<'_>, out: &mut dyn Write) -> io::Result<()> {
+        let surface = &standing.surface;
+        let inside = if self.is_grove { "        " } else { "    " };
+        if self.is_grove {
+            write!(
+                out,
+                "    def Xform \"{}\" (\n        kind = \"component\"\n    )\n    {{\n        double3 xformOp:translate = {}\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n\n",
+                identifier(&standing.name),
+                triple(&standing.at.to_array()),
+            )?;
+        }
+        let mut taken = names(surface);
+        for (group, name) in surface.groups.iter().zip(&taken) {
+            self.mesh(surface, group, &identifier(name), inside, out)?;
+        }
+        let mut above = format!("/{}", self.name);
+        if self.is_grove {
+            above += &format!("/{}", identifier(&standing.name));
+        }
+        let same = |a: &Run, b: &Run| a.paint.material == b.paint.material;
+        for runs in surface.runs.chunk_by(same) {
+            let Some(first) = runs.first() else { continue };
+            let matter = Matter::Painted(first.paint.material);
+            taken.push(unlike(&taken, name(surface, matter)));
+            let site = Site {
+                name: &identifier(taken.last().map_or("", String::as_str)),
+                above: &above,
+                material: &self.path(surface, matter),
+                inside,
+            };
+            instancer::write(surface, runs, &site, out)?;
+        }
+        if self.is_grove {
+            writeln!(out, "    }}\n")?;
+        }
+        Ok(())
+    }
+
+    /// The path of a material.
+    fn path(&self, surface: &Surface<'_>, matter: Matter) -> String {
+        let known = self.materials.iter().find(|one| one.is_of(surface, matter));
+        let material = known.map_or("", |known| &known.name);
+        format!("/{}/materials/{material}", self.name)
+    }
+
+    fn mesh(
+        &self,
+        surface: &Surface<'_>,
+        group: &Group,
+        name: &str,
+        inside: &str,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
         let [low, high] = group.bounds.map(|corner| triple(&corner));
+        let material = self.path(surface, group.matter);
         write!(
             out,
-            "    def Mesh \"{name}\" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {{\n        uniform bool doubleSided = {}\n        float3[] extent = [{low}, {high}]\n        rel material:binding = </tree/materials/{name}>\n        uniform token subdivisionScheme = \"none\"\n",
-            u8::from(group.matter != Matter::Bark)
+            "{inside}def Mesh \"{name}\" (\n{inside}    prepend apiSchemas = [\"MaterialBindingAPI\"]\n{inside})\n{inside}{{\n{inside}    uniform bool doubleSided = {}\n{inside}    float3[] extent = [{low}, {high}]\n{inside}    rel material:binding = <{material}>\n{inside}    uniform token subdivisionScheme = \"none\"\n",
+            u8::from(group.matter != Matter::Bark),
         )?;
-        let mut list = List::begin(out, "int[] faceVertexCounts")?;
+        let mut list = List::begin(out, inside, "int[] faceVertexCounts")?;
         for _ in 0..group.indices / 3 {
             list.push(out, format_args!("3"))?;
         }
         list.end(out, "")?;
-        let mut list = List::begin(out, "int[] faceVertexIndices")?;
+        let mut list = List::begin(out, inside, "int[] faceVertexIndices")?;
         surface.each(group.matter, |part, before| {
             let mut indices = part.indices.iter();
             indices.try_for_each(|index| list.push(out, format_args!("{}", index + before)))
         })?;
         list.end(out, "")?;
-        let mut list = List::begin(out, "point3f[] points")?;
+        let mut list = List::begin(out, inside, "point3f[] points")?;
         surface.each(group.matter, |part, _| {
             let mut points = part.positions.iter();
             points.try_for_each(|[x, y, z]| list.push(out, format_args!("({x}, {y}, {z})")))
         })?;
         list.end(out, "")?;
         // Five digits are finer than any shading shows.
-        let mut list = List::begin(out, "normal3f[] normals")?;
+        let mut list = List::begin(out, inside, "normal3f[] normals")?;
         surface.each(group.matter, |part, _| {
             let mut normals = part.normals.iter();
             normals
@@ -93,14 +209,14 @@ impl<'a> Usd<'a> {
         })?;
         list.end(out, VERTEX)?;
         if group.matter == Matter::Bark {
-            let mut list = List::begin(out, "texCoord2f[] primvars:st")?;
+            let mut list = List::begin(out, inside, "texCoord2f[] primvars:st")?;
             surface.each(group.matter, |part, _| {
                 let mut uvs = part.uvs.iter();
                 uvs.try_for_each(|[u, v]| list.push(out, format_args!("({u}, {v})")))
             })?;
             list.end(out, VERTEX)?;
         } else {
-            let mut list = List::begin(out, "color3f[] primvars:displayColor")?;
+            let mut list = List::begin(out, inside, "color3f[] primvars:displayColor")?;
             surface.each(group.matter, |part, _| {
                 let mut colours = part.colours.iter();
                 colours.try_for_each(|[r, g, b]| {
@@ -109,29 +225,26 @@ impl<'a> Usd<'a> {
             })?;
             list.end(out, VERTEX)?;
         }
-        writeln!(out, "    }}\n")
+        writeln!(out, "{inside}}}\n")
     }
 
-    fn material(&self, matter: Matter, out: &mut dyn Write) -> io::Result<()> {
-        let name = name(matter);
-        let [metallic, roughness] = match matter {
-            Matter::Bark => [0.0, 0.9],
-            Matter::Painted(index) => {
-                let material = self.organs.palette.material(index);
-                [material.metallic, material.roughness]
-            }
-        };
-        let colour = match matter {
-            Matter::Bark => format!(" = {}", triple(&bark_colour())),
-            Matter::Painted(_) => {
-                format!(".connect = </tree/materials/{name}/colour.outputs:result>")
-            }
+    fn material(&self, material: &Material, out: &mut dyn Write) -> io::Result<()> {
+        let Material {
+            name,
+            bark,
+            metallic,
+            roughness,
+        } = material;
+        let path = format!("/{}/materials/{name}", self.name);
+        let colour = match bark {
+            Some(_) => format!(" = {}", triple(&bark_colour())),
+            None => format!(".connect = <{path}/colour.outputs:result>"),
         };
         write!(
             out,
-            "        def Material \"{name}\"\n        {{\n            token outputs:surface.connect = </tree/materials/{name}/surface.outputs:surface>\n\n            def Shader \"surface\"\n            {{\n                uniform token info:id = \"UsdPreviewSurface\"\n                color3f inputs:diffuseColor{colour}\n                float inputs:metallic = {metallic}\n                float inputs:roughness = {roughness}\n                token outputs:surface\n            }}\n"
+            "        def Material \"{name}\"\n        {{\n            token outputs:surface.connect = <{path}/surface.outputs:surface>\n\n            def Shader \"surface\"\n            {{\n                uniform token info:id = \"UsdPreviewSurface\"\n                color3f inputs:diffuseColor{colour}\n                float inputs:metallic = {metallic}\n                float inputs:roughness = {roughness}\n                token outputs:surface\n            }}\n"
         )?;
-        if matter != Matter::Bark {
+        if bark.is_none() {
             write!(
                 out,
                 "\n            def Shader \"colour\"\n            {{\n                uniform token info:id = \"UsdPrimvarReader_float3\"\n                string inputs:varname = \"displayColor\"\n                float3 outputs:result\n            }}\n"
@@ -141,35 +254,70 @@ impl<'a> Usd<'a> {
     }
 }
 
-/// Behind a list whose numbers are each of one vertex.
-const VERTEX: &str = " (\n            interpolation = \"vertex\"\n        )";
+impl Material {
+    fn of(surface: &Surface<'_>, matter: Matter) -> Self {
+        let organs = surface.organs;
+        match matter {
+            Matter::Bark => Self {
+                name: "bark".to_owned(),
+                bark: Some(organs.bark),
+                metallic: 0.0,
+                roughness: 0.9,
+            },
+            Matter::Painted(index) => {
+                let material = organs.palette.material(index);
+                Self {
+                    name: identifier(&organs.palette.name(index)),
+                    bark: None,
+                    metallic: material.metallic,
+                    roughness: material.roughness,
+                }
+            }
+        }
+    }
 
-fn name(matter: Matter) -> String {
-    match matter {
-        Matter::Bark => "bark".to_owned(),
-        Matter::Painted(index) => format!("material_{index}"),
+    /// Whether it is that of a group; names were made unlike each other.
+    fn is_of(&self, surface: &Surface<'_>, matter: Matter) -> bool {
+        let other = Self::of(surface, matter);
+        let is_named =
+            self.name == other.name || self.name.starts_with(&format!("{}_", other.name));
+        is_named
+            && Self {
+                name: String::new(),
+                ..self.clone()
+            } == Self {
+                name: String::new(),
+                ..other
+            }
     }
 }
+
+/// Behind a list whose numbers are each of one vertex.
+const VERTEX: &str = " (\n            interpolation = \"vertex\"\n        )";
 
 fn triple([x, y, z]: &[f32; 3]) -> String {
     format!("({x}, {y}, {z})")
 }
 
 /// A list being written, some numbers a line.
-struct List {
+struct List<'a> {
     count: usize,
+    inside: &'a str,
 }
 
-impl List {
-    fn begin(out: &mut dyn Write, name: &str) -> io::Result<Self> {
-        write!(out, "        {name} = [")?;
-        Ok(Self { count: 0 })
+impl<'a> List<'a> {
+    fn begin(out: &mut dyn Write, inside: &'a str, name: &str) -> io::Result<Self> {
+        write!(out, "{inside}    {name} = [")?;
+        Ok(Self { count: 0, inside })
     }
 
     fn push(&mut self, out: &mut dyn Write, number: std::fmt::Arguments<'_>) -> io::Result<()> {
         if self.count > 0 {
-            let is_new = self.count.is_multiple_of(LINE);
-            out.write_all(if is_new { b",\n            " } else { b", " })?;
+            if self.count.is_multiple_of(LINE) {
+                write!(out, ",\n{}        ", self.inside)?;
+            } else {
+                out.write_all(b", ")?;
+            }
         }
         self.count += 1;
         out.write_fmt(number)

@@ -113,6 +113,12 @@ impl Palette {
         self.names.insert(index, name.to_owned());
     }
 
+    /// Whether a material was given a name.
+    #[must_use]
+    pub fn is_named(&self, index: u16) -> bool {
+        self.names.contains_key(&index)
+    }
+
     /// The name of a material.
     #[must_use]
     pub fn name(&self, index: u16) -> String {

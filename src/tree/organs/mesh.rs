@@ -180,7 +180,8 @@ impl<'a> Organist<'a> {
 
 impl Surface {
     /// The colour of a vertex for the turtle's colour index.
-    fn colour(&self, vertex: usize, palette: &Palette, index: u16) -> Colour {
+    #[must_use]
+    pub fn colour(&self, vertex: usize, palette: &Palette, index: u16) -> Colour {
         let tone = self.tone.get(vertex).copied().unwrap_or(0);
         let Some(tone) = self.tones.get(usize::from(tone)) else {
             return from_bytes(GREEN);

@@ -3,8 +3,10 @@
 use glam::{Quat, Vec3, vec3};
 
 use super::fork;
-use crate::tree::export::{ExportParams, Glb, Obj, glb};
-use crate::tree::organs::{Material, Paint, Placed, Polygon, Smooth, Sphere, Surface};
+use crate::tree::export::{ExportParams, Extras, Glb, Obj, Stand, glb};
+use crate::tree::organs::{
+    Material, OrganMesh, Organist, Paint, Placed, Polygon, Smooth, Sphere, Surface,
+};
 use crate::tree::{NO_PARENT, Organs, Tree};
 
 /// One of everything, on the fork.
@@ -77,17 +79,31 @@ pub(super) fn laden_glb() -> Vec<u8> {
 }
 
 #[test]
-fn a_glb_holds_bark_and_a_primitive_for_each_material() {
+fn a_glb_holds_a_node_for_bark_and_one_for_each_material() {
     let bytes = laden_glb();
     let file = gltf::Gltf::from_slice(&bytes).unwrap();
     let blob = file.blob.as_deref();
-    let mesh = file.meshes().next().unwrap();
-    let names: Vec<_> = mesh
-        .primitives()
+    let primitives: Vec<_> = file
+        .meshes()
+        .flat_map(|mesh| mesh.primitives().collect::<Vec<_>>())
+        .collect();
+    let names: Vec<_> = primitives
+        .iter()
         .map(|p| p.material().name().unwrap().to_owned())
         .collect();
     assert_eq!(names, ["bark", "material 0", "material 2"]);
-    let primitives: Vec<_> = mesh.primitives().collect();
+    let root = file.default_scene().unwrap().nodes().next().unwrap();
+    let parts: Vec<_> = root
+        .children()
+        .map(|node| node.name().unwrap().to_owned())
+        .collect();
+    assert_eq!(
+        (root.name(), parts),
+        (
+            Some("tree"),
+            ["wood", "painted", "painted-2"].map(str::to_owned).to_vec()
+        )
+    );
     let wet = primitives[2].material();
     let pbr = wet.pbr_metallic_roughness();
     assert_eq!((pbr.roughness_factor(), pbr.metallic_factor()), (0.25, 0.5));
@@ -180,4 +196,68 @@ fn organs_alone_make_files_and_none_make_the_file_of_the_tree() {
     broken.spheres[0].center = Vec3::NAN;
     let error = Glb::new(&tree, &broken, &ExportParams::default()).unwrap_err();
     assert!(error.to_string().contains("sphere 0"), "{error}");
+}
+
+/// Rows of floats, or of 16-bit parts of 1, of the accessor of a number.
+fn rows(file: &gltf::Gltf, number: usize) -> Vec<Vec<f32>> {
+    let accessor = file.accessors().nth(number).unwrap();
+    let view = accessor.view().unwrap();
+    let bytes = &file.blob.as_ref().unwrap()[view.offset()..][..view.length()];
+    let number = |bytes: &[u8]| match bytes {
+        [a, b] => f32::from(i16::from_le_bytes([*a, *b])) / 32767.0,
+        four => f32::from_le_bytes(four.try_into().unwrap()),
+    };
+    let rows = bytes.chunks_exact(accessor.size());
+    let size = accessor.data_type().size();
+    rows.map(|row| row.chunks_exact(size).map(number).collect())
+        .collect()
+}
+
+/// Each instance puts its surface where the mesh of the whole has it, turned inside out where that is.
+#[test]
+fn instances_stand_where_their_surfaces_would() {
+    let (tree, organs) = laden();
+    let params = ExportParams::default();
+    let mut stand = Stand::of("laden", &tree, &organs, &params);
+    stand.extras = Extras {
+        instances: true,
+        ..Extras::default()
+    };
+    let mut bytes = Vec::new();
+    let glb = Glb::of(&stand).unwrap();
+    glb.write(&mut bytes).unwrap();
+    assert_eq!(glb.bytes(), bytes.len() as u64);
+    let file = gltf::Gltf::from_slice_without_validation(&bytes).unwrap();
+    let mut found = Vec::new();
+    for node in file.nodes() {
+        let Some(extension) = node.extension_value("EXT_mesh_gpu_instancing") else {
+            continue;
+        };
+        let column = |name: &str| {
+            let number = extension["attributes"][name].as_u64().unwrap();
+            rows(&file, usize::try_from(number).unwrap())
+        };
+        let places = column("TRANSLATION").into_iter().zip(column("ROTATION"));
+        let primitive = node.mesh().unwrap().primitives().next().unwrap();
+        let reader = primitive.reader(|_| file.blob.as_deref());
+        let leaf: Vec<Vec3> = reader.read_positions().unwrap().map(Vec3::from).collect();
+        for ((place, turn), scale) in places.zip(column("SCALE")) {
+            let turn = Quat::from_slice(&turn).normalize();
+            let all = leaf
+                .iter()
+                .map(|p| Vec3::from_slice(&place) + turn * (Vec3::from_slice(&scale) * *p));
+            found.push(all.collect::<Vec<_>>());
+        }
+    }
+    assert_eq!(found.len(), organs.placed.len());
+    let mut organist = Organist::new(&organs);
+    let first = organs.polygons.len() + organs.spheres.len();
+    for (index, found) in (first..organs.len()).zip(&found) {
+        let mut mesh = OrganMesh::default();
+        organist.add(index, &mut mesh);
+        assert_eq!(mesh.positions.len(), found.len());
+        for (one, other) in mesh.positions.iter().zip(found) {
+            assert!(Vec3::from(*one).distance(*other) < 1e-3);
+        }
+    }
 }

@@ -1,0 +1,178 @@
+//! Individuals written each for itself.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result};
+use rayon::prelude::*;
+
+use super::coarse::{Coarse, coarse};
+use super::estimate::{Holds, estimated};
+use super::files::{File, Format, Told, line};
+use super::source::grown;
+use super::{Args, Done, Plan, Shoot};
+use crate::app::export;
+use crate::cli::print_result;
+use crate::cli::progress::Progress;
+use crate::tree::Drawing;
+use crate::tree::export::{ExportParams, Stand, Swc};
+use crate::tree::file::write_atomically;
+
+/// Writes the files of each individual.
+pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
+    let args = plan.args;
+    let mut done = Done {
+        told: Vec::new(),
+        drawings: Vec::new(),
+        printed: Ok(()),
+    };
+    let mut progress = Progress::new("exporting");
+    let mut count = 0;
+    // As many at a time as there are threads, so that memory is bounded and the numbers come in order, before the files.
+    let threads = rayon::current_num_threads();
+    for (shoots, files) in plan.shoots.chunks(threads).zip(files.chunks(threads)) {
+        let made: Vec<(Vec<Ready>, Arc<Drawing>)> = shoots
+            .par_iter()
+            .zip(files)
+            .map(|(shoot, files)| ready(plan, *shoot, files))
+            .collect::<Result<_>>()?;
+        let (ready, drawings): (Vec<Vec<Ready>>, Vec<Arc<Drawing>>) = made.into_iter().unzip();
+        if args.sheet.is_some() && !args.dry_run {
+            done.drawings
+                .extend(drawings.into_iter().filter(|one| !one.is_empty()));
+        }
+        if !args.json {
+            done.printed = done.printed.and(print_result("the list", |out| {
+                let mut lines = ready.iter().flatten();
+                lines.try_for_each(|one| writeln!(out, "{}", line(&one.told)))
+            }));
+        }
+        let written: Vec<Vec<Told>> = ready
+            .into_par_iter()
+            .map(|files| {
+                let files = files.into_iter();
+                files.map(|file| written(args, file)).collect::<Result<_>>()
+            })
+            .collect::<Result<_>>()?;
+        done.told.extend(written.into_iter().flatten());
+        count += shoots.len();
+        progress.show(count, plan.shoots.len());
+    }
+    Ok(done)
+}
+
+/// A file whose contents are made and which is not written yet.
+struct Ready {
+    told: Told,
+    format: Format,
+    sides: u32,
+    drawing: Arc<Drawing>,
+    grammar: Option<String>,
+}
+
+/// All files of an individual, and what it is.
+fn ready(plan: &Plan<'_>, shoot: Shoot, files: &[File]) -> Result<(Vec<Ready>, Arc<Drawing>)> {
+    let args = plan.args;
+    let (drawing, grammar) = grown(args, plan.source, shoot, plan.spread)?;
+    if drawing.is_empty() {
+        let step = shoot.step.unwrap_or_default();
+        whisper!(
+            "step {step} of {} draws nothing and is left out",
+            args.file.display()
+        );
+        return Ok((Vec::new(), drawing));
+    }
+    let Shoot { seed, step } = shoot;
+    let extras = args.extra.extras();
+    let mut levels: Vec<(Option<u32>, Coarse)> = Vec::new();
+    let mut ready = Vec::new();
+    for file in files {
+        let of = |coarse: &Coarse| Ready {
+            told: Told {
+                file: file.path.clone(),
+                seed,
+                trees: None,
+                step,
+                level: file.level,
+                segments: coarse.segments,
+                triangles: Some(coarse.triangles),
+                bound: Some(coarse.bound),
+                holds: Holds::of(file.format, &coarse.drawing, &extras),
+                bytes: Some(estimated(file.format, coarse, &extras)),
+            },
+            format: file.format,
+            sides: coarse.sides,
+            drawing: Arc::clone(&coarse.drawing),
+            grammar: None,
+        };
+        if file.format.is_surface() {
+            if !levels.iter().any(|(level, _)| *level == file.level) {
+                levels.push((file.level, coarse(args, &drawing, file.level)?));
+            }
+            let known = levels.iter().find(|(level, _)| *level == file.level);
+            ready.extend(known.map(|(_, coarse)| of(coarse)));
+            continue;
+        }
+        if file.format == Format::Swc {
+            // What it cannot hold is said before anything is written.
+            Swc::new(&drawing.tree)
+                .with_context(|| format!("cannot write {}", file.path.display()))?;
+        }
+        let segments = drawing.tree.segment_count();
+        let lines = 55 * segments as u64;
+        ready.push(Ready {
+            told: Told {
+                file: file.path.clone(),
+                seed,
+                trees: None,
+                step,
+                level: None,
+                segments,
+                triangles: None,
+                bound: None,
+                holds: Holds::default(),
+                bytes: Some(match file.format {
+                    Format::Lsys => grammar.len() as u64,
+                    _ => lines,
+                }),
+            },
+            format: file.format,
+            sides: 3,
+            drawing: Arc::clone(&drawing),
+            grammar: Some(grammar.clone()),
+        });
+    }
+    Ok((ready, drawing))
+}
+
+/// Writes a file, if anything is to be written.
+fn written(args: &Args, file: Ready) -> Result<Told> {
+    let Ready {
+        mut told,
+        format,
+        sides,
+        drawing,
+        grammar,
+    } = file;
+    let Drawing { tree, organs } = &*drawing;
+    if args.dry_run {
+        return Ok(told);
+    }
+    match (format, grammar) {
+        (Format::Lsys, Some(text)) => write_atomically(&told.file, text.as_bytes())?,
+        _ => {
+            let name = told.file.file_stem().unwrap_or_default().to_string_lossy();
+            let mut stand = Stand::of(&name, tree, organs, &ExportParams { sides });
+            stand.extras = args.extra.extras();
+            export::stand(&stand, &told.file)?;
+        }
+    }
+    told.bytes = size_of_file(&told.file);
+    Ok(told)
+}
+
+/// Bytes of a file that is there.
+pub(super) fn size_of_file(path: &Path) -> Option<u64> {
+    std::fs::metadata(path).ok().map(|file| file.len())
+}
