@@ -145,8 +145,9 @@ fn frame(criterion: &mut Criterion) {
     ] {
         let name = if leaves > 0 { " with leaves" } else { "" };
         let mut scene = scene(segments, leaves);
+        // As a worker does it.
         let params = RendererParams {
-            direct_segments: 20_000,
+            direct_segments: if segments > 100_000 { 0 } else { 100_000 },
             ..params
         };
         let mut renderer = Renderer::new(&gpu, &params).unwrap();
@@ -174,7 +175,7 @@ fn frame(criterion: &mut Criterion) {
         if segments > 1_000_000 {
             continue;
         }
-        let what = if segments > 20_000 { "ready" } else { "edit" };
+        let what = if segments > 100_000 { "ready" } else { "edit" };
         group.bench_function(format!("{what}/{segments}"), |bencher| {
             bencher.iter_custom(|rounds| {
                 (0..rounds)

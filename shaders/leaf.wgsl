@@ -14,7 +14,7 @@ struct Leaf {
     orientation: vec2u,
     // Of the sky's light.
     light: f32,
-    // Bit 0: it grows.
+    // Bit 0: it grows. Bits 8 to 15: how much larger it is than a leaf, where it stands for others: sixteenths of powers of two.
     flags: u32,
 }
 
@@ -45,6 +45,8 @@ struct Point {
     @location(3) @interpolate(flat) look: u32,
     @location(4) @interpolate(flat) eye: vec3f,
     @location(5) @interpolate(flat) light: f32,
+    // Where a leaf of its own size would be lit.
+    @location(6) shaded: vec3f,
 }
 
 struct Spot {
@@ -52,11 +54,18 @@ struct Spot {
     corner: Corner,
     q: vec4f,
     local: vec3f,
+    shaded: vec3f,
 }
 
 fn turn(q: vec4f, p: vec3f) -> vec3f {
     let t = 2.0 * cross(q.xyz, p);
     return p + q.w * t + cross(q.xyz, t);
+}
+
+// Where a place is while its leaf grows.
+fn unfolded_at(leaf: Leaf, place: vec3f) -> vec3f {
+    let grows = (leaf.flags & 1u) != 0u && frame.tree.x < 1.0;
+    return select(place, leaf.base + frame.tree.x * (place - leaf.base), grows);
 }
 
 fn spot(vertex: u32, instance: u32) -> Spot {
@@ -69,9 +78,10 @@ fn spot(vertex: u32, instance: u32) -> Spot {
     out.corner = corners[1u + select(0u, whole, kite) + vertex % count];
     let packed = vec4f(unpack2x16snorm(out.leaf.orientation.x), unpack2x16snorm(out.leaf.orientation.y));
     out.q = packed * inverseSqrt(max(dot(packed, packed), 1e-12));
-    let place = out.leaf.place + turn(out.q, out.corner.place) * out.leaf.scale;
-    let grows = (out.leaf.flags & 1u) != 0u && frame.tree.x < 1.0;
-    out.local = select(place, out.leaf.base + frame.tree.x * (place - out.leaf.base), grows);
+    let reach = turn(out.q, out.corner.place) * out.leaf.scale;
+    let smaller = exp2(f32((out.leaf.flags >> 8u) & 0xffu) * -0.0625);
+    out.local = unfolded_at(out.leaf, out.leaf.place + reach);
+    out.shaded = unfolded_at(out.leaf, out.leaf.place + reach * smaller);
     return out;
 }
 
@@ -96,6 +106,7 @@ fn leaf_vertex(
     out.look = select(s.leaf.look, s.corner.look - 1u, s.corner.look != 0u) | select(0u, THIN, header.thin != 0u);
     out.eye = v.eye.xyz;
     out.light = s.leaf.light;
+    out.shaded = (frame.world_from_tree * vec4f(s.shaded, 1.0)).xyz;
     return out;
 }
 
@@ -118,7 +129,7 @@ fn leaf_fragment(point: Point, @builtin(front_facing) front: bool) -> @location(
     let aligned = select(sheet, -sheet, dot(sheet, point.outward) < 0.0);
     let normal = normalize(select(facing, mix(aligned, point.outward / max(round, 1e-6), round), round > 0.0));
     let toward = dot(facing, frame.sun.xyz);
-    let sunny = sunlight(point.world, select(facing, -facing, thin && toward < 0.0));
+    let sunny = sunlight(point.shaded, select(facing, -facing, thin && toward < 0.0));
     // What lies deep in the crown sees little of the sky.
     let open = mix(0.42, 1.0, point.light);
     var color = glossy(look, normal, to_eye, sunny) * open;

@@ -67,7 +67,7 @@ fn settle() {
     var threshold = COARSEST;
     for (var bin = 0u; bin < BINS; bin += 1u) {
         drawn += atomicLoad(&state.changes[bin]);
-        if drawn <= i32(item.budget) && threshold == COARSEST {
+        if drawn <= i32(item.budget / COUNTED_IN) && threshold == COARSEST {
             threshold = bin;
         }
     }

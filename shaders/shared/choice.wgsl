@@ -27,6 +27,8 @@ struct Item {
     budget: u32,
 }
 
+// Triangles are counted in so many, so that all of them fit 32 bits.
+const COUNTED_IN = 8u;
 const BINS = 128u;
 const COARSEST = 127u;
 const NEVER = 255u;
@@ -106,9 +108,10 @@ fn tell_changes(lane: u32) {
 
 // Counts so many triangles from a cluster's own bin to its parents'.
 fn change(own: u32, parent: u32, triangles: u32) {
-    atomicAdd(&changes[own], i32(triangles));
+    let counted = i32((triangles + COUNTED_IN - 1u) / COUNTED_IN);
+    atomicAdd(&changes[own], counted);
     if parent < BINS {
-        atomicAdd(&changes[parent], -i32(triangles));
+        atomicAdd(&changes[parent], -counted);
     }
 }
 

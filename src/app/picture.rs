@@ -14,6 +14,7 @@ use crate::render::{
 };
 use crate::ui::words::Language;
 use crate::ui::{BoardUi, Painted};
+use crate::world::room::Quality;
 use crate::world::scene::{PlacedModel, PlacedTree, Scene};
 
 /// Where frames go.
@@ -116,6 +117,8 @@ impl Picture {
         )?));
         let params = RendererParams {
             backdrop,
+            primitives: Quality::High.primitives(),
+            error_px: Quality::High.error_px(),
             ..RendererParams::new(width, height, stereo_mode(gpu)?)
         };
         Self::new(gpu, params, images)
@@ -133,6 +136,7 @@ impl Picture {
             params.depth_format = swapchain.depth_format();
         }
         let (color, depth) = StereoImage::of_swapchain(gpu, swapchain)?;
+        params.primitives = Quality::High.primitives();
         Self::new(gpu, params, Images::Runtime { color, depth })
     }
 
@@ -149,6 +153,7 @@ impl Picture {
         let vk::Extent2D { width, height } = surface.fit(size)?.unwrap_or(SMALLEST);
         let params = RendererParams {
             color_format: surface.color_format(),
+            primitives: Quality::High.primitives(),
             ..RendererParams::new(width, height, StereoMode::OneEye)
         };
         Self::new(gpu, params, Images::Window(Box::new(surface)))
@@ -287,6 +292,12 @@ impl Picture {
         Ok(self.layers.lift(headset, renderer, scene, room, views)?)
     }
 
+    /// Draws as finely as a person wants it from now on.
+    pub fn set_quality(&mut self, quality: Quality) {
+        let renderer = &mut self.renderer;
+        renderer.set_quality(quality.primitives(), quality.error_px());
+    }
+
     /// Draws a frame; `acquired` names the runtime's images.
     ///
     /// # Errors
@@ -307,7 +318,11 @@ impl Picture {
         let target = self.images.target(acquired)?;
         let report = self.renderer.draw(scene, &eyes(views), &target)?;
         self.ask_for_model(scene, report.model);
-        if let (TreeState::Wanted(revision), Some(placed)) = (report.tree, &scene.tree)
+        let wanted = match report.tree {
+            TreeState::Wanted(revision) => Some(revision),
+            _ => report.plain,
+        };
+        if let (Some(revision), Some(placed)) = (wanted, &scene.tree)
             && self.preparing != Some(revision)
             && self.refused != Some(revision)
         {

@@ -157,6 +157,7 @@ fn draw(
     for (slot, painted) in workshop.take_painted() {
         picture.paint(slot, painted)?;
     }
+    picture.set_quality(workshop.settings().quality);
     let layers = workshop.settings().layers;
     let room = layers.then(|| workshop.world().stage_from_room());
     let scene = workshop.scene();

@@ -132,12 +132,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         let picture = Progress::during("drawing", draw).context("cannot draw the individuals")?;
         export::png(&picture, path)?;
     }
-    finish(
-        args,
-        &done.told,
-        began.elapsed().as_secs_f64(),
-        done.printed,
-    )
+    finish(args, done, began.elapsed().as_secs_f64())
 }
 
 /// What is to be grown.
@@ -160,6 +155,8 @@ struct Done {
     told: Vec<Told>,
     /// Where a picture is to be drawn of them.
     drawings: Vec<Arc<Drawing>>,
+    /// Trees that draw something, whether they are kept here or not.
+    drawn: usize,
     /// Whether the list could be.
     printed: Result<()>,
 }
@@ -260,12 +257,18 @@ fn check_grove(args: &Args) -> Result<()> {
 }
 
 /// What is told at the end.
-fn finish(args: &Args, told: &[Told], seconds: f64, printed: Result<()>) -> Result<()> {
+fn finish(args: &Args, done: Done, seconds: f64) -> Result<()> {
+    let Done {
+        told,
+        drawn,
+        printed,
+        ..
+    } = done;
     let triangles = told.iter().filter_map(|one| one.triangles).sum();
     if args.json {
         let all = All {
             format: "ramus-export/1",
-            files: told,
+            files: &told,
             triangles,
             seconds,
         };
@@ -280,11 +283,11 @@ fn finish(args: &Args, told: &[Told], seconds: f64, printed: Result<()>) -> Resu
     };
     let several = if told.len() == 1 { "file" } else { "files" };
     let sheet = args.sheet.as_ref().map_or_else(String::new, |path| {
-        format!(
-            " and a picture of {} individuals, {},",
-            args.count,
-            path.display()
-        )
+        let shown = match args.extra.growth {
+            Some(Growth::Sequence) => "steps",
+            _ => "individuals",
+        };
+        format!(" and a picture of {drawn} {shown}, {},", path.display())
     });
     tell!(
         "{} {several} of {triangles} triangles{sheet} {what} in {seconds:.1} s",

@@ -10,8 +10,12 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
 use super::{
-    crown_upload::CrownChunk, error::RenderError, gpu::Gpu, memory::Buffer, meshes::filled,
-    tree_upload::CHUNK_BYTES,
+    crown_upload::CrownChunk,
+    error::RenderError,
+    gpu::Gpu,
+    memory::Buffer,
+    meshes::filled,
+    tree_upload::{CHUNK_BYTES, Detail},
 };
 use crate::{
     mesh::display::octahedral,
@@ -21,7 +25,7 @@ use crate::{
         foliage::two_triangles,
         growth,
         levels::{
-            BATCH, Leaf, Levels, along_axes,
+            BATCH, Leaf, along_axes,
             kinds::{KINDS, Kind, LEAVES_BELOW, NONE},
         },
         organs::{LookTable, Placed, Surface},
@@ -61,6 +65,7 @@ impl LeafChunk {
         gpu: &Gpu,
         placed: &PlacedTree,
         looks: &mut LookTable,
+        detail: Detail,
     ) -> Result<Vec<Self>, RenderError> {
         let organs = &placed.organs;
         if organs.placed.is_empty() {
@@ -78,7 +83,8 @@ impl LeafChunk {
             let shapes = Shapes::new(surface, organs.crown, placed, looks);
             let corners = Arc::new(shapes.corner_buffer(gpu)?);
             let indices = Arc::new(shapes.index_buffer(gpu)?);
-            let levels = Levels::new(leaves);
+            let leaf = |at: usize| leaves.get(at).copied().unwrap_or_default();
+            let levels = detail.of(leaves.len(), leaf);
             for crown in CrownChunk::all(gpu, &levels, shapes.kinds, CHUNK_BYTES)? {
                 chunks.push(Self {
                     crown,

@@ -33,7 +33,7 @@ use super::{
     shadow::{self, Shadow, ShadowKey},
     target::{Attachments, Target},
     texture::Texture,
-    tree_upload::{Scratch, TreeUpload, upload_size},
+    tree_upload::{Detail, Scratch, TreeUpload, upload_size},
 };
 use crate::tree::bark::Bark;
 use crate::world::scene::{Color, MOST_PANELS, PlacedTree, Scene};
@@ -88,6 +88,8 @@ pub struct RendererParams {
     pub shadows: bool,
     /// A new tree of up to so many segments is built and shown within the frame that brings it; larger ones must come through [`Renderer::set_tree`].
     pub direct_segments: usize,
+    /// Of these, trees of up to so many segments have their levels of detail at once; others when they come once more, see [`DrawReport::plain`].
+    pub direct_levels: usize,
     /// The same of models and their triangles, and [`Renderer::set_model`].
     pub direct_triangles: usize,
     /// Triangles and points of all trees and models together that a frame hands over at most.
@@ -107,7 +109,8 @@ impl RendererParams {
             backdrop: Backdrop::Stage,
             sun: Vec3::new(0.62, 0.70, 0.36),
             shadows: true,
-            direct_segments: 20_000,
+            direct_segments: 100_000,
+            direct_levels: 4_000,
             direct_triangles: 100_000,
             // With what else stands on the stage 1.5 million.
             primitives: 1_400_000,
@@ -115,6 +118,9 @@ impl RendererParams {
         }
     }
 }
+
+/// Frames after which a tree is taken to be at rest.
+const REST: u64 = 12;
 
 /// Which tree a frame showed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,6 +149,9 @@ pub struct DrawReport {
     pub segments: u32,
     /// The tree.
     pub tree: TreeState,
+    /// The shown tree has no levels of detail and has been at rest for a while: give [`Renderer::set_tree`] a [`TreeUpload`] of this revision, which has,
+    /// and takes its place unseen.
+    pub plain: Option<u64>,
     /// The first model that is too large to prepare within a frame: give [`Renderer::set_model`] a [`ModelUpload`](super::ModelUpload) of this revision
     /// made on a worker; of its colours alone, where [`Renderer::has_shape`] says so.
     pub model: Option<u64>,
@@ -161,6 +170,8 @@ enum Garbage {
 /// Draws scenes into targets of one size and format.
 pub struct Renderer {
     params: RendererParams,
+    /// Triangles and points that a frame has room for.
+    most: u32,
     pipelines: Pipelines,
     meshes: Meshes,
     attachments: Attachments,
@@ -171,6 +182,8 @@ pub struct Renderer {
     hidden: Hidden,
     tree: Option<TreeUpload>,
     coming: Option<TreeUpload>,
+    /// The frame in which the shown tree came.
+    came: u64,
     /// The bark that trees were last covered by.
     bark: Option<(Bark, Arc<Texture>)>,
     shapes: Vec<Geometry>,
@@ -238,12 +251,14 @@ impl Renderer {
             )?,
             panels: vec![Panel::new(gpu, &pipelines.board_layout)?],
             hidden: Hidden::new(gpu, &formats)?,
+            most,
             params,
             pipelines,
             slots,
             shadow,
             tree: None,
             coming: None,
+            came: 0,
             bark: None,
             shapes: Vec::new(),
             colours: Vec::new(),
@@ -278,6 +293,12 @@ impl Renderer {
         )?;
         params.extent = extent;
         Ok(())
+    }
+
+    /// Draws as finely as this from now on: [`RendererParams::error_px`], and so many [`RendererParams::primitives`], but no more than it was made for.
+    pub fn set_quality(&mut self, primitives: u32, error_px: f32) {
+        self.params.primitives = primitives.min(self.most);
+        self.params.error_px = error_px;
     }
 
     /// Takes a tree that was prepared elsewhere; it is shown when it has been copied, some frames later.
@@ -420,6 +441,7 @@ impl Renderer {
             chosen,
             segments: pass.tree.map_or(0, |tree| tree.segments),
             tree: state,
+            plain: self.plain_tree(state),
             model,
         };
         if let Some(key) = key
@@ -490,22 +512,38 @@ impl Renderer {
                 .as_ref()
                 .is_some_and(|upload| upload.revision == placed.revision)
         };
-        if has(&self.coming) {
-            return Ok(TreeState::Copying);
-        }
         if has(&self.tree) {
-            // Back at the tree that is shown: what was on its way is not wanted any more.
-            if let Some(old) = self.coming.take() {
+            // Back at the tree that is shown: what was on its way is not wanted any more, but for the same in levels of detail.
+            if let Some(old) = self
+                .coming
+                .take_if(|coming| coming.revision != placed.revision)
+            {
                 self.garbage.push((self.frame, Garbage::Tree(old)));
             }
             return Ok(TreeState::Shown);
         }
+        if has(&self.coming) {
+            return Ok(TreeState::Copying);
+        }
         if upload_size(placed) > self.params.direct_segments {
             return Ok(TreeState::Wanted(placed.revision));
         }
-        let upload = TreeUpload::with_scratch(&self.gpu, placed, &mut self.scratch)?;
+        let detail = if upload_size(placed) > self.params.direct_levels {
+            Detail::Finest
+        } else {
+            Detail::Levels
+        };
+        let upload = TreeUpload::with_scratch(&self.gpu, placed, &mut self.scratch, detail)?;
         self.set_tree(upload);
         Ok(TreeState::Copying)
+    }
+
+    /// The revision of the shown tree, where it lacks levels of detail and nothing changes.
+    fn plain_tree(&self, state: TreeState) -> Option<u64> {
+        let tree = self.tree.as_ref()?;
+        let rests = state == TreeState::Shown && self.coming.is_none();
+        let waited = self.frame.saturating_sub(self.came) >= REST;
+        (rests && waited && tree.detail == Detail::Finest).then_some(tree.revision)
     }
 
     /// The numbers that all shaders read.

@@ -244,6 +244,8 @@ impl Selection {
         ];
         let shared = [&self.state, &self.list];
         let room = Room::new(&self.gpu, &self.layout, &self.views, shared, wanted)?;
+        // The threshold stands in what is new now.
+        self.crowns.forget_told();
         self.told = [0; SLOTS];
         let old = std::mem::replace(&mut self.room, room);
         Ok((Some(OldRoom(Box::new(old))), crowns))

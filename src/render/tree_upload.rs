@@ -19,7 +19,7 @@ use super::{
 use crate::{
     tree::{
         bark::Bark,
-        levels::{Levels, along_axes, kinds::of_tubes},
+        levels::{Levels, Record, along_axes, kinds::of_tubes},
         organs::{LookTable, paint_segments, refined},
         tubes::{self, SegmentBuilder, TubeSegment},
     },
@@ -66,6 +66,8 @@ pub struct TreeUpload {
     pub(crate) organs: Vec<OrganChunk>,
     /// Surfaces.
     pub(crate) leaves: Vec<LeafChunk>,
+    /// Whether there are coarser levels.
+    pub(crate) detail: Detail,
     /// What plain segments are covered by, and its picture, once the renderer has taken the upload.
     pub(crate) bark: Bark,
     pub(crate) picture: Option<Arc<Texture>>,
@@ -73,6 +75,29 @@ pub struct TreeUpload {
     pub(crate) looks: Buffer,
     /// The chunks' sets, once the renderer has taken the upload.
     pub(crate) pool: Option<Pool>,
+}
+
+/// How much is made of a tree before it is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Detail {
+    /// All levels.
+    Levels,
+    /// The finest one, where a frame waits for it.
+    Finest,
+}
+
+impl Detail {
+    /// So many records, each by its place.
+    pub(crate) fn of<R: Record>(
+        self,
+        count: usize,
+        record: impl Fn(usize) -> R + Sync,
+    ) -> Levels<R> {
+        match self {
+            Self::Levels => Levels::of(count, record),
+            Self::Finest => Levels::finest(count, record),
+        }
+    }
 }
 
 /// Scratch memory that small uploads on the frame's thread reuse.
@@ -88,13 +113,14 @@ impl TreeUpload {
     /// # Errors
     /// [`RenderError::OutOfMemory`].
     pub fn new(gpu: &Gpu, placed: &PlacedTree) -> Result<Self, RenderError> {
-        Self::with_scratch(gpu, placed, &mut Scratch::default())
+        Self::with_scratch(gpu, placed, &mut Scratch::default(), Detail::Levels)
     }
 
     pub(crate) fn with_scratch(
         gpu: &Gpu,
         placed: &PlacedTree,
         scratch: &mut Scratch,
+        detail: Detail,
     ) -> Result<Self, RenderError> {
         let fine = refined(&placed.tree, &placed.organs, &placed.radius_before);
         let (tree, radius_before) = fine
@@ -118,14 +144,15 @@ impl TreeUpload {
         let order = along_axes(tree, scratch.builder.axis());
         let segments = &scratch.segments;
         let record = |at: usize| order.get(at).and_then(|at| segments.get(*at as usize));
-        let levels = Levels::of(order.len(), |at| record(at).copied().unwrap_or_default());
+        let levels = detail.of(order.len(), |at| record(at).copied().unwrap_or_default());
         let mut upload = Self::with_levels(gpu, &levels, segments, placed.revision, CHUNK_BYTES)?;
         if !placed.organs.is_bare() {
             upload.organs = OrganChunk::all(gpu, placed, &mut looks)?;
-            upload.leaves = LeafChunk::all(gpu, placed, &mut looks)?;
+            upload.leaves = LeafChunk::all(gpu, placed, &mut looks, detail)?;
             upload.bounds.include(placed.organs.bounds());
         }
         upload.bark = placed.organs.bark;
+        upload.detail = detail;
         upload.looks = look_buffer(gpu, &looks)?;
         Ok(upload)
     }
@@ -159,6 +186,7 @@ impl TreeUpload {
             organs: Vec::new(),
             leaves: Vec::new(),
             bark: Bark::default(),
+            detail: Detail::Levels,
             picture: None,
             looks: look_buffer(gpu, &LookTable::default())?,
             pool: None,

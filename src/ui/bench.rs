@@ -13,7 +13,9 @@ use super::{
 };
 use crate::{
     sketch::{BOUNDS, GOLDEN_DEG, Letter, SelfSimilar, Stroke, Wrap},
-    world::{DrawSettings, DrawTool, document::Edit, lesson::Lesson, panels::PanelId},
+    world::{
+        DrawSettings, DrawTool, document::Edit, lesson::Lesson, panels::PanelId, room::Quality,
+    },
 };
 
 /// Tabs of the bench.
@@ -462,6 +464,12 @@ impl Page<'_> {
             }
         });
         ui.separator();
+        ui.horizontal(|ui| {
+            ui.label(words.quality);
+            for (quality, name) in Quality::ALL.into_iter().zip(words.qualities()) {
+                ui.selectable_value(&mut settings.quality, quality, name);
+            }
+        });
         let room = &mut settings.room;
         for (on, name) in [
             (&mut settings.layers, words.layers),

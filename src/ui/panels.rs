@@ -27,7 +27,7 @@ use crate::{
         model::Model,
         models::Looking,
         panels::{PanelId, PanelPointer},
-        room::RoomSettings,
+        room::{Quality, RoomSettings},
         study::flow::{Event, Study},
     },
 };
@@ -42,6 +42,8 @@ pub struct Settings {
     pub room: RoomSettings,
     /// Whether a headset's runtime shows the panels by itself, where it can: their text is sharper so.
     pub layers: bool,
+    /// How finely everything is drawn.
+    pub quality: Quality,
     /// How far they have come in the tutorial: the number of the next lesson.
     pub lesson: usize,
 }

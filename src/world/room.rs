@@ -18,6 +18,44 @@ use super::{
     scene::{Ball, Color, Rod, Scene},
 };
 
+/// How finely everything is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Quality {
+    /// For headsets that draw by themselves.
+    Light,
+    /// For a computer.
+    #[default]
+    Full,
+    /// For a fast one, and for pictures.
+    High,
+}
+
+impl Quality {
+    /// All, from the lightest on.
+    pub const ALL: [Self; 3] = [Self::Light, Self::Full, Self::High];
+
+    /// Triangles and points of all trees and models together that a frame has at most.
+    #[must_use]
+    pub fn primitives(self) -> u32 {
+        // With what else stands on the stage 750,000, 1.5 million and 4 million.
+        match self {
+            Self::Light => 650_000,
+            Self::Full => 1_400_000,
+            Self::High => 3_900_000,
+        }
+    }
+
+    /// What levels of detail may be off by where that allows it, pixels.
+    #[must_use]
+    pub fn error_px(self) -> f32 {
+        match self {
+            Self::Light => 1.5,
+            Self::Full => 1.0,
+            Self::High => 0.5,
+        }
+    }
+}
+
 /// What a person has set about themselves in the room.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]

@@ -6,6 +6,7 @@ use glam::{Affine3A, Quat, Vec3};
 use image::{DynamicImage, RgbaImage};
 use ramus::render::{
     Backdrop, Chosen, DrawReport, Eye, Gpu, Offscreen, Renderer, RendererParams, StereoMode,
+    TreeState, TreeUpload,
 };
 use ramus::tree::axes::axis_children;
 use ramus::tree::foliage::{Bearing, Dress, kind};
@@ -13,6 +14,7 @@ use ramus::tree::levels::kinds::{kind_of, of_tubes, triangles};
 use ramus::tree::levels::{Levels, along_axes, cut};
 use ramus::tree::tubes::{self, TubeSegment};
 use ramus::tree::{Organs, Tree};
+use ramus::world::room::Quality;
 use ramus::world::scene::{PlacedTree, Scene};
 
 use super::support::{device, field, grove, mode, placed, silent};
@@ -24,6 +26,7 @@ fn params(mode: StereoMode) -> RendererParams {
     RendererParams {
         backdrop: Backdrop::Plain([0.0, 0.0, 0.0, 1.0]),
         direct_segments: usize::MAX,
+        direct_levels: usize::MAX,
         ..RendererParams::new(FINE, FINE, mode)
     }
 }
@@ -97,7 +100,7 @@ impl Stage {
         loop {
             let target = self.offscreen.target();
             let report = self.renderer.draw(scene, eyes, &target).unwrap();
-            if report.tree == ramus::render::TreeState::Shown {
+            if report.tree == TreeState::Shown {
                 return (report, self.renderer.chosen().unwrap());
             }
         }
@@ -169,7 +172,9 @@ fn a_large_tree_is_drawn_with_few_triangles_and_looks_the_same() {
                 "{few:?} of {every:?}"
             );
             assert_eq!(few.error_px, 1.0);
-            assert!((light - 1.0).abs() < 0.04, "{name} {distance}: {light}");
+            // Leaves of two thirds of a pixel are seen one by one, or eight as one: the crown is some brighter so.
+            let most = if distance > 10.0 { 0.10 } else { 0.05 };
+            assert!((light - 1.0).abs() < most, "{name} {distance}: {light}");
             assert!(like > 0.95, "{name} {distance}: {like}");
         }
     }
@@ -271,6 +276,81 @@ fn a_frame_has_no_more_triangles_of_trees_than_its_budget() {
             "{chosen:?}"
         );
     }
+    silent(&gpu);
+}
+
+/// A tree that a frame waits for is shown as it is, and its levels follow, unseen.
+#[test]
+fn levels_follow_a_tree_that_was_shown_at_once() {
+    let Some(gpu) = device() else { return };
+    let params = RendererParams {
+        direct_levels: 4_000,
+        ..params(mode(&gpu))
+    };
+    let mut stage = Stage::new(&gpu, &params);
+    let tree = large();
+    let eyes = from(12.0);
+    let (first, whole) = stage.draw(&scene(&tree), &eyes);
+    let before = stage.picture();
+    assert_eq!(first.plain, None, "it may change again");
+    let asked = (0..30).find_map(|_| stage.draw(&scene(&tree), &eyes).0.plain);
+    assert_eq!(asked, Some(tree.revision));
+    stage
+        .renderer
+        .set_tree(TreeUpload::new(&gpu, &tree).unwrap());
+    let target = stage.offscreen.target();
+    let report = stage.renderer.draw(&scene(&tree), &eyes, &target).unwrap();
+    assert_eq!((report.tree, report.plain), (TreeState::Shown, None));
+    let (report, levelled) = stage.draw(&scene(&tree), &eyes);
+    assert_eq!((report.tree, report.plain), (TreeState::Shown, None));
+    assert!(
+        2 * levelled.triangles < whole.triangles,
+        "{levelled:?} {whole:?}"
+    );
+    assert!(likeness(&before, &stage.picture()) > 0.95);
+    // Another tree in the meantime: what was prepared for the last one is not wanted any more.
+    let other = leafy();
+    stage.draw(&scene(&other), &eyes);
+    stage
+        .renderer
+        .set_tree(TreeUpload::new(&gpu, &tree).unwrap());
+    assert_eq!(
+        stage.draw(&scene(&other), &eyes).0.segments,
+        other.tree.segment_count() as u32
+    );
+    silent(&gpu);
+}
+
+#[test]
+fn a_lighter_picture_has_fewer_triangles() {
+    let Some(gpu) = device() else { return };
+    let most = Quality::High.primitives();
+    let params = RendererParams {
+        primitives: most,
+        ..params(mode(&gpu))
+    };
+    let mut stage = Stage::new(&gpu, &params);
+    let tree = large();
+    let mut counts = Vec::new();
+    for quality in Quality::ALL {
+        stage
+            .renderer
+            .set_quality(quality.primitives(), quality.error_px());
+        let (report, chosen) = stage.draw(&scene(&tree), &from(3.0));
+        let all = chosen.triangles + report.triangles;
+        let bound = [750_000, 1_500_000, 4_000_000][quality as usize];
+        assert!(all <= bound, "{quality:?}: {all}");
+        assert!(report.draws <= 100);
+        counts.push(chosen.triangles);
+    }
+    assert!(
+        counts.is_sorted() && counts[0] * 3 < counts[2] * 2,
+        "{counts:?}"
+    );
+    // No more than there is room for.
+    stage.renderer.set_quality(u32::MAX, 0.0);
+    let (_, chosen) = stage.draw(&scene(&tree), &from(1.0));
+    assert!(chosen.triangles <= u64::from(most));
     silent(&gpu);
 }
 

@@ -78,8 +78,10 @@ fn succeed(command: &mut Command) -> String {
 fn a_replayed_session_gives_project_and_tree_and_always_the_same_bytes() {
     let folder = folder();
     let run = |name: &str| {
-        let [project, glb] =
-            ["ramus", "glb"].map(|ending| folder.path().join(name).with_extension(ending));
+        // A GLB names its tree as its file is named.
+        let folder = folder.path().join(name);
+        fs::create_dir(&folder).unwrap();
+        let [project, glb] = ["a.ramus", "a.glb"].map(|name| folder.join(name));
         let said = succeed(
             ramus()
                 .args(["replay", FIRST_TREE])
@@ -108,8 +110,9 @@ fn a_replayed_session_gives_project_and_tree_and_always_the_same_bytes() {
         "a tree is metres high, this one {highest}"
     );
     assert!(reader.read_normals().is_some() && reader.read_tex_coords(0).is_some());
-    let left: Vec<_> = fs::read_dir(folder.path())
-        .unwrap()
+    let left: Vec<_> = ["first", "second"]
+        .iter()
+        .flat_map(|name| fs::read_dir(folder.path().join(name)).unwrap())
         .map(|entry| entry.unwrap().file_name())
         .collect();
     assert_eq!(
@@ -291,8 +294,10 @@ fn a_picture_too_large_for_the_device_names_its_option() {
 #[test]
 fn the_grammar_of_a_sketch_gives_its_tree() {
     let folder = folder();
+    // A GLB names its tree as its file is named.
+    fs::create_dir(folder.path().join("b")).unwrap();
     let [project, lsys, glb, again] =
-        ["a.ramus", "a.lsys", "a.glb", "b.glb"].map(|name| folder.path().join(name));
+        ["a.ramus", "a.lsys", "a.glb", "b/a.glb"].map(|name| folder.path().join(name));
     let mut replay = ramus();
     replay.args(["replay", FIRST_TREE]);
     for (option, path) in [("--project", &project), ("--lsys", &lsys), ("--glb", &glb)] {

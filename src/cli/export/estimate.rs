@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::coarse::Coarse;
 use super::files::Format;
-use crate::tree::Drawing;
 use crate::tree::export::Extras;
 use crate::tree::organs::Organist;
+use crate::tree::{Drawing, NO_PARENT};
 
 /// What a file holds besides triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -28,22 +28,19 @@ pub(super) struct Holds {
 impl Holds {
     pub(super) fn of(format: Format, drawing: &Drawing, extras: &Extras) -> Self {
         let Drawing { tree, organs } = drawing;
+        let is_asked = extras.texture.is_some();
         let is_glb = format == Format::Glb;
         let instanced = extras.instances && (is_glb || format == Format::Usda);
         let newest = tree.birth.iter().copied().max().unwrap_or(0);
         let morphs = extras.morphs.min(newest);
-        let most = extras
-            .texture
-            .filter(|_| is_glb && tree.segment_count() > 0);
-        let pictures = most.and_then(|most| organs.bark.pngs_within(most).ok());
+        let pictures = shown(format, drawing, extras).filter(|_| is_asked);
         // Where a PNG keeps its width.
         let side = pictures.and_then(|[colour, ..]| colour.get(16..).and_then(<[u8]>::first_chunk));
         Self {
             instances: instanced.then_some(organs.placed.len() as u64),
             morphs: (is_glb && morphs > 0).then_some(morphs),
             texture: side.map(|side| u32::from_be_bytes(*side)),
-            picture_bytes: pictures
-                .map(|pictures| pictures.iter().map(|one| one.len() as u64).sum()),
+            picture_bytes: pictures.map(bytes_of),
         }
     }
 
@@ -77,8 +74,39 @@ impl Holds {
     }
 }
 
-/// Bytes that a surface takes as a file, about.
+/// The pictures that a file has of a tree's bark; `None` where it shows none.
+fn shown(format: Format, drawing: &Drawing, extras: &Extras) -> Option<&'static [Vec<u8>; 3]> {
+    let Drawing { tree, organs } = drawing;
+    let is_bark = |node: usize| {
+        let paint = organs.paints.get(node).copied().unwrap_or_default();
+        organs.palette.is_bark(paint)
+    };
+    let mut segments = (0..tree.len()).filter(|node| tree.parent[*node] != NO_PARENT);
+    if format != Format::Glb || !segments.any(is_bark) {
+        return None;
+    }
+    match extras.texture {
+        Some(most) => organs.bark.pngs_within(most).ok(),
+        None => organs.bark.pngs().ok(),
+    }
+}
+
+fn bytes_of(pictures: &[Vec<u8>; 3]) -> u64 {
+    pictures.iter().map(|one| one.len() as u64).sum()
+}
+
+/// Bytes that a file has of pictures, once for all trees of one bark.
+pub(super) fn pictures(format: Format, drawing: &Drawing, extras: &Extras) -> u64 {
+    shown(format, drawing, extras).map_or(0, bytes_of)
+}
+
+/// Bytes that a tree takes as a file, about.
 pub(super) fn estimated(format: Format, coarse: &Coarse, extras: &Extras) -> u64 {
+    surface(format, coarse, extras) + pictures(format, &coarse.drawing, extras)
+}
+
+/// The same without pictures.
+pub(super) fn surface(format: Format, coarse: &Coarse, extras: &Extras) -> u64 {
     let organs = &coarse.drawing.organs;
     let holds = Holds::of(format, &coarse.drawing, extras);
     let instances = holds.instances.unwrap_or(0);
@@ -102,8 +130,7 @@ pub(super) fn estimated(format: Format, coarse: &Coarse, extras: &Extras) -> u64
         Format::Glb => {
             let wind = if extras.wind { 12 } else { 0 };
             let morphs = 12 * u64::from(holds.morphs.unwrap_or(0));
-            let pictures = holds.picture_bytes.unwrap_or(119_000);
-            (32 + wind + morphs) * vertices + 12 * triangles + 32 * instances + pictures
+            (32 + wind + morphs) * vertices + 12 * triangles + 32 * instances
         }
         Format::Ply => 35 * vertices + 13 * triangles,
         Format::Usda => 88 * vertices + 27 * triangles + 95 * instances,

@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use rayon::prelude::*;
 
 use super::coarse::{Coarse, coarse};
-use super::estimate::{Holds, estimated};
+use super::estimate::{Holds, pictures, surface};
 use super::files::{File, Told, line};
 use super::single::size_of_file;
 use super::source::grown;
@@ -29,6 +29,7 @@ pub(super) fn write(plan: &Plan<'_>, files: &[File]) -> Result<Done> {
     let mut done = Done {
         told: Vec::new(),
         drawings: Vec::new(),
+        drawn: drawings.len(),
         printed: Ok(()),
     };
     for file in files {
@@ -79,7 +80,7 @@ fn all_grown(plan: &Plan<'_>) -> Result<Vec<Arc<Drawing>>> {
     for shoots in plan.shoots.chunks(rayon::current_num_threads()) {
         let made: Vec<Arc<Drawing>> = shoots
             .par_iter()
-            .map(|shoot| Ok(grown(plan.args, plan.source, *shoot, plan.spread)?.0))
+            .map(|shoot| Ok(grown(plan, *shoot)?.0))
             .collect::<Result<_>>()?;
         bytes += made.iter().map(|one| bytes_of(one)).sum::<u64>();
         ensure!(
@@ -117,7 +118,12 @@ fn told(plan: &Plan<'_>, file: &File, trees: &[Coarse]) -> Told {
         .iter()
         .map(|one| Holds::of(file.format, &one.drawing, &extras))
         .fold(Holds::default(), Holds::and);
-    let bytes = trees.iter().map(|one| estimated(file.format, one, &extras));
+    let surfaces = trees.iter().map(|one| surface(file.format, one, &extras));
+    // All of one source have one bark, whose pictures they share.
+    let shared = trees
+        .iter()
+        .map(|one| pictures(file.format, &one.drawing, &extras))
+        .max();
     Told {
         file: file.path.clone(),
         seed: plan.shoots.first().map_or(0, |one| one.seed),
@@ -128,6 +134,6 @@ fn told(plan: &Plan<'_>, file: &File, trees: &[Coarse]) -> Told {
         triangles: Some(trees.iter().map(|one| one.triangles).sum()),
         bound: Some(trees.iter().map(|one| one.bound).fold(0.0, f32::max)),
         holds,
-        bytes: Some(bytes.sum()),
+        bytes: Some(surfaces.sum::<u64>() + shared.unwrap_or(0)),
     }
 }

@@ -4,11 +4,11 @@ use std::io::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use rayon::prelude::*;
 
 use super::coarse::{Coarse, coarse};
-use super::estimate::{Holds, estimated};
+use super::estimate::{Holds, estimated, pictures};
 use super::files::{File, Format, Told, line};
 use super::source::grown;
 use super::{Args, Done, Plan, Shoot};
@@ -25,6 +25,7 @@ pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
     let mut done = Done {
         told: Vec::new(),
         drawings: Vec::new(),
+        drawn: 0,
         printed: Ok(()),
     };
     let mut progress = Progress::new("exporting");
@@ -32,15 +33,29 @@ pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
     // As many at a time as there are threads, so that memory is bounded and the numbers come in order, before the files.
     let threads = rayon::current_num_threads();
     for (shoots, files) in plan.shoots.chunks(threads).zip(files.chunks(threads)) {
-        let made: Vec<(Vec<Ready>, Arc<Drawing>)> = shoots
+        let made: Vec<(Arc<Drawing>, String)> = shoots
             .par_iter()
-            .zip(files)
-            .map(|(shoot, files)| ready(plan, *shoot, files))
+            .map(|shoot| grown(plan, *shoot))
             .collect::<Result<_>>()?;
-        let (ready, drawings): (Vec<Vec<Ready>>, Vec<Arc<Drawing>>) = made.into_iter().unzip();
+        // Bark is painted by all threads, so it must not be painted first where one of them may come upon another tree that waits for it.
+        for format in &args.format {
+            for (drawing, _) in &made {
+                pictures(*format, drawing, &args.extra.extras());
+            }
+        }
+        let ready: Vec<Vec<Ready>> = made
+            .par_iter()
+            .zip(shoots.par_iter().zip(files))
+            .map(|((drawing, grammar), (shoot, files))| {
+                ready(plan, *shoot, files, drawing, grammar)
+            })
+            .collect::<Result<_>>()?;
+        let drawings = made.into_iter().map(|(drawing, _)| drawing);
+        let drawings = drawings.filter(|one| !one.is_empty());
+        let drawings: Vec<Arc<Drawing>> = drawings.collect();
+        done.drawn += drawings.len();
         if args.sheet.is_some() && !args.dry_run {
-            done.drawings
-                .extend(drawings.into_iter().filter(|one| !one.is_empty()));
+            done.drawings.extend(drawings);
         }
         if !args.json {
             done.printed = done.printed.and(print_result("the list", |out| {
@@ -59,6 +74,11 @@ pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
         count += shoots.len();
         progress.show(count, plan.shoots.len());
     }
+    ensure!(
+        done.drawn > 0,
+        "{} draws nothing at any step of the sequence, so there is no file to write: give more --steps",
+        args.file.display()
+    );
     Ok(done)
 }
 
@@ -71,17 +91,22 @@ struct Ready {
     grammar: Option<String>,
 }
 
-/// All files of an individual, and what it is.
-fn ready(plan: &Plan<'_>, shoot: Shoot, files: &[File]) -> Result<(Vec<Ready>, Arc<Drawing>)> {
+/// All files of an individual.
+fn ready(
+    plan: &Plan<'_>,
+    shoot: Shoot,
+    files: &[File],
+    drawing: &Arc<Drawing>,
+    grammar: &str,
+) -> Result<Vec<Ready>> {
     let args = plan.args;
-    let (drawing, grammar) = grown(args, plan.source, shoot, plan.spread)?;
     if drawing.is_empty() {
         let step = shoot.step.unwrap_or_default();
         whisper!(
             "step {step} of {} draws nothing and is left out",
             args.file.display()
         );
-        return Ok((Vec::new(), drawing));
+        return Ok(Vec::new());
     }
     let Shoot { seed, step } = shoot;
     let extras = args.extra.extras();
@@ -108,7 +133,7 @@ fn ready(plan: &Plan<'_>, shoot: Shoot, files: &[File]) -> Result<(Vec<Ready>, A
         };
         if file.format.is_surface() {
             if !levels.iter().any(|(level, _)| *level == file.level) {
-                levels.push((file.level, coarse(args, &drawing, file.level)?));
+                levels.push((file.level, coarse(args, drawing, file.level)?));
             }
             let known = levels.iter().find(|(level, _)| *level == file.level);
             ready.extend(known.map(|(_, coarse)| of(coarse)));
@@ -139,11 +164,11 @@ fn ready(plan: &Plan<'_>, shoot: Shoot, files: &[File]) -> Result<(Vec<Ready>, A
             },
             format: file.format,
             sides: 3,
-            drawing: Arc::clone(&drawing),
-            grammar: Some(grammar.clone()),
+            drawing: Arc::clone(drawing),
+            grammar: Some(grammar.to_owned()),
         });
     }
-    Ok((ready, drawing))
+    Ok(ready)
 }
 
 /// Writes a file, if anything is to be written.

@@ -6,7 +6,7 @@ use std::sync::{Arc, Once};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 
 use super::super::inputs::grammar_text;
-use super::{Args, Shoot};
+use super::{Args, Plan, Shoot};
 use crate::app::store::read_project;
 use crate::app::trees;
 use crate::lsystem::Grammar;
@@ -91,11 +91,15 @@ impl Source {
 
 /// The individual of a seed, and the grammar that grows it again.
 pub(super) fn grown(
-    args: &Args,
-    source: &Source,
+    plan: &Plan<'_>,
     Shoot { seed, step }: Shoot,
-    spread: Spread,
 ) -> Result<(Arc<Drawing>, String)> {
+    let Plan {
+        args,
+        source,
+        spread,
+        shoots,
+    } = *plan;
     let name = args.file.display().to_string();
     let asked = step.or(args.steps);
     let (drawing, grammar) = match source {
@@ -112,7 +116,8 @@ pub(super) fn grown(
                 text = stating(&text, "season", season.name());
                 grammar = grammar.with_season(season);
             }
-            let beside = rayon::current_num_threads().min(args.count as usize);
+            // Steps of a sequence grow beside each other, as individuals do.
+            let beside = rayon::current_num_threads().min(shoots.len());
             let (drawing, factor) = trees::grown(&grammar, asked, &name, beside)?;
             if let Some(factor) = factor {
                 // Once, not for each individual.

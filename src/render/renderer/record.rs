@@ -360,7 +360,11 @@ impl Renderer {
 
     /// The draws that the device made of a chunk.
     fn draw_chosen(&self, pass: &Pass<'_>, item: usize, whom: For, report: &mut DrawReport) {
-        const STRIDE: u32 = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
+        const STRIDE: u32 = 20;
+        const _: () = assert!(
+            size_of::<vk::DrawIndexedIndirectCommand>() == STRIDE as usize,
+            "draws stand one after the other"
+        );
         let (buffer, runs) = self.selection.crowns.draws(item, whom);
         for (offset, count) in runs.into_iter().filter(|(_, count)| *count > 0) {
             // SAFETY: the buffer has these draws; what they draw lies within the bound buffers.

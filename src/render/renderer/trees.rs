@@ -109,6 +109,7 @@ impl Renderer {
                 .take_staging()
                 .map(|buffer| (self.frame, Garbage::Buffer(buffer))),
         );
+        self.came = self.frame;
         if let Some(old) = std::mem::replace(&mut self.tree, self.coming.take()) {
             self.garbage.push((self.frame, Garbage::Tree(old)));
         }

@@ -30,8 +30,11 @@ use crate::tree::levels::{
 const WORDS: usize = 5;
 const DRAW_BYTES: u64 = size_of::<vk::DrawIndexedIndirectCommand>() as u64;
 
-/// Triangles that a batch has at least: what bounds the list. A ribbon and a kite have two.
-const FEWEST: u32 = 16;
+/// Triangles that a batch has at least: what bounds the list. A leaf may be one.
+const FEWEST: u32 = 8;
+
+/// By how much more than the processor finds something may be seen by the device, which rounds otherwise.
+const SLACK: f32 = 1.001;
 
 /// Who a choice is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +51,8 @@ struct Item {
     kinds: Range<u32>,
     /// Those of the sun.
     all: Range<u32>,
+    /// Whether ends have kinds of their own.
+    has_ends: bool,
 }
 
 /// What grows with the trees.
@@ -194,10 +199,8 @@ impl Crowns {
         let last = self.items.last().map(|item| item.data);
         let first_group = last.map_or(0, |data| data.first_group + data.groups);
         let all = 0..chunk.kinds_count();
-        let finest = kind_of(
-            &chunk.table,
-            standing.pixels(chunk.sphere, chunk.size, views),
-        );
+        let largest = standing.pixels(chunk.sphere, chunk.size, views) * SLACK;
+        let finest = kind_of(&chunk.table, largest);
         let kinds = if standing.is_seen(chunk.sphere, views) {
             finest..all.end
         } else {
@@ -207,6 +210,7 @@ impl Crowns {
             set: chunk.choice,
             kinds,
             all,
+            has_ends: chunk.table.iter().any(|kind| kind.ends != NONE),
             data: ItemData {
                 rows: rows(&standing.world_from_model),
                 cut: standing.cut,
@@ -244,9 +248,14 @@ impl Crowns {
             list: &self.list,
         };
         let room = Room::new(&self.gpu, &shared, wanted)?;
-        self.told = [0; SLOTS];
+        self.forget_told();
         let old = std::mem::replace(&mut self.room, room);
         Ok(Some(OldCrowns(Box::new(old))))
+    }
+
+    /// Nothing has been told that could be read.
+    pub(super) fn forget_told(&mut self) {
+        self.told = [0; SLOTS];
     }
 
     fn groups(&self) -> u32 {
@@ -343,12 +352,11 @@ impl Crowns {
         let at = |kind: u32| u64::from(item.data.draw + kind) * DRAW_BYTES;
         let ends = u32::try_from(ENDS).unwrap_or(0);
         let all = u32::try_from(KINDS).unwrap_or(0);
-        let caps = if item.all.end == ends {
+        let caps = if item.has_ends && !kinds.is_empty() {
             (kinds.start + ends).min(all)..all
         } else {
             0..0
         };
-        let caps = if kinds.is_empty() { 0..0 } else { caps };
         let run = |run: &Range<u32>| (at(run.start), run.end - run.start);
         (self.room.draws.handle, [run(kinds), run(&caps)])
     }

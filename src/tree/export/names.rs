@@ -20,12 +20,31 @@ pub(super) fn names(surface: &Surface<'_>) -> Vec<String> {
     names
 }
 
+/// The same as USD has them: names that differ may be one identifier.
+pub(super) fn identifiers(surface: &Surface<'_>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for group in &surface.groups {
+        names.push(unlike_identifier(&names, &name(surface, group.matter)));
+    }
+    names
+}
+
 /// A name that none of these has.
 pub(super) fn unlike(names: &[String], name: String) -> String {
+    numbered(names, name, '-')
+}
+
+/// A name as USD has them that none of these is.
+pub(super) fn unlike_identifier(names: &[String], name: &str) -> String {
+    numbered(names, identifier(name), '_')
+}
+
+/// A name, with a number behind it where one of these has it already.
+fn numbered(names: &[String], name: String, between: char) -> String {
     let mut other = name.clone();
     let mut number = 2;
     while names.contains(&other) {
-        other = format!("{name}-{number}");
+        other = format!("{name}{between}{number}");
         number += 1;
     }
     other
@@ -74,5 +93,20 @@ mod tests {
         let taken = ["leaves", "leaves-2"].map(str::to_owned);
         assert_eq!(unlike(&taken, "leaves".to_owned()), "leaves-3");
         assert_eq!(unlike(&taken, "wood".to_owned()), "wood");
+    }
+
+    #[test]
+    fn identifiers_differ_where_names_differ_in_letters_that_usd_has_not() {
+        let mut taken: Vec<String> = Vec::new();
+        for name in ["leaves-ä", "leaves-ö", "leaves-ü", "leaves-__2"] {
+            taken.push(unlike_identifier(&taken, name));
+        }
+        assert_eq!(
+            taken,
+            ["leaves__", "leaves___2", "leaves___3", "leaves___2_2"]
+        );
+        for name in &taken {
+            assert_eq!(&identifier(name), name);
+        }
     }
 }

@@ -144,7 +144,9 @@ pub(super) fn standing<'a>(
         }
     });
     let made: Vec<Standing<'_>> = made.collect::<Result<_, TreeError>>()?;
-    if made.is_empty() {
+    let is_bare = |one: &Standing<'_>| one.surface.groups.is_empty() && one.surface.runs.is_empty();
+    // Corners on a line make no triangle.
+    if made.iter().all(is_bare) {
         return Err(TreeError::Empty(format));
     }
     Ok(made)

@@ -9,7 +9,7 @@
 use std::io::{self, Write};
 
 use super::instances::Run;
-use super::names::{identifier, name, names, unlike};
+use super::names::{identifier, identifiers, name, unlike_identifier};
 use super::surface::{Costs, Group, Matter, Standing, Surface, standing};
 use super::{ExportParams, Stand, TREE};
 use crate::tree::bark::Bark;
@@ -41,7 +41,10 @@ pub struct Usd<'a> {
 /// A material that all trees share which look so.
 #[derive(Clone, Debug, PartialEq)]
 struct Material {
+    /// Of its prim.
     name: String,
+    /// As the tree has it.
+    called: String,
     bark: Option<Bark>,
     metallic: f32,
     roughness: f32,
@@ -79,7 +82,7 @@ impl<'a> Usd<'a> {
                 if !materials.iter().any(|known| known.is_of(surface, matter)) {
                     let mut made = Material::of(surface, matter);
                     let taken: Vec<String> = materials.iter().map(|one| one.name.clone()).collect();
-                    made.name = identifier(&unlike(&taken, made.name));
+                    made.name = unlike_identifier(&taken, &made.called);
                     materials.push(made);
                 }
             }
@@ -134,9 +137,9 @@ impl<'a> Usd<'a> {
                 triple(&standing.at.to_array()),
             )?;
         }
-        let mut taken = names(surface);
+        let mut taken = identifiers(surface);
         for (group, name) in surface.groups.iter().zip(&taken) {
-            self.mesh(surface, group, &identifier(name), inside, out)?;
+            self.mesh(surface, group, name, inside, out)?;
         }
         let mut above = format!("/{}", self.name);
         if self.is_grove {
@@ -146,9 +149,10 @@ impl<'a> Usd<'a> {
         for runs in surface.runs.chunk_by(same) {
             let Some(first) = runs.first() else { continue };
             let matter = Matter::Painted(first.paint.material);
-            taken.push(unlike(&taken, name(surface, matter)));
+            let name = unlike_identifier(&taken, &name(surface, matter));
+            taken.push(name.clone());
             let site = Site {
-                name: &identifier(taken.last().map_or("", String::as_str)),
+                name: &name,
                 above: &above,
                 material: &self.path(surface, matter),
                 inside,
@@ -234,6 +238,7 @@ impl<'a> Usd<'a> {
             bark,
             metallic,
             roughness,
+            ..
         } = material;
         let path = format!("/{}/materials/{name}", self.name);
         let colour = match bark {
@@ -255,11 +260,13 @@ impl<'a> Usd<'a> {
 }
 
 impl Material {
+    /// Without a name for its prim.
     fn of(surface: &Surface<'_>, matter: Matter) -> Self {
         let organs = surface.organs;
         match matter {
             Matter::Bark => Self {
-                name: "bark".to_owned(),
+                name: String::new(),
+                called: "bark".to_owned(),
                 bark: Some(organs.bark),
                 metallic: 0.0,
                 roughness: 0.9,
@@ -267,7 +274,8 @@ impl Material {
             Matter::Painted(index) => {
                 let material = organs.palette.material(index);
                 Self {
-                    name: identifier(&organs.palette.name(index)),
+                    name: String::new(),
+                    called: organs.palette.name(index),
                     bark: None,
                     metallic: material.metallic,
                     roughness: material.roughness,
@@ -276,19 +284,14 @@ impl Material {
         }
     }
 
-    /// Whether it is that of a group; names were made unlike each other.
+    /// Whether it is that of a group, whatever its prim is called.
     fn is_of(&self, surface: &Surface<'_>, matter: Matter) -> bool {
         let other = Self::of(surface, matter);
-        let is_named =
-            self.name == other.name || self.name.starts_with(&format!("{}_", other.name));
-        is_named
-            && Self {
-                name: String::new(),
-                ..self.clone()
-            } == Self {
-                name: String::new(),
-                ..other
-            }
+        let named = Self {
+            name: self.name.clone(),
+            ..other
+        };
+        *self == named
     }
 }
 

@@ -76,7 +76,8 @@ pub(crate) fn two_triangles(surface: &Surface) -> (Surface, f32) {
     } else {
         1.0
     };
-    widest.x *= part;
+    // As much folded as it was.
+    (widest.x, widest.z) = (widest.x * part, widest.z * part);
     let other = Vec3::new(-widest.x, widest.y, widest.z);
     let mut kite = Surface {
         positions: vec![Vec3::ZERO, widest, tip, other],

@@ -1,6 +1,7 @@
 //! Fewer segments: neighbours along an axis become one, and where that is not enough thin twigs go while others grow wider.
 //!
-//! A segment that stands for two has the outer ring of each, as they were, so it joins whatever level its own neighbours have. What is off is how far the
+//! A segment that stands for two has the outer ring of each, as they were, so it joins whatever level its own neighbours have (but for what has grown wider, by
+//! less than can be seen). What is off is how far the
 //! middle was from the chord, what the radius there differs from the chord's, and by how much rings that lean towards each other thin a tube.
 //!
 //! A piece of an axis that is one segment already can only go. Its neighbour in the cluster takes its width: a twig that is a quarter of a pixel wide
@@ -132,8 +133,11 @@ impl Step {
 /// Bits that say how much wider a segment is than its twig.
 const WIDER: u32 = 0xff << WIDER_SHIFT;
 
-/// Makes a segment wider, and notes it.
+/// Makes a segment wider, and notes it; one of no width stays as it is.
 fn widen(segment: &mut TubeSegment, factor: f32) {
+    if !factor.is_finite() {
+        return;
+    }
     segment.radii = segment.radii.map(|radius| radius * factor);
     #[allow(
         clippy::cast_possible_truncation,
@@ -200,16 +204,24 @@ fn chord_is_off(first: &TubeSegment, second: &TubeSegment) -> f32 {
     away + radius(0).max(radius(1)) + widest * (1.0 - turned.min(1.0))
 }
 
-/// How much wider a segment gets that takes another's width.
+/// How much wider a segment gets that takes another's width; infinitely where it has none itself.
 fn wider(takes: &TubeSegment, goes: &TubeSegment) -> f32 {
     let shown = |segment: &TubeSegment| {
         let length = Vec3::from(segment.from).distance(Vec3::from(segment.to));
         length * (segment.radii[1] + segment.radii[3])
     };
-    1.0 + shown(goes) / shown(takes).max(f32::MIN_POSITIVE)
+    match (shown(takes), shown(goes)) {
+        (_, 0.0) => 1.0,
+        (takes, goes) => 1.0 + goes / takes,
+    }
 }
 
 /// How wide it is then; no narrower than what goes.
 fn widened(takes: &TubeSegment, goes: &TubeSegment) -> f32 {
-    (takes.size() * wider(takes, goes)).max(goes.size())
+    let factor = wider(takes, goes);
+    if factor.is_finite() {
+        (takes.size() * factor).max(goes.size())
+    } else {
+        f32::INFINITY
+    }
 }

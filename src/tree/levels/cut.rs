@@ -121,7 +121,7 @@ pub fn bin(size: f32) -> u32 {
 /// The pixels that a bin stands for.
 #[must_use]
 pub fn pixels(bin: u32) -> f32 {
-    f32::from_bits(1.0_f32.to_bits() + (bin << 20))
+    f32::from_bits(1.0_f32.to_bits() + (bin.min(COARSEST) << 20))
 }
 
 /// Whether a cluster is drawn at a threshold.
@@ -130,6 +130,9 @@ pub fn is_drawn([own, parent]: [u32; 2], threshold: u32) -> bool {
     own <= threshold && threshold < parent
 }
 
+/// Triangles are counted in so many, a cluster's rounded up, so that their sum fits 32 bits whatever stands there.
+pub const COUNTED_IN: u32 = 8;
+
 /// The smallest threshold whose triangles fit the budget. `clusters`: bins and triangles.
 #[must_use]
 pub fn threshold(clusters: impl Iterator<Item = ([u32; 2], u32)>, budget: u32) -> u32 {
@@ -137,14 +140,14 @@ pub fn threshold(clusters: impl Iterator<Item = ([u32; 2], u32)>, budget: u32) -
     for ([own, parent], triangles) in clusters {
         for (bin, change) in [(own, 1), (parent, -1)] {
             if let Some(place) = changes.get_mut(bin as usize) {
-                *place += change * i64::from(triangles);
+                *place += change * i64::from(triangles.div_ceil(COUNTED_IN));
             }
         }
     }
     let mut drawn = 0;
     for (bin, change) in (0..).zip(changes) {
         drawn += change;
-        if drawn <= i64::from(budget) {
+        if drawn <= i64::from(budget / COUNTED_IN) {
             return bin;
         }
     }

@@ -24,9 +24,14 @@ pub struct Leaf {
     pub orientation: [i16; 4],
     /// Of the sky's light, 0 to 1.
     pub light: f32,
-    /// Bit 0: it grows.
+    /// Bit 0: it grows. Bits 8…15 ([`LARGER_SHIFT`]): how much larger it is than a leaf, where it stands for others, too.
     pub flags: u32,
 }
+
+/// Bits to shift [`Leaf::flags`] right by to get how much larger it is than a leaf: sixteenths of powers of two, up to 255. It is lit where the leaf is, since
+/// what is larger stands out of the shadow of the others.
+pub const LARGER_SHIFT: u32 = 8;
+const LARGER: u32 = 0xff << LARGER_SHIFT;
 
 /// All leaves of one surface in levels of detail.
 pub type LeafLevels = Levels<Leaf>;
@@ -91,7 +96,21 @@ fn together((one, many): (Leaf, f32), (other, more): (Leaf, f32)) -> (Leaf, f32)
     } else {
         (one, other)
     };
-    leaf.scale = leaf.size().hypot(smaller.size()).copysign(leaf.scale);
+    let size = leaf.size().hypot(smaller.size());
+    leaf.flags = larger(leaf.flags, size / leaf.size());
+    leaf.scale = size.copysign(leaf.scale);
     leaf.light = f32::midpoint(one.light, other.light);
     (leaf, many + more)
+}
+
+/// A leaf's flags when it is so much larger.
+fn larger(flags: u32, factor: f32) -> u32 {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "1 at least, of two leaves without size no number, and `as` makes 0 of that"
+    )]
+    let more = (16.0 * factor.log2()).round() as u32;
+    let all = ((flags & LARGER) >> LARGER_SHIFT).saturating_add(more);
+    flags & !LARGER | all.min(0xff) << LARGER_SHIFT
 }

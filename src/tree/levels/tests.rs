@@ -1,3 +1,5 @@
+//! Each cut shows everything once, and what it shows is as near to the tree as it says.
+
 #![allow(
     clippy::unwrap_used,
     clippy::missing_assert_message,
@@ -71,14 +73,13 @@ fn by_recursion(tree: &Tree, axis: &[u32]) -> Vec<u32> {
             visit(tree, axis, root, &mut nodes);
         }
     }
-    let mut records = vec![NO_PARENT; tree.len()];
+    // A record for each node that has a parent.
     let mut count = 0;
-    for node in 0..tree.len() {
-        if tree.parent[node] != NO_PARENT {
-            records[node] = count;
-            count += 1;
-        }
-    }
+    let number = |parent: &u32| {
+        count += u32::from(*parent != NO_PARENT);
+        count.wrapping_sub(1)
+    };
+    let records: Vec<u32> = tree.parent.iter().map(number).collect();
     nodes.retain(|node| tree.parent[*node as usize] != NO_PARENT);
     nodes.iter().map(|node| records[*node as usize]).collect()
 }
@@ -400,6 +401,26 @@ fn kinds_are_chosen_by_size() {
         coarsest.bins(&standing(), &views(Vec3::ZERO, 1.0)),
         Some([0, NEVER])
     );
+}
+
+/// Twigs without width take nobody's place: what is visible stays or its loss is said.
+#[test]
+fn a_twig_of_no_width_takes_nothing() {
+    let mut segments = ordered(&tree(&[(1, 900); 1200]), 9);
+    for (at, segment) in segments.iter_mut().enumerate() {
+        // Each by itself, so that none goes on from another.
+        segment.flags |= CAPPED;
+        segment.radii = [if at % 2 == 0 { 0.0 } else { 0.01 }; 4];
+    }
+    let levels = Levels::new(&segments);
+    assert!(
+        levels
+            .records
+            .iter()
+            .all(|one| one.radii.iter().all(|radius| radius.is_finite()))
+    );
+    let widest = levels.clusters.iter().map(|cluster| cluster.size);
+    assert!(widest.clone().all(f32::is_finite) && widest.fold(0.0, f32::max) >= 0.02);
 }
 
 /// What a driver or a grammar may do to numbers: nothing is nowhere for ever.

@@ -53,7 +53,7 @@ fn leaves_as_instances_are_the_same_leaves_in_fewer_bytes() {
             .find(|node| node.name() == Some("leaves"))
             .unwrap();
         let looks = below(&leaves);
-        assert!(leaves.mesh().is_none() && looks.len() > 4 && looks[0] == "leaves-1");
+        assert!(leaves.mesh().is_none() && looks.len() > 4 && looks[0] == "leaves-look-1");
         let usd = fs::read_to_string(path(&instanced[1])).unwrap();
         assert!(usd.contains("    def PointInstancer \"leaves\"\n"));
         let length = |name: &str| -> usize { lists(&usd, name).iter().map(Vec::len).sum() };
@@ -274,6 +274,39 @@ fn a_sequence_is_a_file_for_each_step() {
         .filter(|line| line.contains("oak-step-"))
         .count();
     assert!(lines > 3, "{printed}");
+}
+
+#[test]
+fn a_sequence_that_draws_nothing_is_an_error_and_its_picture_tells_its_steps() {
+    let folder = folder();
+    let bare = write(folder.path(), "bare.lsys", "steps 3\naxiom A\nA -> A\n");
+    let options = ["--format=glb", "--growth=sequence"];
+    let done = export(&bare, folder.path(), &options).output().unwrap();
+    let said = text(&done.stderr);
+    assert_eq!(done.status.code(), Some(1), "{said}");
+    assert!(said.contains("draws nothing at any step"), "{said}");
+    let sheet = folder.path().join("sheet.png");
+    let options = ["--growth=sequence", "--steps=3", "--dry-run"];
+    let mut command = export(Path::new(HONDA), folder.path(), &options);
+    let done = command.arg("--sheet").arg(sheet).output().unwrap();
+    let said = text(&done.stdout) + &text(&done.stderr);
+    assert!(said.contains(" and a picture of 3 steps, "), "{said}");
+}
+
+#[test]
+fn what_has_no_triangle_is_no_file() {
+    let folder = folder();
+    let flat = write(
+        folder.path(),
+        "flat.lsys",
+        "steps 0\naxiom { . f(1) . f(1) . }\n",
+    );
+    for format in ["--format=glb", "--format=usda"] {
+        let done = export(&flat, folder.path(), &[format]).output().unwrap();
+        let said = text(&done.stderr);
+        assert_eq!(done.status.code(), Some(1), "{said}");
+        assert!(said.contains("nothing to write as"), "{said}");
+    }
 }
 
 #[test]

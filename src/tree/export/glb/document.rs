@@ -67,7 +67,11 @@ impl Document {
                 below.extend(parts);
                 continue;
             }
-            let mut node = json!({ "name": standing.name, "children": parts, "extras": extras });
+            let mut node = json!({ "name": standing.name, "extras": extras });
+            // An empty list is not allowed.
+            if !parts.is_empty() {
+                node["children"] = json!(parts);
+            }
             if standing.at != Vec3::ZERO {
                 node["translation"] = json!(standing.at.to_array());
             }

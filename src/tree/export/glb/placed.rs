@@ -4,6 +4,7 @@
 //! common are one mesh, and all looks of one surface share its positions, normals and triangles.
 //! Specification: <https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Vendor/EXT_mesh_gpu_instancing>.
 
+use std::collections::HashMap;
 use std::io::{self, Write};
 
 use bytemuck::cast_slice;
@@ -108,10 +109,15 @@ fn rotation(one: &Placed) -> [i16; 4] {
 /// What is written once and stands in many places.
 #[derive(Default)]
 pub(super) struct Shared {
-    shapes: Vec<(organs::Surface, Shape)>,
-    /// By shape, material and colours.
-    looks: Vec<(usize, usize, Vec<[u16; 4]>, usize)>,
+    shapes: Vec<Shape>,
+    /// Numbers of shapes by what makes one.
+    known: HashMap<Vec<u32>, usize>,
+    /// Numbers of meshes.
+    looks: HashMap<Look, usize>,
 }
+
+/// What makes a look: shape, material and colours.
+type Look = (usize, usize, Vec<[u16; 4]>);
 
 /// Numbers of accessors.
 struct Shape {
@@ -141,7 +147,7 @@ impl Document {
             let looks: Vec<usize> = looks
                 .map(|(look, (run, one))| {
                     let mesh = self.look(surface, one, matter, &name);
-                    let name = format!("{name}-{look}");
+                    let name = format!("{name}-look-{look}");
                     self.instances(number, *run, surface, json!({ "name": name, "mesh": mesh }))
                 })
                 .collect();
@@ -179,16 +185,15 @@ impl Document {
         let material = self.material(matter, surface);
         let colours: Vec<[u16; 4]> = run.colours(surface.organs).into_iter().map(short).collect();
         let shape = self.shape(surface, run);
-        let known = self.shared.looks.iter().find(|(of, made_of, seen, _)| {
-            (*of, *made_of) == (shape, material) && *seen == colours
-        });
-        if let Some((.., mesh)) = known {
+        let look = (shape, material, colours);
+        if let Some(mesh) = self.shared.looks.get(&look) {
             return *mesh;
         }
+        let (.., colours) = &look;
         let column = json!({ "componentType": UNSIGNED_SHORT, "normalized": true, "count": colours.len(), "type": "VEC4" });
-        let bytes = cast_slice(&colours).to_vec();
+        let bytes = cast_slice(colours.as_slice()).to_vec();
         let colour = self.small(bytes, ARRAY_BUFFER, column);
-        let of = self.shared.shapes.get(shape).map(|(_, shape)| shape);
+        let of = self.shared.shapes.get(shape);
         let (mut attributes, indices) = match of {
             Some(shape) => (shape.attributes.clone(), shape.indices),
             None => (json!({}), 0),
@@ -196,12 +201,12 @@ impl Document {
         attributes["COLOR_0"] = json!(colour);
         let primitive =
             json!({ "attributes": attributes, "indices": indices, "material": material });
-        let name = format!("{name}-{}", self.shared.looks.len() + 1);
+        let name = format!("{name}-look-{}", self.shared.looks.len() + 1);
         let mesh = add(
             &mut self.meshes,
             json!({ "name": name, "primitives": [primitive] }),
         );
-        self.shared.looks.push((shape, material, colours, mesh));
+        self.shared.looks.insert(look, mesh);
         mesh
     }
 
@@ -210,13 +215,9 @@ impl Document {
         let Some(leaf) = surface.organs.surfaces.get(usize::from(run.surface)) else {
             return 0;
         };
-        let known = self
-            .shared
-            .shapes
-            .iter()
-            .position(|(known, _)| known == leaf);
-        if let Some(known) = known {
-            return known;
+        let made_of = made_of(leaf);
+        if let Some(known) = self.shared.known.get(&made_of) {
+            return *known;
         }
         let floats = |columns: usize| json!({ "componentType": FLOAT, "count": leaf.positions.len(), "type": format!("VEC{columns}") });
         let rows = |rows: &[glam::Vec3]| -> Vec<u8> {
@@ -259,7 +260,23 @@ impl Document {
             attributes,
             indices,
         };
-        self.shared.shapes.push((leaf.clone(), shape));
-        self.shared.shapes.len() - 1
+        let number = self.shared.shapes.len();
+        self.shared.shapes.push(shape);
+        self.shared.known.insert(made_of, number);
+        number
     }
+}
+
+/// The numbers that a surface's shape is written from, with how many there are of each first: colours are the look's.
+fn made_of(leaf: &organs::Surface) -> Vec<u32> {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "indices are u32, so there are no more vertices"
+    )]
+    let counts = [leaf.positions.len(), leaf.normals.len()].map(|count| count as u32);
+    let rows = leaf.positions.iter().chain(&leaf.normals);
+    let numbers = rows.flat_map(|row| row.to_array().map(f32::to_bits));
+    let mut made: Vec<u32> = counts.into_iter().chain(numbers).collect();
+    made.extend(&leaf.indices);
+    made
 }
