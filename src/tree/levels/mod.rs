@@ -42,6 +42,8 @@ pub const MOST: usize = 64;
 pub const BATCH: usize = 8;
 /// So many records have one level: to draw them whole costs less than to choose.
 const SMALL: usize = 512;
+/// Up to so many records are worked on by the thread that asks: a frame may wait for them, and must not wait for what other threads have taken on.
+const ALONE: usize = 1 << 17;
 
 /// A record that clusters are made of: a segment or a leaf.
 pub trait Record: Copy + Default + Send + Sync {
@@ -150,9 +152,11 @@ impl<R: Record> Levels<R> {
         let mut levels = Self::with_room(count, if count > SMALL { 2 } else { 1 });
         let mut level = levels.begin(count, record);
         while level.len() > 1 && count > SMALL {
-            let mut next: Vec<Made<R>> = pairs(&level).into_par_iter().map(Made::of).collect();
+            let pairs_of = pairs(&level);
+            let pair = |at: usize| Made::of(pairs_of.get(at).copied().unwrap_or_default());
+            let mut next = made(pairs_of.len(), count, pair);
             levels.add(&mut next);
-            for (made, pair) in next.iter().zip(pairs(&level)) {
+            for (made, pair) in next.iter().zip(pairs_of) {
                 levels.replace(pair, made);
             }
             level = next;
@@ -179,10 +183,9 @@ impl<R: Record> Levels<R> {
 
     /// Adds the finest level, and returns it.
     fn begin(&mut self, count: usize, record: impl Fn(usize) -> R + Sync) -> Vec<Made<R>> {
-        let runs = (0..count.div_ceil(MOST)).into_par_iter();
         let run = |cluster: usize| cluster * MOST..count.min((cluster + 1) * MOST);
-        let finest = runs.map(|cluster| Made::finest(run(cluster).map(&record)));
-        let mut level: Vec<Made<R>> = finest.collect();
+        let finest = |cluster: usize| Made::finest(run(cluster).map(&record));
+        let mut level = made(count.div_ceil(MOST), count, finest);
         self.add(&mut level);
         self.finest = self.clusters.len();
         level
@@ -209,6 +212,19 @@ impl<R: Record> Levels<R> {
                 cluster.parent_error = parent.error;
             }
         }
+    }
+}
+
+/// So many clusters, of a tree of so many records.
+fn made<R: Record>(
+    clusters: usize,
+    records: usize,
+    make: impl Fn(usize) -> Made<R> + Send + Sync,
+) -> Vec<Made<R>> {
+    if records > ALONE {
+        (0..clusters).into_par_iter().map(make).collect()
+    } else {
+        (0..clusters).map(make).collect()
     }
 }
 
