@@ -490,20 +490,22 @@ impl Page<'_> {
             self.wishes.push(Wish::Set(settings));
         }
         ui.separator();
-        if ui.button(words.lesson_start).clicked() {
-            // Where they stopped, or from the beginning after the last one.
-            let next = settings.lesson.saturating_add(1);
-            let at = if next < Lesson::ALL.len() {
-                settings.lesson
-            } else {
-                0
-            };
-            self.wishes.push(Wish::Teach(Some(at)));
-        }
-        let hide = format!("{}: {}", words.bench, words.hide);
-        if ui.button(hide).clicked() {
-            self.wishes.push(Wish::Show(PanelId::Bench, false));
-        }
+        ui.horizontal(|ui| {
+            if ui.button(words.lesson_start).clicked() {
+                // Where they stopped, or from the beginning after the last one.
+                let next = settings.lesson.saturating_add(1);
+                let at = if next < Lesson::ALL.len() {
+                    settings.lesson
+                } else {
+                    0
+                };
+                self.wishes.push(Wish::Teach(Some(at)));
+            }
+            let hide = format!("{}: {}", words.bench, words.hide);
+            if ui.button(hide).clicked() {
+                self.wishes.push(Wish::Show(PanelId::Bench, false));
+            }
+        });
     }
 
     fn file(&mut self, ui: &mut Ui) {
