@@ -324,6 +324,9 @@ impl Selection {
     }
 
     fn each(&self, commands: vk::CommandBuffer, slot: usize, kernel: &Pipeline) {
+        if self.items.is_empty() {
+            return;
+        }
         self.bind(commands, slot, kernel);
         for item in &self.items {
             // SAFETY: the set's layout is the second of the pipeline layout; its buffer lives until the frame is done.

@@ -270,11 +270,17 @@ impl Crowns {
 
     /// Counts at which threshold each cluster would be drawn.
     pub(super) fn weigh(&self, commands: vk::CommandBuffer, slot: usize, whom: For) {
+        if self.items.is_empty() {
+            return;
+        }
         self.each(commands, slot, whom, &self.kernels[0]);
     }
 
     /// Makes list and draws, now that the threshold is known.
     pub(super) fn list(&self, commands: vk::CommandBuffer, slot: usize, whom: For) {
+        if self.items.is_empty() {
+            return;
+        }
         let [_, count, place, write] = &self.kernels;
         self.each(commands, slot, whom, count);
         let all = ItemData {
