@@ -394,7 +394,8 @@ impl<'a> Round<'a> {
                 Plan::Choose(first) => match &mut choosing {
                     Some(choosing) => choosing.add(first, at, (offset, arity), row)?,
                     None => {
-                        for (own, (at, choice)) in (offset..).step_by(arity.max(1)).zip(numbered) {
+                        for (number, (at, choice)) in numbered.enumerate() {
+                            let own = offset + number * arity;
                             let values = indexed.parameters.get(own..own + arity);
                             let chosen = work.choose(symbol, at, own, values.unwrap_or(&[]))?;
                             *choice = S::of(u32::from(chosen));

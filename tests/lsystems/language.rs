@@ -220,6 +220,18 @@ fn strings_of_small_grammars() {
             "Z",
         ),
         (
+            "neighbours with parameters of several without, to the right",
+            "axiom DDA(0)A(2)\nD > A(x) : x >= 1 -> %\n".into(),
+            1,
+            "DDA(0)A(2)",
+        ),
+        (
+            "and on both sides of some",
+            "axiom A(2)A(0)DDDA(7)\nA(x) < D : x >= 1 -> %\nD < D > A(x) : x > 6 -> F(x)\n".into(),
+            1,
+            "A(2)A(0)DDF(7)A(7)",
+        ),
+        (
             "numbers as C prints them",
             "axiom A(1/3)B(1e10,2^0.5)C(-0.00001)\n".into(),
             0,
