@@ -3,7 +3,7 @@
 //! `record` is the time that `Renderer::draw` takes to hand over a frame of a scene with so many segments, the driver's
 //! share of recording included but the drawing itself not: the picture is 16 pixels wide and the device has finished before the
 //! clock starts. With `leaves`, one in five segments bears one. `edit` is the same for a frame that brings a new tree: building its segments and levels of
-//! detail, staging memory, copies. `ready` is all our own time from a tree that is new to one that is drawn: the same on a worker, then the frames that copy it.
+//! detail, staging memory, copies; nothing of it is as it was, or with `a hundredth` all but that. `ready` is all our own time from a tree that is new to one that is drawn: the same on a worker, then the frames that copy it.
 //! Wall-clock numbers of a shared machine are pessimistic; compare runs, not machines.
 #![allow(
     missing_docs,
@@ -115,6 +115,26 @@ fn scene(segments: u32, leaves: u32) -> Scene {
     scene
 }
 
+/// The same scene, its tree's nodes moved from this one on.
+fn moved(scene: &Scene, from: u32) -> Scene {
+    let mut scene = scene.clone();
+    let placed = scene.tree.as_mut().unwrap();
+    let mut tree = (*placed.tree).clone();
+    for position in tree.position.iter_mut().skip(from as usize) {
+        *position += Vec3::X * 0.01;
+    }
+    placed.tree = Arc::new(tree);
+    scene
+}
+
+/// The most memory that this process has had, where the system tells it.
+fn peak_mb() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
+    kilobytes.unwrap_or(0) >> 10
+}
+
 fn frame(criterion: &mut Criterion) {
     let gpu = match Gpu::new(&Headless::default(), &GpuParams::default()) {
         Ok(gpu) => gpu,
@@ -144,20 +164,22 @@ fn frame(criterion: &mut Criterion) {
         (10_000_000, 2_000_000),
     ] {
         let name = if leaves > 0 { " with leaves" } else { "" };
-        let mut scene = scene(segments, leaves);
+        let scene = scene(segments, leaves);
         // As a worker does it.
         let params = RendererParams {
             direct_segments: if segments > 100_000 { 0 } else { 100_000 },
             ..params
         };
         let mut renderer = Renderer::new(&gpu, &params).unwrap();
-        let mut timed = |scene: &Scene| {
+        let mut revision = 1;
+        let timed = |renderer: &mut Renderer, scene: &Scene, after: bool| {
             gpu.wait_idle().unwrap();
             let start = Instant::now();
             let placed = scene.tree.as_ref().unwrap();
             let mut report = renderer.draw(scene, &eyes, &offscreen.target()).unwrap();
             if report.tree == TreeState::Wanted(placed.revision) {
-                renderer.set_tree(TreeUpload::new(&gpu, placed).unwrap());
+                let shown = renderer.resident().filter(|_| after);
+                renderer.set_tree(TreeUpload::new(&gpu, placed, shown).unwrap());
             }
             let mut spent = start.elapsed();
             while report.tree != TreeState::Shown {
@@ -168,24 +190,49 @@ fn frame(criterion: &mut Criterion) {
             }
             black_box(spent)
         };
-        timed(&scene);
+        timed(&mut renderer, &scene, false);
+        let report = renderer.draw(&scene, &eyes, &offscreen.target()).unwrap();
+        let chosen = renderer.chosen().unwrap();
+        println!(
+            "{segments} segments{name}: {} draws, {} triangles, {} MB on the device, {} MB of memory at most",
+            report.draws,
+            report.triangles + chosen.triangles,
+            renderer.tree_bytes() >> 20,
+            peak_mb(),
+        );
         group.bench_function(format!("record/{segments}{name}"), |bencher| {
-            bencher.iter_custom(|rounds| (0..rounds).map(|_| timed(&scene)).sum());
+            bencher.iter_custom(|rounds| {
+                (0..rounds)
+                    .map(|_| timed(&mut renderer, &scene, false))
+                    .sum()
+            });
         });
         if segments > 1_000_000 {
             continue;
         }
         let what = if segments > 100_000 { "ready" } else { "edit" };
-        group.bench_function(format!("{what}/{segments}"), |bencher| {
-            bencher.iter_custom(|rounds| {
-                (0..rounds)
-                    .map(|_| {
-                        scene.tree.as_mut().unwrap().revision += 1;
-                        timed(&scene)
-                    })
-                    .sum()
+        // Nothing stays as it was, or all but a hundredth.
+        let other = [moved(&scene, 0), moved(&scene, segments - segments / 100)];
+        let trees = |at: usize| [scene.tree.as_ref(), other[at].tree.as_ref()];
+        for (at, name) in ["", " a hundredth"].into_iter().enumerate() {
+            let [one, two] = trees(at).map(|tree| tree.unwrap().clone());
+            let mut next = scene.clone();
+            group.bench_function(format!("{what}/{segments}{name}"), |bencher| {
+                bencher.iter_custom(|rounds| {
+                    (0..rounds)
+                        .map(|round| {
+                            revision += 1;
+                            let tree = if round % 2 == 0 { &two } else { &one };
+                            next.tree = Some(PlacedTree {
+                                revision,
+                                ..tree.clone()
+                            });
+                            timed(&mut renderer, &next, at == 1)
+                        })
+                        .sum()
+                });
             });
-        });
+        }
         gpu.wait_idle().unwrap();
     }
     group.finish();

@@ -11,6 +11,7 @@
 mod monado {
     pub(crate) mod back;
     pub(crate) mod ends;
+    pub(crate) mod hurried;
     pub(crate) mod robbed;
     pub(crate) mod sight;
     pub(crate) mod study;
@@ -44,6 +45,7 @@ use ramus_xr::{Frame, Hand, HeadsetError, record::Recorder, simulated::Simulated
 
 use monado::{
     ends,
+    hurried::Hurried,
     robbed::{Beat, Robbed},
     sight::{Seen, Sight},
 };
@@ -400,4 +402,29 @@ fn doctor_finds_the_runtime_and_names_its_command_when_it_is_gone() {
             );
         },
     );
+}
+
+/// Pictures that take too long get fewer pixels, down to a bound; the runtime takes them so.
+#[test]
+fn a_device_that_is_late_draws_fewer_pixels() {
+    staged("a_device_that_is_late_draws_fewer_pixels", || {
+        let _service = runtime();
+        let opened = Opened::start(connect().unwrap()).unwrap();
+        let parts = Rc::new(RefCell::new(Vec::new()));
+        let mut workshop = workshop();
+        let kept = Rc::clone(&parts);
+        let hurried = |inner| Hurried {
+            inner,
+            frames: 40,
+            parts: kept,
+        };
+        opened.run(hurried, &mut workshop, &mut Nobody).1.unwrap();
+        let parts = parts.borrow();
+        assert!(parts.len() > 20, "{} frames were drawn", parts.len());
+        let (first, last) = (parts[0], parts[parts.len() - 1]);
+        let fewer = |pixels: u32| (pixels * 10).div_ceil(16);
+        let expected = (fewer(first.width), fewer(first.height));
+        assert_eq!((last.width, last.height), expected);
+        assert!(parts.is_sorted_by_key(|part| std::cmp::Reverse(part.width)));
+    });
 }

@@ -21,8 +21,10 @@ mod picture {
     mod models;
     mod older;
     mod organs;
+    mod parts;
     mod snapshots;
     mod support;
     mod textured;
     mod trees;
+    mod uploads;
 }

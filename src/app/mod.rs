@@ -31,6 +31,7 @@ pub mod picture;
 mod plot;
 pub mod portrait;
 mod queue;
+mod rate;
 pub(crate) mod scans;
 pub mod session;
 pub mod store;

@@ -1,16 +1,21 @@
 //! Pictures of the workshop: the renderer, the board's layout, and uploads of large trees.
 
+use std::sync::Arc;
+use std::time::Duration;
+
 use ash::vk;
 use glam::Affine3A;
 use image::{RgbaImage, imageops};
 use ramus_xr::{Acquired, Headset, Swapchain, View, VisibilityMask};
 
 use crate::app::layers::Layers;
+use crate::app::rate::Rate;
 use crate::app::session::SessionEnd;
 use crate::app::worker::Worker;
 use crate::render::{
     Backdrop, DrawReport, Eye, Fov, Gpu, ModelUpload, Offscreen, Pose, RenderError, Renderer,
-    RendererParams, StereoImage, StereoMode, Surface, Target, TreeState, TreeUpload, probe,
+    RendererParams, Resident, StereoImage, StereoMode, Surface, Target, TreeState, TreeUpload,
+    probe,
 };
 use crate::ui::words::Language;
 use crate::ui::{BoardUi, Painted};
@@ -38,6 +43,8 @@ const SMALLEST: vk::Extent2D = vk::Extent2D {
 
 /// A prepared tree with its revision, and a prepared model with its.
 type Upload = (u64, Result<TreeUpload, RenderError>);
+/// A tree to be prepared, and what the device has of the one that is shown.
+type TreeWish = (Gpu, PlacedTree, Option<Arc<Resident>>);
 type PreparedModel = (u64, Result<ModelUpload, RenderError>);
 
 /// A model to prepare, and whether its colours alone.
@@ -51,7 +58,7 @@ pub struct Picture {
     board: BoardUi,
     language: Language,
     layers: Layers,
-    uploads: Worker<(Gpu, PlacedTree), Upload>,
+    uploads: Worker<TreeWish, Upload>,
     /// Revision of the tree that is being prepared on the worker.
     preparing: Option<u64>,
     /// Revision of the tree that could not be prepared: it is not tried again.
@@ -68,6 +75,9 @@ pub struct Picture {
     missed: bool,
     /// Revision of the mask that was taken; 0: none.
     masked: u64,
+    /// How large the headset's pictures are, and how long the device worked on one.
+    rate: Rate,
+    worked: Option<Duration>,
     gpu: Gpu,
 }
 
@@ -195,8 +205,8 @@ impl Picture {
     }
 
     fn new(gpu: &Gpu, params: RendererParams, images: Images) -> Result<Self, RenderError> {
-        let uploads = Worker::start("ramus-upload", |(gpu, placed): &(Gpu, PlacedTree), _| {
-            (placed.revision, TreeUpload::new(gpu, placed))
+        let uploads = Worker::start("ramus-upload", |(gpu, placed, shown): &TreeWish, _| {
+            (placed.revision, TreeUpload::new(gpu, placed, shown.clone()))
         })
         .map_err(no_thread)?;
         let models = Worker::start("ramus-models", |wish: &ModelWish, _| {
@@ -225,6 +235,8 @@ impl Picture {
             behind: false,
             missed: false,
             masked: 0,
+            rate: Rate::default(),
+            worked: None,
             gpu: gpu.clone(),
         })
     }
@@ -298,6 +310,25 @@ impl Picture {
         renderer.set_quality(quality.primitives(), quality.error_px());
     }
 
+    /// Has a headset's pictures drawn with fewer pixels while the device needs too long for all of them, where `wanted`; and says so to the headset.
+    pub fn hold_rate(&mut self, headset: &mut dyn Headset, wanted: bool) {
+        let all = self.renderer.params().extent;
+        let part = match (headset.period(), &self.images) {
+            (Some(period), Images::Runtime { .. }) if wanted => {
+                if let Some(worked) = self.worked.take() {
+                    self.rate.take(worked, period);
+                }
+                self.rate.part_of(all)
+            }
+            _ => {
+                self.rate = Rate::default();
+                all
+            }
+        };
+        self.renderer.set_part(part);
+        headset.show_part(part);
+    }
+
     /// Draws a frame; `acquired` names the runtime's images.
     ///
     /// # Errors
@@ -317,6 +348,7 @@ impl Picture {
         }
         let target = self.images.target(acquired)?;
         let report = self.renderer.draw(scene, &eyes(views), &target)?;
+        self.worked = report.device.or(self.worked);
         self.ask_for_model(scene, report.model);
         let wanted = match report.tree {
             TreeState::Wanted(revision) => Some(revision),
@@ -327,7 +359,8 @@ impl Picture {
             && self.refused != Some(revision)
         {
             self.preparing = Some(revision);
-            self.uploads.ask((self.gpu.clone(), placed.clone()));
+            let shown = self.renderer.resident();
+            self.uploads.ask((self.gpu.clone(), placed.clone(), shown));
         }
         self.behind = match report.tree {
             TreeState::None | TreeState::Shown => false,

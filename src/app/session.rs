@@ -158,6 +158,7 @@ fn draw(
         picture.paint(slot, painted)?;
     }
     picture.set_quality(workshop.settings().quality);
+    picture.hold_rate(headset, !workshop.settings().sharp);
     let layers = workshop.settings().layers;
     let room = layers.then(|| workshop.world().stage_from_room());
     let scene = workshop.scene();

@@ -1,11 +1,19 @@
 //! Branches or leaves in levels of detail on their way to the device: records, clusters, and as what these are drawn.
 
+use std::sync::Arc;
+
 use ash::vk;
 use bytemuck::Pod;
 use glam::{Vec3, Vec4};
 use gpu_allocator::MemoryLocation;
 
-use super::{error::RenderError, gpu::Gpu, memory::Buffer, staging::Staging};
+use super::{
+    error::RenderError,
+    gpu::Gpu,
+    memory::Buffer,
+    resident::{self, Resident},
+    staging::{Part, Source, Staging},
+};
 use crate::tree::levels::{
     BATCH, Cluster, Levels, Record,
     kinds::{KINDS, Kind},
@@ -13,7 +21,7 @@ use crate::tree::levels::{
 
 /// Clusters that one descriptor set shows.
 pub(crate) struct CrownChunk {
-    pub(crate) records: Buffer,
+    pub(crate) records: Arc<Buffer>,
     pub(crate) clusters: Buffer,
     /// By kind how a batch is drawn: few bytes, which stay where the processor wrote them.
     pub(crate) kinds: Buffer,
@@ -24,22 +32,36 @@ pub(crate) struct CrownChunk {
     /// Around all of them, in the tree's frame, and the largest [`Cluster::size`].
     pub(crate) sphere: Vec4,
     pub(crate) size: f32,
-    /// Records, then clusters.
+    /// Records, from the device or staged, then clusters.
+    parts: Vec<Part>,
     staging: Staging,
+    /// How many bytes are staged.
+    pub(crate) sent: u64,
     /// What the drawing of it reads, and what the choice does; once the renderer has taken it.
     pub(crate) set: vk::DescriptorSet,
     pub(crate) choice: vk::DescriptorSet,
 }
 
+/// Where chunks are made.
+pub(crate) struct Making<'a> {
+    pub(crate) gpu: &'a Gpu,
+    /// Bytes of a chunk at most.
+    pub(crate) chunk_bytes: u64,
+    /// What the device has already.
+    pub(crate) before: Option<&'a Resident>,
+    /// What it will have.
+    pub(crate) resident: &'a mut Resident,
+}
+
 impl CrownChunk {
     /// All levels in chunks of at most so many bytes, but of one cluster at least; any thread.
     pub(crate) fn all<R: Record + Pod>(
-        gpu: &Gpu,
+        making: &mut Making<'_>,
         levels: &Levels<R>,
         table: [Kind; KINDS],
-        chunk_bytes: u64,
     ) -> Result<Vec<Self>, RenderError> {
-        let range = chunk_bytes.min(u64::from(gpu.limits.max_storage_buffer_range));
+        let device = u64::from(making.gpu.limits.max_storage_buffer_range);
+        let range = making.chunk_bytes.min(device);
         let batch_bytes = (BATCH * size_of::<R>()) as u64;
         let most = u32::try_from(range / batch_bytes).unwrap_or(u32::MAX);
         let mut chunks = Vec::new();
@@ -48,22 +70,24 @@ impl CrownChunk {
             let fits = |cluster: &Cluster| cluster.first + cluster.batches - first.first <= most;
             let count = rest.partition_point(fits).max(1);
             let (part, after) = rest.split_at(count);
-            chunks.push(Self::new(gpu, levels, part, table)?);
+            chunks.push(Self::new(making, levels, part, table)?);
             rest = after;
         }
         Ok(chunks)
     }
 
     fn new<R: Record + Pod>(
-        gpu: &Gpu,
+        making: &mut Making<'_>,
         levels: &Levels<R>,
         part: &[Cluster],
         table: [Kind; KINDS],
     ) -> Result<Self, RenderError> {
+        let gpu = making.gpu;
         let first = part.first().map_or(0, |cluster| cluster.first);
-        let end = part.last().map_or(0, |last| last.first + last.batches);
-        let run = first as usize * BATCH..end as usize * BATCH;
-        let records = levels.records.get(run).unwrap_or_default();
+        let runs: Vec<&[u8]> = part
+            .iter()
+            .map(|cluster| levels.bytes_of(cluster))
+            .collect();
         let clusters: Vec<Cluster> = part
             .iter()
             .map(|cluster| Cluster {
@@ -71,29 +95,39 @@ impl CrownChunk {
                 ..*cluster
             })
             .collect();
-        let sizes = [size_of_val(records), size_of_val(clusters.as_slice())].map(|n| n as u64);
-        let mut staging = Staging::new(gpu, "a crown on its way", sizes.iter().sum())?;
-        staging.write(0, records);
-        staging.write(sizes[0], &clusters);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let there = |name, size| {
-            let usage = storage | vk::BufferUsageFlags::TRANSFER_DST;
-            Buffer::new(gpu, name, size, usage, MemoryLocation::GpuOnly)
+        let there = |name, size: usize| {
+            let copied = vk::BufferUsageFlags::TRANSFER_DST | vk::BufferUsageFlags::TRANSFER_SRC;
+            let device = MemoryLocation::GpuOnly;
+            Buffer::new(gpu, name, size as u64, storage | copied, device)
         };
+        let size = runs.iter().map(|run| run.len()).sum();
+        let records = Arc::new(there("a crown's records", size)?);
+        let table_bytes = size_of_val(clusters.as_slice());
+        let cluster_buffer = there("a crown's clusters", table_bytes)?;
+
+        let hashes = resident::hashes(&runs);
+        making.resident.add(&records, &runs, &hashes);
+        let mut parts = resident::parts(&runs, &hashes, records.handle, making.before);
+        parts.push(Part::staged(&cluster_buffer, table_bytes as u64));
+        let (staging, sent) = staged(gpu, &runs, &parts, &clusters)?;
+
         let bytes = size_of_val(&table) as u64;
         let seen = MemoryLocation::CpuToGpu;
         let mut kinds = Buffer::new(gpu, "a crown's kinds", bytes, storage, seen)?;
         kinds.write(0, &table);
         let sizes_of = part.iter().map(|cluster| cluster.size);
         Ok(Self {
-            records: there("a crown's records", sizes[0])?,
-            clusters: there("a crown's clusters", sizes[1])?,
+            records,
+            clusters: cluster_buffer,
             kinds,
             table,
             count: u32::try_from(part.len()).unwrap_or(u32::MAX),
             sphere: around(part),
             size: sizes_of.fold(0.0, f32::max),
+            parts,
             staging,
+            sent,
             set: vk::DescriptorSet::null(),
             choice: vk::DescriptorSet::null(),
         })
@@ -106,13 +140,39 @@ impl CrownChunk {
         commands: vk::CommandBuffer,
         budget: &mut u64,
     ) -> bool {
-        let parts = [&self.records, &self.clusters].map(|buffer| (buffer.handle, buffer.size));
-        self.staging.copy(gpu, commands, &parts, budget)
+        self.staging.copy(gpu, commands, &self.parts, budget)
     }
 
     pub(crate) fn take_staging(&mut self) -> Option<Buffer> {
         self.staging.take()
     }
+}
+
+/// Staging memory with what is staged of records, and clusters behind it; and how much that is.
+fn staged(
+    gpu: &Gpu,
+    runs: &[&[u8]],
+    parts: &[Part],
+    clusters: &[Cluster],
+) -> Result<(Staging, u64), RenderError> {
+    let staged = |part: &&Part| part.from == Source::Staged;
+    let sent = parts.iter().filter(staged).map(|part| part.size).sum();
+    let mut staging = Staging::new(gpu, "a crown on its way", sent)?;
+    let (mut at, mut written) = (0, 0);
+    let mut parts = parts.iter();
+    let mut part = parts.next();
+    for run in runs {
+        while part.is_some_and(|part| at >= part.at + part.size) {
+            part = parts.next();
+        }
+        if part.as_ref().is_some_and(staged) {
+            staging.write(written, run);
+            written += run.len() as u64;
+        }
+        at += run.len() as u64;
+    }
+    staging.write(written, clusters);
+    Ok((staging, sent))
 }
 
 /// A sphere around clusters.

@@ -4,10 +4,13 @@
 //! frame, so its buffers may be rewritten. Fences rather than a timeline semaphore: they are Vulkan 1.0, and an
 //! OpenXR runtime that makes the device may add its own timeline feature structure.
 
+use std::time::Duration;
+
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::{
+    clock::Clock,
     data::{FrameData, RodData, SolidData},
     error::{RenderError, Trying as _},
     gpu::Gpu,
@@ -279,6 +282,8 @@ pub(crate) struct Slot {
     pub(crate) rods: Buffer,
     pub(crate) solids: Buffer,
     pub(crate) set: vk::DescriptorSet,
+    /// Where the device tells the time.
+    pub(crate) clock: Option<Clock>,
 }
 
 impl Slot {
@@ -295,7 +300,26 @@ impl Slot {
             rods: instances::<RodData>(gpu, "the rods", FIRST_RODS)?,
             solids: instances::<SolidData>(gpu, "the plates and controllers", FIRST_SOLIDS)?,
             set,
+            clock: Clock::new(gpu)?,
         })
+    }
+
+    /// Begins the next frame, when the last one is done; and how long the device worked on that one.
+    pub(crate) fn begin(&mut self) -> Result<(vk::CommandBuffer, Option<Duration>), RenderError> {
+        let commands = self.commands.begin()?;
+        let worked = self.clock.as_mut().and_then(Clock::read);
+        if let Some(clock) = &self.clock {
+            clock.start(commands);
+        }
+        Ok((commands, worked))
+    }
+
+    /// Hands the frame over.
+    pub(crate) fn submit(&mut self) -> Result<(), RenderError> {
+        if let Some(clock) = &mut self.clock {
+            clock.stop(self.commands.buffer);
+        }
+        self.commands.submit()
     }
 
     /// Makes room for so many rods and solids; true when buffers changed and the set must be written anew.

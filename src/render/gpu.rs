@@ -87,6 +87,8 @@ pub struct GpuInner {
     pub(crate) limits: vk::PhysicalDeviceLimits,
     pub(crate) physical_device: vk::PhysicalDevice,
     pub(crate) family: u32,
+    /// Bits of its times; 0: it tells none.
+    pub(crate) tick_bits: u32,
     info: DeviceInfo,
     queue: Mutex<vk::Queue>,
     allocator: ManuallyDrop<Mutex<Allocator>>,
@@ -195,6 +197,7 @@ impl Gpu {
             device,
             newer,
             family,
+            tick_bits,
             info,
         } = match opened {
             Ok(opened) => opened,
@@ -231,6 +234,7 @@ impl Gpu {
                 limits,
                 physical_device,
                 family,
+                tick_bits,
                 info,
                 queue: Mutex::new(queue),
                 allocator: ManuallyDrop::new(Mutex::new(allocator)),
@@ -347,6 +351,7 @@ struct Opened {
     device: ash::Device,
     newer: Newer,
     family: u32,
+    tick_bits: u32,
     info: DeviceInfo,
 }
 
@@ -494,6 +499,9 @@ fn open_device(
         device,
         newer,
         family,
+        tick_bits: families
+            .get(family as usize)
+            .map_or(0, |family| family.timestamp_valid_bits),
         info,
     })
 }

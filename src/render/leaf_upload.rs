@@ -10,12 +10,12 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
 use super::{
-    crown_upload::CrownChunk,
+    crown_upload::{CrownChunk, Making},
     error::RenderError,
     gpu::Gpu,
     memory::Buffer,
     meshes::filled,
-    tree_upload::{CHUNK_BYTES, Detail},
+    tree_upload::Detail,
 };
 use crate::{
     mesh::display::octahedral,
@@ -62,11 +62,12 @@ pub(crate) struct LeafChunk {
 impl LeafChunk {
     /// All placed surfaces of a tree; any thread.
     pub(crate) fn all(
-        gpu: &Gpu,
+        making: &mut Making<'_>,
         placed: &PlacedTree,
         looks: &mut LookTable,
         detail: Detail,
     ) -> Result<Vec<Self>, RenderError> {
+        let gpu = making.gpu;
         let organs = &placed.organs;
         if organs.placed.is_empty() {
             return Ok(Vec::new());
@@ -85,7 +86,7 @@ impl LeafChunk {
             let indices = Arc::new(shapes.index_buffer(gpu)?);
             let leaf = |at: usize| leaves.get(at).copied().unwrap_or_default();
             let levels = detail.of(leaves.len(), leaf);
-            for crown in CrownChunk::all(gpu, &levels, shapes.kinds, CHUNK_BYTES)? {
+            for crown in CrownChunk::all(making, &levels, shapes.kinds)? {
                 chunks.push(Self {
                     crown,
                     corners: Arc::clone(&corners),

@@ -11,6 +11,7 @@
 //! Knows scenes, trees, models and egui's triangles; never tools; of headsets only the handles in `ramus_xr::vulkan`. The frame's path and what its
 //! synchronisation covers are written down in `docs/src/rendering.md`.
 
+mod clock;
 mod crown_upload;
 mod data;
 mod error;
@@ -29,6 +30,7 @@ mod panel;
 mod pipelines;
 pub mod probe;
 mod renderer;
+mod resident;
 mod selection;
 mod shadow;
 mod staging;
@@ -56,6 +58,7 @@ pub use panel::LayerImage;
 pub(crate) use panel::layer::tests as layer_tests;
 pub use probe::Multiview;
 pub use renderer::{Backdrop, DrawReport, Renderer, RendererParams, StereoMode, TreeState};
+pub use resident::Resident;
 pub use selection::Chosen;
 pub use surface::Surface;
 pub use target::{StereoImage, Target};

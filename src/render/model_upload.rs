@@ -18,8 +18,14 @@ use gpu_allocator::MemoryLocation;
 use self::cutter::{Cutter, Vertex};
 use self::skin::Skin;
 use super::{
-    data::rows, error::RenderError, frame::Pool, gpu::Gpu, memory::Buffer,
-    pipelines::IMAGE_SAMPLERS, staging::Staging, tree_upload::CHUNK_BYTES,
+    data::rows,
+    error::RenderError,
+    frame::Pool,
+    gpu::Gpu,
+    memory::Buffer,
+    pipelines::IMAGE_SAMPLERS,
+    staging::{Part, Staging},
+    tree_upload::CHUNK_BYTES,
 };
 use crate::{
     mesh::{
@@ -149,9 +155,9 @@ impl<const PARTS: usize> Arriving<PARTS> {
     }
 
     fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, budget: &mut u64) -> bool {
-        let mut parts = [(vk::Buffer::null(), 0); PARTS];
-        for ((part, buffer), size) in parts.iter_mut().zip(&self.parts).zip(self.sizes) {
-            *part = (buffer.handle, size);
+        let mut parts = self.parts.each_ref().map(|part| Part::staged(part, 0));
+        for (part, size) in parts.iter_mut().zip(self.sizes) {
+            part.size = size;
         }
         self.staging.copy(gpu, commands, &parts, budget)
     }

@@ -9,7 +9,11 @@ use glam::Vec3;
 use gpu_allocator::MemoryLocation;
 
 use super::{
-    error::RenderError, gpu::Gpu, memory::Buffer, staging::Staging, tree_upload::CHUNK_BYTES,
+    error::RenderError,
+    gpu::Gpu,
+    memory::Buffer,
+    staging::{Part, Staging},
+    tree_upload::CHUNK_BYTES,
 };
 use crate::{
     mesh::display::octahedral,
@@ -118,7 +122,7 @@ impl OrganChunk {
         commands: vk::CommandBuffer,
         budget: &mut u64,
     ) -> bool {
-        let parts = [&self.vertices, &self.indices].map(|buffer| (buffer.handle, buffer.size));
+        let parts = [&self.vertices, &self.indices].map(|buffer| Part::staged(buffer, buffer.size));
         self.staging.copy(gpu, commands, &parts, budget)
     }
 

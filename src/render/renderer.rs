@@ -8,6 +8,7 @@
 mod choice;
 mod models;
 mod record;
+mod report;
 mod trees;
 
 use std::sync::Arc;
@@ -16,6 +17,7 @@ use ash::vk;
 use glam::{Affine3A, Mat4, Vec3, Vec4};
 
 use self::record::Pass;
+pub use self::report::{DrawReport, TreeState};
 use super::{
     data::{self, FrameData, RodData, SolidData, ViewData},
     error::RenderError,
@@ -29,6 +31,7 @@ use super::{
     offscreen::{COLOR_FORMAT, DEPTH_FORMAT, check_extent},
     panel::{LayerImage, Panel},
     pipelines::{Formats, Pipelines},
+    resident::Resident,
     selection::{Chosen, OldCrowns, OldRoom, Selection, sun_views},
     shadow::{self, Shadow, ShadowKey},
     target::{Attachments, Target},
@@ -122,41 +125,6 @@ impl RendererParams {
 /// Frames after which a tree is taken to be at rest.
 const REST: u64 = 12;
 
-/// Which tree a frame showed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TreeState {
-    /// The scene has none.
-    None,
-    /// The scene's own.
-    Shown,
-    /// The last one, while the scene's is being copied.
-    Copying,
-    /// The last one: the scene's is too large to build within a frame; give [`Renderer::set_tree`] a
-    /// [`TreeUpload`] of this revision made on a worker.
-    Wanted(u64),
-}
-
-/// What a frame did.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrawReport {
-    /// Draw calls.
-    pub draws: u32,
-    /// Triangles handed over but for those that the device chose, each counted once for both eyes.
-    pub triangles: u64,
-    /// What the device chose of trees and of models' faces in the last frame that is known to be done: two frames ago. See [`Renderer::chosen`].
-    pub chosen: Chosen,
-    /// Segments of the tree that was shown.
-    pub segments: u32,
-    /// The tree.
-    pub tree: TreeState,
-    /// The shown tree has no levels of detail and has been at rest for a while: give [`Renderer::set_tree`] a [`TreeUpload`] of this revision, which has,
-    /// and takes its place unseen.
-    pub plain: Option<u64>,
-    /// The first model that is too large to prepare within a frame: give [`Renderer::set_model`] a [`ModelUpload`](super::ModelUpload) of this revision
-    /// made on a worker; of its colours alone, where [`Renderer::has_shape`] says so.
-    pub model: Option<u64>,
-}
-
 /// What waits until the frames that use it are done.
 enum Garbage {
     Tree(#[allow(dead_code, reason = "kept to be dropped later")] TreeUpload),
@@ -165,11 +133,14 @@ enum Garbage {
     Room(#[allow(dead_code, reason = "kept to be dropped later")] OldRoom),
     Crowns(#[allow(dead_code, reason = "kept to be dropped later")] OldCrowns),
     Buffer(#[allow(dead_code, reason = "kept to be dropped later")] Buffer),
+    Resident(#[allow(dead_code, reason = "kept to be dropped later")] Arc<Resident>),
 }
 
 /// Draws scenes into targets of one size and format.
 pub struct Renderer {
     params: RendererParams,
+    /// Pixels that are drawn of each eye's.
+    part: vk::Extent2D,
     /// Triangles and points that a frame has room for.
     most: u32,
     pipelines: Pipelines,
@@ -182,8 +153,9 @@ pub struct Renderer {
     hidden: Hidden,
     tree: Option<TreeUpload>,
     coming: Option<TreeUpload>,
-    /// The frame in which the shown tree came.
+    /// The frame in which the shown tree came, and how many bytes were sent for it.
     came: u64,
+    sent: u64,
     /// The bark that trees were last covered by.
     bark: Option<(Bark, Arc<Texture>)>,
     shapes: Vec<Geometry>,
@@ -252,6 +224,7 @@ impl Renderer {
             panels: vec![Panel::new(gpu, &pipelines.board_layout)?],
             hidden: Hidden::new(gpu, &formats)?,
             most,
+            part: params.extent,
             params,
             pipelines,
             slots,
@@ -259,6 +232,7 @@ impl Renderer {
             tree: None,
             coming: None,
             came: 0,
+            sent: 0,
             bark: None,
             shapes: Vec::new(),
             colours: Vec::new(),
@@ -292,13 +266,35 @@ impl Renderer {
             params.mode.own_eyes(),
         )?;
         params.extent = extent;
+        self.part = extent;
         Ok(())
+    }
+
+    /// Draws only so many pixels of each eye's picture from now on, from the first on: what it shows stays the same, more coarsely.
+    pub fn set_part(&mut self, part: vk::Extent2D) {
+        let all = self.params.extent;
+        self.part = vk::Extent2D {
+            width: part.width.clamp(1, all.width),
+            height: part.height.clamp(1, all.height),
+        };
     }
 
     /// Draws as finely as this from now on: [`RendererParams::error_px`], and so many [`RendererParams::primitives`], but no more than it was made for.
     pub fn set_quality(&mut self, primitives: u32, error_px: f32) {
         self.params.primitives = primitives.min(self.most);
         self.params.error_px = error_px;
+    }
+
+    /// What the device has of the shown tree, for the [`TreeUpload`] of the next one.
+    #[must_use]
+    pub fn resident(&self) -> Option<Arc<Resident>> {
+        self.tree.as_ref().map(|tree| Arc::clone(&tree.resident))
+    }
+
+    /// Bytes that the shown tree takes on the device.
+    #[must_use]
+    pub fn tree_bytes(&self) -> u64 {
+        self.tree.as_ref().map_or(0, TreeUpload::bytes)
     }
 
     /// Takes a tree that was prepared elsewhere; it is shown when it has been copied, some frames later.
@@ -378,7 +374,7 @@ impl Renderer {
     ) -> Result<DrawReport, RenderError> {
         self.check_target(target)?;
         let at = usize::try_from(self.frame % SLOTS as u64).unwrap_or(0);
-        let commands = self.slots[at].commands.begin()?;
+        let (commands, device) = self.slots[at].begin()?;
         self.frame += 1;
         let done = self.frame.saturating_sub(SLOTS as u64);
         self.garbage.retain(|(frame, _)| *frame > done);
@@ -440,6 +436,8 @@ impl Renderer {
             triangles: 0,
             chosen,
             segments: pass.tree.map_or(0, |tree| tree.segments),
+            sent: if copied { self.sent } else { 0 },
+            device,
             tree: state,
             plain: self.plain_tree(state),
             model,
@@ -466,7 +464,7 @@ impl Renderer {
         if target.depth.is_some() {
             depth_was_resolved(&self.gpu, commands);
         }
-        self.slots[at].commands.submit()?;
+        self.slots[at].submit()?;
         Ok(report)
     }
 
@@ -533,7 +531,9 @@ impl Renderer {
         } else {
             Detail::Levels
         };
-        let upload = TreeUpload::with_scratch(&self.gpu, placed, &mut self.scratch, detail)?;
+        let before = self.resident();
+        let upload =
+            TreeUpload::with_scratch(&self.gpu, placed, before, &mut self.scratch, detail)?;
         self.set_tree(upload);
         Ok(TreeState::Copying)
     }
@@ -572,7 +572,7 @@ impl Renderer {
                 crate::tree::growth::clamp_growth(placed.growth)
             });
         FrameData {
-            views: [0, 1].map(|eye| ViewData::new(&eyes[eye], self.params.extent.width)),
+            views: [0, 1].map(|eye| ViewData::new(&eyes[eye], self.part.width)),
             sun: self.params.sun.extend(0.0),
             backdrop: match self.params.backdrop {
                 Backdrop::Stage => Vec4::ZERO,

@@ -140,7 +140,6 @@ pub(crate) struct Attachments {
     pub(crate) depth_view: View,
     /// Each eye's colour and depth where eyes get passes of their own.
     pub(crate) eyes: Vec<(Resolved, Resolved)>,
-    pub(crate) extent: vk::Extent2D,
 }
 
 /// One layer of one sample.
@@ -232,7 +231,6 @@ impl Attachments {
             color: color_image,
             depth: depth_image,
             eyes,
-            extent,
         })
     }
 

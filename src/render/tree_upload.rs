@@ -13,8 +13,15 @@ use glam::Vec3;
 use gpu_allocator::MemoryLocation;
 
 use super::{
-    crown_upload::CrownChunk, error::RenderError, frame::Pool, gpu::Gpu, leaf_upload::LeafChunk,
-    memory::Buffer, organ_upload::OrganChunk, texture::Texture,
+    crown_upload::{CrownChunk, Making},
+    error::RenderError,
+    frame::Pool,
+    gpu::Gpu,
+    leaf_upload::LeafChunk,
+    memory::Buffer,
+    organ_upload::OrganChunk,
+    resident::Resident,
+    texture::Texture,
 };
 use crate::{
     tree::{
@@ -68,6 +75,10 @@ pub struct TreeUpload {
     pub(crate) leaves: Vec<LeafChunk>,
     /// Whether there are coarser levels.
     pub(crate) detail: Detail,
+    /// What the device has of it for the next tree,
+    pub(crate) resident: Arc<Resident>,
+    /// and what it is copied from itself, until it has been.
+    before: Option<Arc<Resident>>,
     /// What plain segments are covered by, and its picture, once the renderer has taken the upload.
     pub(crate) bark: Bark,
     pub(crate) picture: Option<Arc<Texture>>,
@@ -108,17 +119,22 @@ pub(crate) struct Scratch {
 }
 
 impl TreeUpload {
-    /// Builds the segments of a placed tree and fills staging memory. Any thread.
+    /// Builds the segments of a placed tree and fills staging memory with what the device does not have of it: see [`Renderer::resident`](super::Renderer::resident). Any thread.
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`].
-    pub fn new(gpu: &Gpu, placed: &PlacedTree) -> Result<Self, RenderError> {
-        Self::with_scratch(gpu, placed, &mut Scratch::default(), Detail::Levels)
+    pub fn new(
+        gpu: &Gpu,
+        placed: &PlacedTree,
+        before: Option<Arc<Resident>>,
+    ) -> Result<Self, RenderError> {
+        Self::with_scratch(gpu, placed, before, &mut Scratch::default(), Detail::Levels)
     }
 
     pub(crate) fn with_scratch(
         gpu: &Gpu,
         placed: &PlacedTree,
+        before: Option<Arc<Resident>>,
         scratch: &mut Scratch,
         detail: Detail,
     ) -> Result<Self, RenderError> {
@@ -145,12 +161,21 @@ impl TreeUpload {
         let segments = &scratch.segments;
         let record = |at: usize| order.get(at).and_then(|at| segments.get(*at as usize));
         let levels = detail.of(order.len(), |at| record(at).copied().unwrap_or_default());
-        let mut upload = Self::with_levels(gpu, &levels, segments, placed.revision, CHUNK_BYTES)?;
+        let mut resident = Resident::default();
+        let mut making = Making {
+            gpu,
+            chunk_bytes: CHUNK_BYTES,
+            before: before.as_deref(),
+            resident: &mut resident,
+        };
+        let mut upload = Self::with_levels(&mut making, &levels, segments, placed.revision)?;
         if !placed.organs.is_bare() {
             upload.organs = OrganChunk::all(gpu, placed, &mut looks)?;
-            upload.leaves = LeafChunk::all(gpu, placed, &mut looks, detail)?;
+            upload.leaves = LeafChunk::all(&mut making, placed, &mut looks, detail)?;
             upload.bounds.include(placed.organs.bounds());
         }
+        upload.resident = Arc::new(resident);
+        upload.before = before;
         upload.bark = placed.organs.bark;
         upload.detail = detail;
         upload.looks = look_buffer(gpu, &looks)?;
@@ -168,25 +193,37 @@ impl TreeUpload {
         revision: u64,
         chunk_bytes: u64,
     ) -> Result<Self, RenderError> {
-        Self::with_levels(gpu, &Levels::new(segments), segments, revision, chunk_bytes)
+        let mut resident = Resident::default();
+        let mut making = Making {
+            gpu,
+            chunk_bytes,
+            before: None,
+            resident: &mut resident,
+        };
+        let levels = Levels::new(segments);
+        let mut upload = Self::with_levels(&mut making, &levels, segments, revision)?;
+        upload.resident = Arc::new(resident);
+        Ok(upload)
     }
 
     fn with_levels(
-        gpu: &Gpu,
+        making: &mut Making<'_>,
         levels: &Levels<TubeSegment>,
         segments: &[TubeSegment],
         revision: u64,
-        chunk_bytes: u64,
     ) -> Result<Self, RenderError> {
+        let gpu = making.gpu;
         Ok(Self {
             revision,
             segments: u32::try_from(segments.len()).unwrap_or(u32::MAX),
             bounds: bounds(segments),
-            chunks: CrownChunk::all(gpu, levels, of_tubes(), chunk_bytes)?,
+            chunks: CrownChunk::all(making, levels, of_tubes())?,
             organs: Vec::new(),
             leaves: Vec::new(),
             bark: Bark::default(),
             detail: Detail::Levels,
+            resident: Arc::default(),
+            before: None,
             picture: None,
             looks: look_buffer(gpu, &LookTable::default())?,
             pool: None,
@@ -204,6 +241,29 @@ impl TreeUpload {
         self.chunks.iter().chain(leaves)
     }
 
+    /// Bytes that go to the device; the rest of it is there already.
+    #[must_use]
+    pub fn sent(&self) -> u64 {
+        let organs = self
+            .organs
+            .iter()
+            .map(|chunk| chunk.vertices.size + chunk.indices.size);
+        self.crowns().map(|chunk| chunk.sent).chain(organs).sum()
+    }
+
+    /// Bytes that it takes on the device.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let crowns = self
+            .crowns()
+            .map(|chunk| chunk.records.size + chunk.clusters.size);
+        let organs = self
+            .organs
+            .iter()
+            .map(|chunk| chunk.vertices.size + chunk.indices.size);
+        crowns.chain(organs).sum()
+    }
+
     /// Copies up to `budget` bytes more; true when all is there.
     pub(crate) fn copy(&mut self, gpu: &Gpu, commands: vk::CommandBuffer, mut budget: u64) -> bool {
         let crowns = self.chunks.iter_mut();
@@ -215,6 +275,11 @@ impl TreeUpload {
                 .organs
                 .iter_mut()
                 .all(|chunk| chunk.copy(gpu, commands, &mut budget))
+    }
+
+    /// What it was copied from; the caller lets go of it when the device is done.
+    pub(crate) fn take_before(&mut self) -> Option<Arc<Resident>> {
+        self.before.take()
     }
 
     /// Staging memory that is not needed any more; the caller frees it when the device is done.

@@ -469,6 +469,7 @@ impl Page<'_> {
             for (quality, name) in Quality::ALL.into_iter().zip(words.qualities()) {
                 ui.selectable_value(&mut settings.quality, quality, name);
             }
+            ui.checkbox(&mut settings.sharp, words.sharp);
         });
         let room = &mut settings.room;
         for (on, name) in [

@@ -44,6 +44,8 @@ pub struct Settings {
     pub layers: bool,
     /// How finely everything is drawn.
     pub quality: Quality,
+    /// Whether a headset's pictures have all their pixels even where the device is late with them; otherwise fewer then.
+    pub sharp: bool,
     /// How far they have come in the tutorial: the number of the next lesson.
     pub lesson: usize,
 }

@@ -22,7 +22,7 @@ use super::support::{device, field, grove, mode, placed, silent};
 /// Pixels of these pictures' sides: as fine to the eye as a headset's.
 const FINE: u32 = 512;
 
-fn params(mode: StereoMode) -> RendererParams {
+pub(super) fn params(mode: StereoMode) -> RendererParams {
     RendererParams {
         backdrop: Backdrop::Plain([0.0, 0.0, 0.0, 1.0]),
         direct_segments: usize::MAX,
@@ -41,14 +41,14 @@ fn full(mode: StereoMode) -> RendererParams {
 }
 
 /// Some 40,000 segments, two metres high.
-fn large() -> PlacedTree {
+pub(super) fn large() -> PlacedTree {
     let (tree, before) = grove(10, 99);
     assert!(tree.segment_count() > 30_000);
     placed(tree, before, 99, Affine3A::IDENTITY)
 }
 
 /// The same with leaves, some 30,000.
-fn leafy() -> PlacedTree {
+pub(super) fn leafy() -> PlacedTree {
     let (tree, before) = grove(7, 99);
     let mut organs = Organs::default();
     let bears = [("maple", 0.06), ("apple", 0.04)].map(|(name, size)| Bearing {
@@ -68,13 +68,13 @@ fn leafy() -> PlacedTree {
     }
 }
 
-fn from(distance: f32) -> [Eye; 2] {
+pub(super) fn from(distance: f32) -> [Eye; 2] {
     let middle = Vec3::new(0.0, 1.2, 0.0);
     let away = Vec3::new(0.3, 0.1, 1.0).normalize() * distance;
     Eye::looking_at(middle + away, middle, field()).pair(0.064)
 }
 
-fn scene(tree: &PlacedTree) -> Scene {
+pub(super) fn scene(tree: &PlacedTree) -> Scene {
     Scene {
         tree: Some(tree.clone()),
         ..Scene::default()
@@ -82,13 +82,13 @@ fn scene(tree: &PlacedTree) -> Scene {
 }
 
 /// A renderer with something to draw into.
-struct Stage {
-    offscreen: Offscreen,
-    renderer: Renderer,
+pub(super) struct Stage {
+    pub(super) offscreen: Offscreen,
+    pub(super) renderer: Renderer,
 }
 
 impl Stage {
-    fn new(gpu: &Gpu, params: &RendererParams) -> Self {
+    pub(super) fn new(gpu: &Gpu, params: &RendererParams) -> Self {
         Self {
             offscreen: Offscreen::new(gpu, params.extent).unwrap(),
             renderer: Renderer::new(gpu, params).unwrap(),
@@ -96,7 +96,7 @@ impl Stage {
     }
 
     /// Draws until all is there.
-    fn draw(&mut self, scene: &Scene, eyes: &[Eye; 2]) -> (DrawReport, Chosen) {
+    pub(super) fn draw(&mut self, scene: &Scene, eyes: &[Eye; 2]) -> (DrawReport, Chosen) {
         loop {
             let target = self.offscreen.target();
             let report = self.renderer.draw(scene, eyes, &target).unwrap();
@@ -106,7 +106,7 @@ impl Stage {
         }
     }
 
-    fn picture(&self) -> RgbaImage {
+    pub(super) fn picture(&self) -> RgbaImage {
         let [left, _] = self.offscreen.read_color().unwrap();
         left
     }
@@ -297,7 +297,7 @@ fn levels_follow_a_tree_that_was_shown_at_once() {
     assert_eq!(asked, Some(tree.revision));
     stage
         .renderer
-        .set_tree(TreeUpload::new(&gpu, &tree).unwrap());
+        .set_tree(TreeUpload::new(&gpu, &tree, None).unwrap());
     let target = stage.offscreen.target();
     let report = stage.renderer.draw(&scene(&tree), &eyes, &target).unwrap();
     assert_eq!((report.tree, report.plain), (TreeState::Shown, None));
@@ -313,7 +313,7 @@ fn levels_follow_a_tree_that_was_shown_at_once() {
     stage.draw(&scene(&other), &eyes);
     stage
         .renderer
-        .set_tree(TreeUpload::new(&gpu, &tree).unwrap());
+        .set_tree(TreeUpload::new(&gpu, &tree, None).unwrap());
     assert_eq!(
         stage.draw(&scene(&other), &eyes).0.segments,
         other.tree.segment_count() as u32

@@ -1,5 +1,7 @@
 //! [`Headset`]: any device that shows both eyes and tracks both hands.
 
+use std::time::Duration;
+
 use ash::vk;
 
 use crate::frame::{Frame, Pulse, View};
@@ -107,6 +109,13 @@ pub trait Headset {
     fn acquire_quad(&mut self, _quad: QuadId) -> Result<Option<usize>, HeadsetError> {
         Ok(None)
     }
+    /// How long each picture is shown, where somebody sees it as it is drawn: pictures that take longer come late. None where the session is one that was
+    /// recorded, or nobody waits.
+    fn period(&self) -> Option<Duration> {
+        None
+    }
+    /// From the next `end` on only so many pixels of each eye's picture were drawn, and are shown as large as all of it: from the first on. Until then, all.
+    fn show_part(&mut self, _extent: vk::Extent2D) {}
     /// Where a quad is from the next `end` on; none hides it. One whose place is not sane is hidden too.
     fn place_quad(&mut self, _quad: QuadId, _place: Option<QuadPlace>) {}
     /// Asks the session to end in good order; [`Tick::Exit`] follows.
@@ -114,7 +123,7 @@ pub trait Headset {
 }
 
 /// Writes those methods of [`Headset`] that a headset around a headset leaves to the one inside, which is its field
-/// `$inner`; `device` stands for all that only a device knows: controllers, whether it is worn, mask and quads. What it
+/// `$inner`; `device` stands for all that only a device knows: controllers, whether it is worn, mask and quads; `rate` for what holds its rate. What it
 /// does itself stands beside them:
 ///
 /// ```
@@ -206,6 +215,14 @@ macro_rules! forward_headset {
             $crate::Headset::place_quad(&mut self.$inner, quad, place);
         }
     };
+    (@ $inner:ident rate) => {
+        fn period(&self) -> Option<std::time::Duration> {
+            $crate::Headset::period(&self.$inner)
+        }
+        fn show_part(&mut self, extent: $crate::ash::vk::Extent2D) {
+            $crate::Headset::show_part(&mut self.$inner, extent);
+        }
+    };
     (@ $inner:ident request_exit) => {
         fn request_exit(&mut self) {
             $crate::Headset::request_exit(&mut self.$inner);
@@ -272,6 +289,14 @@ impl<H: Headset + ?Sized> Headset for Box<H> {
 
     fn acquire_quad(&mut self, quad: QuadId) -> Result<Option<usize>, HeadsetError> {
         (**self).acquire_quad(quad)
+    }
+
+    fn period(&self) -> Option<Duration> {
+        (**self).period()
+    }
+
+    fn show_part(&mut self, extent: vk::Extent2D) {
+        (**self).show_part(extent);
     }
 
     fn place_quad(&mut self, quad: QuadId, place: Option<QuadPlace>) {

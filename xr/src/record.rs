@@ -115,7 +115,7 @@ impl<H: Headset, W: Write> Recorder<H, W> {
 }
 
 impl<H: Headset, W: Write> Headset for Recorder<H, W> {
-    crate::forward_headset!(inner: extent, swapchain, begin, vibrate, device, request_exit);
+    crate::forward_headset!(inner: extent, swapchain, begin, vibrate, device, rate, request_exit);
 
     fn describe(&self) -> String {
         format!("{}, recording", self.inner.describe())

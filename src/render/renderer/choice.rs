@@ -77,7 +77,7 @@ impl Renderer {
     /// Both eyes as the choice takes them.
     pub(super) fn views_of(&self, eyes: &[Eye; 2]) -> Views {
         let params = &self.params;
-        views(eyes, params.extent.width, params.error_px.max(FINEST))
+        views(eyes, self.part.width, params.error_px.max(FINEST))
     }
 
     fn last_slot(&self) -> usize {

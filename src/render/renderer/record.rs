@@ -169,8 +169,8 @@ impl Renderer {
             .src_subresource(place(0))
             .dst_subresource(place(layer))
             .extent(vk::Extent3D {
-                width: to.extent.width,
-                height: to.extent.height,
+                width: self.part.width,
+                height: self.part.height,
                 depth: 1,
             })];
         // SAFETY: both images are in these layouts, of one format and size.
@@ -201,7 +201,7 @@ impl Renderer {
         block: u64,
         report: &mut DrawReport,
     ) {
-        let extent = self.attachments.extent;
+        let extent = self.part;
         let many_color = [vk::RenderingAttachmentInfo::default()
             .image_view(self.attachments.color_view.handle)
             .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)

@@ -109,7 +109,11 @@ impl Renderer {
                 .take_staging()
                 .map(|buffer| (self.frame, Garbage::Buffer(buffer))),
         );
+        let before = coming.take_before();
+        let before = before.map(|before| (self.frame, Garbage::Resident(before)));
+        self.garbage.extend(before);
         self.came = self.frame;
+        self.sent = coming.sent();
         if let Some(old) = std::mem::replace(&mut self.tree, self.coming.take()) {
             self.garbage.push((self.frame, Garbage::Tree(old)));
         }

@@ -13,7 +13,7 @@ use glam::Vec3;
 use super::super::tubes::{
     CAPPED, GROWING, LETTER_SHIFT, PAINTED, STARTS, TubeSegment, WIDER_SHIFT, unpack_frame,
 };
-use super::Record;
+use super::{Record, mark};
 
 /// How much of the surplus goes in one round, after which costs are worked out anew: one part in so many.
 const SHARE: usize = 2;
@@ -35,6 +35,10 @@ impl Record for TubeSegment {
 
     fn ends(&self) -> bool {
         self.flags & CAPPED != 0
+    }
+
+    fn mark(&self) -> u64 {
+        mark(self.to)
     }
 
     /// How far it is off, metres.

@@ -6,7 +6,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::{Levels, Record};
+use super::{Levels, Record, mark};
 
 /// A placed surface: `Leaf` of shaders/leaf.wgsl.
 #[repr(C)]
@@ -54,6 +54,10 @@ impl Record for Leaf {
 
     fn ends(&self) -> bool {
         false
+    }
+
+    fn mark(&self) -> u64 {
+        mark(self.place)
     }
 
     /// How many leaves it stands for.

@@ -10,6 +10,8 @@
 //! coarsest            ▣           the whole tree in 64 records
 //! ```
 //!
+//! Where pairs begin depends on what stands there and not on how many came before ([`runs`]), so an edit leaves most clusters as they were.
+//!
 //! Each cluster has one parent, so a cut through this tree of clusters shows every part of the plant once: a cluster is drawn where its own error is
 //! small enough on the screen and its parent's is not ([`cut`]). A mesh needs more than that ([`crate::mesh::levels`](../../mesh/levels/index.html)),
 //! since its levels must agree along their borders. Tubes need not: whatever a level leaves out, the rings at both ends of what it keeps stay where they
@@ -26,6 +28,7 @@ pub mod cut;
 pub mod kinds;
 pub mod leaves;
 mod order;
+mod runs;
 #[cfg(test)]
 mod tests;
 
@@ -35,6 +38,7 @@ use rayon::prelude::*;
 
 pub use self::leaves::{Leaf, LeafLevels};
 pub use self::order::along_axes;
+use self::runs::stirred;
 
 /// Records of a cluster at most.
 pub const MOST: usize = 64;
@@ -55,6 +59,9 @@ pub trait Record: Copy + Default + Send + Sync {
 
     /// Whether it has an end that is drawn by itself; a cluster's first records are those that have.
     fn ends(&self) -> bool;
+
+    /// Where it stands, as a number: different for most.
+    fn mark(&self) -> u64;
 
     /// What is noted of a record of the finest level: what [`Self::halve`] needs to know of it, level by level.
     const NOTE: f32;
@@ -150,9 +157,12 @@ impl<R: Record> Levels<R> {
     #[must_use]
     pub fn of(count: usize, record: impl Fn(usize) -> R + Sync) -> Self {
         let mut levels = Self::with_room(count, if count > SMALL { 2 } else { 1 });
-        let mut level = levels.begin(count, record);
-        while level.len() > 1 && count > SMALL {
-            let pairs_of = pairs(&level);
+        let (mut level, mut runs) = levels.begin(count, record);
+        for round in 1.. {
+            if level.len() <= 1 || count <= SMALL {
+                break;
+            }
+            let pairs_of = pairs(&level, &runs);
             let pair = |at: usize| Made::of(pairs_of.get(at).copied().unwrap_or_default());
             let mut next = made(pairs_of.len(), count, pair);
             levels.add(&mut next);
@@ -160,6 +170,12 @@ impl<R: Record> Levels<R> {
                 levels.replace(pair, made);
             }
             level = next;
+            if round % runs::ROUNDS == 0 {
+                let mark = |at: usize| level.get(at).map_or(0, Made::mark);
+                runs = runs::lengths(level.len(), 1, |at| stirred(mark(at), round));
+            } else {
+                runs.iter_mut().for_each(|run| *run = (*run / 2).max(1));
+            }
         }
         levels
     }
@@ -173,22 +189,49 @@ impl<R: Record> Levels<R> {
     }
 
     fn with_room(count: usize, times: usize) -> Self {
-        let clusters = times * count.div_ceil(MOST);
+        // Each run's last cluster may be small.
+        let clusters = times * count.div_ceil(MOST) * 9 / 8 + 1;
         Self {
-            records: Vec::with_capacity(clusters * MOST),
+            records: Vec::with_capacity(times * count * 33 / 32 + MOST),
             clusters: Vec::with_capacity(clusters),
             finest: 0,
         }
     }
 
-    /// Adds the finest level, and returns it.
-    fn begin(&mut self, count: usize, record: impl Fn(usize) -> R + Sync) -> Vec<Made<R>> {
-        let run = |cluster: usize| cluster * MOST..count.min((cluster + 1) * MOST);
-        let finest = |cluster: usize| Made::finest(run(cluster).map(&record));
-        let mut level = made(count.div_ceil(MOST), count, finest);
+    /// Adds the finest level, and returns it, with how many clusters each run has.
+    fn begin(
+        &mut self,
+        count: usize,
+        record: impl Fn(usize) -> R + Sync,
+    ) -> (Vec<Made<R>>, Vec<usize>) {
+        let mark = |at: usize| stirred(record(at).mark(), 0);
+        let mut runs = runs::lengths(count, MOST, mark);
+        let mut clusters = Vec::with_capacity(count.div_ceil(MOST) * 9 / 8 + 1);
+        let mut first = 0;
+        for run in &mut runs {
+            let end = first + *run;
+            clusters.extend((first..end).step_by(MOST).map(|at| at..end.min(at + MOST)));
+            (first, *run) = (end, run.div_ceil(MOST));
+        }
+        let finest = |cluster: usize| {
+            let range = clusters.get(cluster).cloned().unwrap_or_default();
+            Made::finest(range.map(&record))
+        };
+        let mut level = made(clusters.len(), count, finest);
         self.add(&mut level);
         self.finest = self.clusters.len();
-        level
+        (level, runs)
+    }
+
+    /// A cluster's records, as the device has them.
+    #[must_use]
+    pub fn bytes_of(&self, cluster: &Cluster) -> &[u8]
+    where
+        R: Pod,
+    {
+        let run =
+            cluster.first as usize * BATCH..(cluster.first + cluster.batches) as usize * BATCH;
+        bytemuck::cast_slice(self.records.get(run).unwrap_or_default())
     }
 
     /// Adds a level's clusters.
@@ -228,18 +271,20 @@ fn made<R: Record>(
     }
 }
 
-/// Neighbours that become one: two each, of an odd number the last three.
-fn pairs<R>(level: &[Made<R>]) -> Vec<&[Made<R>]> {
-    let pairs = (level.len() / 2).max(1);
-    let end = |pair: usize| {
-        if pair + 1 == pairs {
-            level.len()
-        } else {
-            2 * pair + 2
+/// Neighbours in runs of such lengths that become one: two each, of an odd number the last three.
+fn pairs<'a, R>(level: &'a [Made<R>], runs: &[usize]) -> Vec<&'a [Made<R>]> {
+    let mut pairs = Vec::with_capacity(level.len() / 2 + 1);
+    let mut rest = level;
+    for length in runs {
+        let (mut run, after) = rest.split_at((*length).min(rest.len()));
+        while !run.is_empty() {
+            let pair;
+            (pair, run) = run.split_at(if run.len() > 3 { 2 } else { run.len() });
+            pairs.push(pair);
         }
-    };
-    let pair = |pair: usize| level.get(2 * pair..end(pair)).unwrap_or_default();
-    (0..pairs).map(pair).collect()
+        rest = after;
+    }
+    pairs
 }
 
 impl<R: Record> Made<R> {
@@ -251,6 +296,11 @@ impl<R: Record> Made<R> {
             error: 0.0,
             number: 0,
         }
+    }
+
+    /// Where it begins, as a number.
+    fn mark(&self) -> u64 {
+        self.run.first().map_or(0, |(record, _)| record.mark())
     }
 
     /// What stands for these.
@@ -289,6 +339,14 @@ impl<R: Record> Made<R> {
             ..Cluster::default()
         }
     }
+}
+
+/// A place as a number, different for most.
+fn mark(place: [f32; 3]) -> u64 {
+    let bits = place.map(f32::to_bits).into_iter().map(u64::from);
+    bits.fold(0, |mark, bits| {
+        mark.rotate_left(21) ^ bits.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+    })
 }
 
 const NOWHERE: [Vec3; 2] = [Vec3::INFINITY, Vec3::NEG_INFINITY];

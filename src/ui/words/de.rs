@@ -69,6 +69,7 @@ pub(super) const WORDS: Words = Words {
     quality_light: "leicht",
     quality_full: "voll",
     quality_high: "fein",
+    sharp: "immer scharf",
     figure: "ein Mensch zum Vergleich",
     turning: "mit dem Stick drehen und springen",
     vignette: "dunkler Rand beim Bewegen",

@@ -69,6 +69,7 @@ pub(super) const WORDS: Words = Words {
     quality_light: "light",
     quality_full: "full",
     quality_high: "high",
+    sharp: "always sharp",
     figure: "a person to measure by",
     turning: "turn and teleport by the stick",
     vignette: "dark edge while moving",

@@ -35,6 +35,8 @@ pub(super) struct Ended {
 pub(super) struct Fake {
     /// Names of the calls so far.
     pub(super) calls: Vec<&'static str>,
+    /// Pixels of the pictures that were shown, eye by eye.
+    pub(super) shown: Vec<[i32; 2]>,
     /// The call that gives a code instead of doing its work, from now on.
     pub(super) fail: Option<(&'static str, Code)>,
     pub(super) extensions: Vec<&'static CStr>,
@@ -96,6 +98,8 @@ impl Default for Fake {
         };
         Self {
             calls: Vec::new(),
+            // Warm frames are to allocate nothing.
+            shown: Vec::with_capacity(4096),
             fail: None,
             extensions: vec![
                 c"XR_KHR_vulkan_enable2",
@@ -643,6 +647,9 @@ functions! {
                 let same = view.pose == located.pose && view.fov == located.fov;
                 fake.expect(same, "another pose or field of view than located");
                 fake.expect(view.sub_image.image_array_index == u32::from(at == 1), "the other eye's layer");
+                let rect = view.sub_image.image_rect;
+                fake.expect(rect.offset == sys::Offset2Di::default(), "a picture that begins elsewhere");
+                fake.shown.push([rect.extent.width, rect.extent.height]);
             }
             fake.submitted.push([0, 1].map(|eye| views[eye].pose.position.z));
             if !views[0].next.is_null() {

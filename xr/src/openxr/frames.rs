@@ -1,6 +1,7 @@
 //! The three calls of a frame.
 
 use std::ptr;
+use std::time::Duration;
 
 use ::openxr as xr;
 use ash::vk;
@@ -14,8 +15,18 @@ use crate::frame::View;
 use crate::headset::HeadsetError;
 use crate::quad::MOST_QUADS;
 
-/// Waits until the runtime wants the next frame; gives when it is shown and whether it is worth drawing.
-pub(super) fn wait(session: &xr::Session<xr::Vulkan>) -> Result<(xr::Time, bool), HeadsetError> {
+/// What the runtime says of the next frame.
+pub(super) struct Next {
+    /// When it is shown,
+    pub(super) display_time: xr::Time,
+    /// and for how long.
+    pub(super) period: Duration,
+    /// Whether it is worth drawing.
+    pub(super) should_render: bool,
+}
+
+/// Waits until the runtime wants the next frame.
+pub(super) fn wait(session: &xr::Session<xr::Vulkan>) -> Result<Next, HeadsetError> {
     let mut state = xr::sys::FrameState {
         ty: xr::sys::FrameState::TYPE,
         next: ptr::null_mut(),
@@ -27,7 +38,12 @@ pub(super) fn wait(session: &xr::Session<xr::Vulkan>) -> Result<(xr::Time, bool)
     let code =
         unsafe { (session.instance().fp().wait_frame)(session.as_raw(), ptr::null(), &mut state) };
     check("xrWaitFrame", code)?;
-    Ok((state.predicted_display_time, state.should_render.into()))
+    let nanos = state.predicted_display_period.as_nanos();
+    Ok(Next {
+        display_time: state.predicted_display_time,
+        period: Duration::from_nanos(u64::try_from(nanos).unwrap_or(0)),
+        should_render: state.should_render.into(),
+    })
 }
 
 /// Says that drawing begins.
@@ -46,6 +62,7 @@ pub(super) struct Picture<'a> {
     pub(super) views: &'a [View; 2],
     pub(super) color: &'a Chain,
     pub(super) depth: Option<&'a Chain>,
+    /// Pixels that were drawn of each eye's.
     pub(super) extent: vk::Extent2D,
     /// Distance of the near plane in metres.
     pub(super) near: f32,

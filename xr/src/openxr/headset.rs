@@ -56,6 +56,10 @@ pub struct OpenXrHeadset {
     /// Predicted display time of the present frame, as the runtime told it.
     display_time: xr::Time,
     should_render: bool,
+    /// How long it is shown.
+    period: Duration,
+    /// Pixels that are drawn of each eye's picture.
+    part: vk::Extent2D,
     /// The views that were given last: the present frame's layers carry them.
     views: [View; 2],
     /// Whether `views` are the present frame's.
@@ -186,6 +190,8 @@ impl OpenXrHeadset {
             clock: params.clock,
             display_time: xr::Time::from_nanos(0),
             should_render: false,
+            period: Duration::ZERO,
+            part: extent,
             views: start.views,
             located: false,
             head_pose: start.head,
@@ -212,10 +218,11 @@ impl OpenXrHeadset {
 
     fn wait_frame(&mut self) -> Result<(), HeadsetError> {
         self.allow(FrameCall::Wait)?;
-        let (display_time, should_render) = frames::wait(&self.session)?;
+        let next = frames::wait(&self.session)?;
         self.lifecycle.done(FrameCall::Wait);
-        self.display_time = display_time;
-        self.should_render = should_render;
+        self.display_time = next.display_time;
+        self.period = next.period;
+        self.should_render = next.should_render;
         self.located = false;
         Ok(())
     }
@@ -234,7 +241,7 @@ impl OpenXrHeadset {
             views: &self.views,
             color: &self.color,
             depth: self.depth.as_ref(),
-            extent: self.images.extent,
+            extent: self.part,
             near: self.near,
             quads: self.quads.layers(&self.stage.space),
         });
@@ -394,6 +401,18 @@ impl Headset for OpenXrHeadset {
 
     fn worn(&self) -> bool {
         self.worn
+    }
+
+    fn period(&self) -> Option<Duration> {
+        (self.period > Duration::ZERO).then_some(self.period)
+    }
+
+    fn show_part(&mut self, extent: vk::Extent2D) {
+        let all = self.images.extent;
+        self.part = vk::Extent2D {
+            width: extent.width.clamp(1, all.width),
+            height: extent.height.clamp(1, all.height),
+        };
     }
 
     fn visibility_mask(&self) -> Option<&VisibilityMask> {

@@ -11,6 +11,8 @@ mod counting;
 mod extensions;
 mod quads;
 
+use std::time::Duration;
+
 use ::openxr as xr;
 use ash::vk;
 use xr::SessionState as S;
@@ -84,6 +86,26 @@ fn focused() -> OpenXrHeadset {
 #[track_caller]
 fn no_objections() {
     with(|fake| assert_eq!(fake.objections, [""; 0]));
+}
+
+#[test]
+fn a_part_of_a_picture_is_shown_from_then_on() {
+    let mut headset = focused();
+    assert_eq!(headset.period(), None, "not known before the first frame");
+    frame(&mut headset);
+    assert_eq!(headset.period(), Some(Duration::from_millis(11)));
+    for (width, height, shown) in [
+        (320, 2048, [320, 2048]),
+        (9999, 9999, [640, 4096]),
+        (0, 0, [1, 1]),
+    ] {
+        with(|fake| fake.shown.clear());
+        headset.show_part(vk::Extent2D { width, height });
+        frame(&mut headset);
+        frame(&mut headset);
+        with(|fake| assert_eq!(fake.shown, [shown; 4]));
+    }
+    no_objections();
 }
 
 #[test]
