@@ -40,7 +40,7 @@ fn full(mode: StereoMode) -> RendererParams {
     }
 }
 
-/// Some 40,000 segments, two metres high.
+/// 79,000 segments, two metres high.
 pub(super) fn large() -> PlacedTree {
     let (tree, before) = grove(10, 99);
     assert!(tree.segment_count() > 30_000);
