@@ -180,12 +180,23 @@ fn lines_end_and_ends_keep_away_by_sliders() {
     let mut visitor = Visitor::with_tree();
     let drawn = visitor.document().clone();
     press(&mut visitor, "Species");
-    for (label, law, line) in [
-        ("lines end after segments", 7, "const length = "),
-        ("ends die nearer to wood than", 10, "const room = "),
+    // With what stands below it, since the slider is below its label.
+    for (label, below, law, line) in [
+        (
+            "lines end after segments",
+            "longest branch, of its line",
+            7,
+            "const length = ",
+        ),
+        (
+            "ends die nearer to wood than",
+            "Summer",
+            10,
+            "const room = ",
+        ),
     ] {
         let edits = visitor.workshop.edits();
-        visitor.scroll_to(RIGHT, PanelId::Bench, label);
+        visitor.scroll_to(RIGHT, PanelId::Bench, below);
         let row = visitor.find(PanelId::Bench, label) + Vec2::new(0.0, 0.04);
         visitor.point_on(RIGHT, PanelId::Bench, Vec2::new(0.06, row.y));
         visitor.pull(RIGHT, true);
