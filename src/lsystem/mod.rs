@@ -22,6 +22,7 @@ mod blocks;
 mod chances;
 mod choice;
 mod choices;
+mod clearance;
 mod code;
 mod column;
 mod context;

@@ -18,8 +18,8 @@ const MAX_NAME_CHARS: usize = 64;
 /// Signs that are modules by themselves, besides letters and digits.
 const SIGNS: &str = "+-&^\\/|$![]%{}.',;";
 /// Modules of the turtle that have two or three characters.
-const LONG_SIGNS: [&str; 11] = [
-    "@Gs", "@Ge", "@O", "?P", "?H", "?U", "?L", "?S", "@l", "@a", "@w",
+const LONG_SIGNS: [&str; 12] = [
+    "@Gs", "@Ge", "@O", "?P", "?H", "?U", "?L", "?S", "?C", "@l", "@a", "@w",
 ];
 
 /// One symbol.
@@ -180,7 +180,7 @@ impl Names {
         }
         Err(match first {
             '@' => cursor.expected("one of the turtle's `@O`, `@Gs`, `@Ge`, `@l`, `@a`, `@w`"),
-            '?' => cursor.expected("one of the turtle's `?P`, `?H`, `?U`, `?L`, `?S`"),
+            '?' => cursor.expected("one of the turtle's `?P`, `?H`, `?U`, `?L`, `?S`, `?C`"),
             '(' => cursor.expected("a module; parameters follow a module's name"),
             '*' => cursor.expected("a module; `*` means no module at all and stands alone"),
             _ => cursor.expected("a module"),

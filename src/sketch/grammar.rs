@@ -21,6 +21,7 @@ use glam::DVec3;
 use super::{
     Letter, Sketch, Stroke, Wrap,
     dictionary::{Dictionary, number},
+    habit::leafage,
     own_rules::with_own,
     quantize,
 };
@@ -69,7 +70,8 @@ impl Sketch {
             && pairs().all(|(own, theirs)| Arc::ptr_eq(own, theirs) || says(own) == says(theirs))
             && self.own_rules == other.own_rules
             && (Arc::ptr_eq(&self.habit, &other.habit) || self.habit == other.habit)
-            && (self.habit.starve == 0.0 || self.leafage() == other.leafage())
+            && (self.habit.starve == 0.0 || leafage(self.usual()) == leafage(other.usual()))
+            && (self.habit.crowd == 0.0 || self.usual() == other.usual())
     }
 
     /// The rules as the strokes make them.
@@ -87,20 +89,16 @@ impl Sketch {
             .collect();
         self.push_declarations(&mut text, &branchings);
         let habit = &*self.habit;
-        let trunk = self
-            .strokes
-            .first()
-            .map_or("A(0)".to_owned(), |trunk| self.first_module(trunk));
+        let trunk = self.strokes.first().map_or("A(0)".to_owned(), |trunk| {
+            self.first_module(trunk, "length")
+        });
         let turned = if habit.has_tropism() { "T(light) " } else { "" };
-        let _ = writeln!(text, "\naxiom {turned}{trunk} {}", self.end());
+        let _ = writeln!(text, "\naxiom {turned}{trunk} {}", habit.end());
         text.push_str("\n# Growth: an end moves on by one segment.\n");
         for (number, stroke) in self.strokes.iter().enumerate() {
             self.push_growth(&mut text, stroke, number > 0);
         }
-        if habit.starve > 0.0 {
-            text.push_str("\n# Starving: an end that is told of too little light goes.\n");
-            text.push_str("B > ?S(l, a) : l < starve -> *\n?S(l, a) : l < starve -> *\n");
-        }
+        habit.push_ends(&mut text);
         if branchings.iter().any(|on| !on.is_empty()) {
             text.push_str("\n# Branching: the first one stands where it was drawn, each further one is turned about its parent.\n");
         }
@@ -129,7 +127,7 @@ impl Sketch {
             );
             for stroke in &self.strokes {
                 let (name, here) = (stroke.letter, self.parameters(stroke));
-                let straight = self.with_more(stroke, "x", "d", ["0"; 2]);
+                let straight = self.with_more(stroke, "x", "d", "n", ["0"; 2]);
                 let _ = writeln!(text, "  {name}({here}) -> +(p) &(q) {name}({straight})");
             }
             text.push_str("}\n");
@@ -144,70 +142,78 @@ impl Sketch {
             self.parameters(stroke),
             self.next_parameters(stroke),
         );
+        if let Some(crowded) = self.habit.crowded_context() {
+            let _ = writeln!(text, "{name}({here}) > {crowded} -> {name}({here})");
+        }
         let rests = if is_branch {
             self.habit.dominance > 0.0
         } else {
             self.habit.dominance < 0.0
         };
-        if !rests {
-            let _ = writeln!(text, "{name}({here}) > B -> {name}({here}) {name}({next})");
-            return;
-        }
+        let grows = match (self.habit.has_length(), rests) {
+            (false, false) => "",
+            (true, false) => " : x+1 < n",
+            (false, true) => " : weight 1 - dominance",
+            (true, true) => " : x+1 < n, weight 1 - dominance",
+        };
         let _ = writeln!(
             text,
-            "{name}({here}) > B : weight 1 - dominance -> {name}({here}) {name}({next})"
+            "{name}({here}) > B{grows} -> {name}({here}) {name}({next})"
         );
-        let _ = writeln!(
-            text,
-            "{name}({here}) > B : x >= 0, weight dominance -> {name}({here})"
-        );
-    }
-
-    /// A growing end.
-    fn end(&self) -> &'static str {
-        if self.habit.starve > 0.0 {
-            "B ?S(1, leafage)"
-        } else {
-            "B"
+        if rests {
+            let _ = writeln!(
+                text,
+                "{name}({here}) > B : x >= 0, weight dominance -> {name}({here})"
+            );
         }
     }
 
-    /// Square metres of leaves that an end is counted for: a quarter of its usual segment's square at full size.
-    fn leafage(&self) -> f64 {
+    /// Metres that a usual segment is long at full size.
+    fn usual(&self) -> f64 {
         let lengths = self
             .segments()
             .map(|(_, from, to)| f64::from(from.distance(to) * self.scale));
         let (count, sum) = lengths.fold((0.0, 0.0), |(count, sum), length| {
             (count + 1.0, sum + length)
         });
-        let mean: f64 = if count > 0.0 { sum / count } else { 0.0 };
-        (0.25 * mean * mean).max(1e-4)
+        if count > 0.0 { sum / count } else { 0.0 }
     }
 
-    /// A letter's formal parameters: the segment, the depth of its nesting where that is limited, its bends where shoots wander.
+    /// A letter's formal parameters: the segment, the depth of its nesting where that is limited, its
+    /// line's segments where these are, its bends where shoots wander.
     fn parameters(&self, stroke: &Stroke) -> String {
-        self.with_more(stroke, "x", "d", ["p", "q"])
+        self.with_more(stroke, "x", "d", "n", ["p", "q"])
     }
 
     /// Those of the letter after it.
     fn parameters_above(&self, stroke: &Stroke) -> String {
-        self.with_more(stroke, "y", "e", ["r", "s"])
+        self.with_more(stroke, "y", "e", "m", ["r", "s"])
     }
 
     fn next_parameters(&self, stroke: &Stroke) -> String {
-        self.with_more(stroke, "x+1", "d", [BEND; 2])
+        self.with_more(stroke, "x+1", "d", "n", [BEND; 2])
     }
 
     /// The module that a line of this letter begins with.
-    fn first_module(&self, stroke: &Stroke) -> String {
-        let parameters = self.with_more(stroke, "0", "0", ["0"; 2]);
+    fn first_module(&self, stroke: &Stroke, length: &str) -> String {
+        let parameters = self.with_more(stroke, "0", "0", length, ["0"; 2]);
         format!("{}({parameters})", stroke.letter)
     }
 
-    fn with_more(&self, stroke: &Stroke, segment: &str, depth: &str, bends: [&str; 2]) -> String {
+    fn with_more(
+        &self,
+        stroke: &Stroke,
+        segment: &str,
+        depth: &str,
+        length: &str,
+        bends: [&str; 2],
+    ) -> String {
         let mut parameters = segment.to_owned();
         if depth_limit(stroke).is_some() {
             parameters = format!("{parameters}, {depth}");
+        }
+        if self.habit.has_length() {
+            parameters = format!("{parameters}, {length}");
         }
         if self.habit.has_bends() {
             parameters = format!("{parameters}, {}, {}", bends[0], bends[1]);
@@ -226,11 +232,12 @@ impl Sketch {
     /// A branch itself.
     fn bracket(&self, branching: &Branching<'_>) -> String {
         let child = branching.child;
+        let length = self.habit.branch_length();
         let first = if branching.is_copy() && depth_limit(child).is_some() {
-            let parameters = self.with_more(child, "0", "d+1", ["0"; 2]);
+            let parameters = self.with_more(child, "0", "d+1", length, ["0"; 2]);
             format!("{}({parameters})", child.letter)
         } else {
-            self.first_module(child)
+            self.first_module(child, length)
         };
         let turn = format!("divergence * ((x+1)/{} - 1)", branching.rate);
         let mut turns = format!("/({turn})");
@@ -249,7 +256,7 @@ impl Sketch {
         if self.habit.shrink > 0.0 {
             turns.push_str(" @l(1 - shrink)");
         }
-        format!("[ {turns} {first} {} ]", self.end())
+        format!("[ {turns} {first} {} ]", self.habit.end())
     }
 
     /// The branches on a letter, in the order drawn; its copies of itself count as drawn with it.
@@ -285,7 +292,7 @@ impl Sketch {
             self.scale
         );
         let _ = writeln!(text, "const divergence = {}", self.divergence_deg);
-        self.habit.push_laws(text, self.leafage());
+        self.habit.push_laws(text, self.usual());
         text.push_str("context literal\n");
         text.push_str(match self.wrap {
             Wrap::CarryHeading => "wrap carry\n",

@@ -10,6 +10,13 @@
 //! | apical dominance: branches lag behind the trunk, or it behind them | a branch's (or the trunk's) growth has the weight 1 − dominance, its rest the other |
 //! | shrinking: twigs have shorter segments than boughs | `@l(1 - shrink)` where a branch starts |
 //! | starving: ends in the dark die | a query `?S` at each end is told the light there; below `starve` the end goes |
+//! | length: lines end, branches by where they stand on their parent | each letter has its line's segments as parameter; an end moves on below it |
+//! | crowding: ends near other wood die | a query `?C` at each end is told how far that is; within `room` the end goes |
+//!
+//! **Length.** A trunk is determinate: it has `length` segments. The longest branch of a line has `reach` times as many as the line; the one at the part t of it
+//! has (t / peak)^(peak / (1 - peak)) (1 - t) / (1 - peak) of these, which is 1 at t = peak. From the base up (peak 0, basitony) that is the straight cone of
+//! a conifer, about the middle a parabola as a frond has, towards the tip (acrotony) a vase. (Crowns by the shape of their branches' lengths are Weber and Penn's 1995,
+//! "Creation and rendering of realistic trees"; theirs is a choice of eight shapes, this one a number from one to the other.)
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -47,6 +54,18 @@ pub struct Habit {
     pub shrink: f64,
     /// Part of the sky's light below which an end dies; 0: none does.
     pub starve: f64,
+    /// Segments of a line, of the trunk above all; 0: lines have no end.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub length: f64,
+    /// Segments of a line's longest branch, as part of the line's; 0: as many as any line. Without `length` it says nothing.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub reach: f64,
+    /// Where along a line its longest branches stand, 0 at its base to 0.9 near its tip. Without `reach` it says nothing.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub peak: f64,
+    /// How near to other wood an end dies, in usual segments at full size; 0: none does.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub crowd: f64,
     /// What covers trunk and branches; none: as Ramus draws all trees.
     pub bark: Option<Bark>,
     /// How much thicker the trunk is at the ground.
@@ -58,7 +77,7 @@ pub struct Habit {
 }
 
 /// Numbers of a habit: their names, and their bounds.
-pub const LAWS: [(&str, [f64; 2]); 7] = [
+pub const LAWS: [(&str, [f64; 2]); 11] = [
     ("wander", [0.0, 45.0]),
     ("spread", [0.0, 90.0]),
     ("light", [0.0, 1.0]),
@@ -66,7 +85,22 @@ pub const LAWS: [(&str, [f64; 2]); 7] = [
     ("dominance", [-0.95, 0.95]),
     ("shrink", [0.0, 0.6]),
     ("starve", [0.0, 0.9]),
+    ("length", [0.0, 100.0]),
+    ("reach", [0.0, 2.0]),
+    ("peak", [0.0, 0.9]),
+    ("crowd", [0.0, 2.0]),
 ];
+
+/// The first of [`LAWS`] that came with format 6 of projects.
+const LATER: usize = 7;
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde calls it with a reference"
+)]
+fn is_zero(law: &f64) -> bool {
+    *law == 0.0
+}
 
 impl Default for Habit {
     fn default() -> Self {
@@ -79,6 +113,10 @@ impl Default for Habit {
             dominance: 0.0,
             shrink: 0.0,
             starve: 0.0,
+            length: 0.0,
+            reach: 0.0,
+            peak: 0.0,
+            crowd: 0.0,
             bark: None,
             flare: USUAL_FLARE,
             season: Season::default(),
@@ -98,7 +136,11 @@ impl Habit {
             3 => self.gravity,
             4 => self.dominance,
             5 => self.shrink,
-            _ => self.starve,
+            6 => self.starve,
+            7 => self.length,
+            8 => self.reach,
+            9 => self.peak,
+            _ => self.crowd,
         }
     }
 
@@ -111,7 +153,11 @@ impl Habit {
             3 => &mut self.gravity,
             4 => &mut self.dominance,
             5 => &mut self.shrink,
-            _ => &mut self.starve,
+            6 => &mut self.starve,
+            7 => &mut self.length,
+            8 => &mut self.reach,
+            9 => &mut self.peak,
+            _ => &mut self.crowd,
         };
         *law = value;
     }
@@ -133,10 +179,20 @@ impl Habit {
         (0..LAWS.len()).all(|at| self.law(at) == 0.0)
     }
 
+    /// Whether a law is set that programs before format 6 of projects do not know.
+    #[must_use]
+    pub fn has_later_laws(&self) -> bool {
+        (LATER..LAWS.len()).any(|at| self.law(at) != 0.0)
+    }
+
     /// Whether growth can only be known by growing.
     #[must_use]
     pub fn is_uncertain(&self) -> bool {
-        self.dominance != 0.0 || self.starve > 0.0
+        self.dominance != 0.0 || self.starve > 0.0 || self.crowd > 0.0 || self.has_length()
+    }
+
+    pub(super) fn has_length(&self) -> bool {
+        self.length > 0.0
     }
 
     pub(super) fn has_bends(&self) -> bool {
@@ -198,15 +254,23 @@ impl Habit {
         self.bearings().map(|_| ())
     }
 
-    /// The statements before the axiom.
-    pub(super) fn push_laws(&self, text: &mut String, leafage: f64) {
+    /// The statements before the axiom. `usual` is the length of a usual segment at full size, metres.
+    pub(super) fn push_laws(&self, text: &mut String, usual: f64) {
         if self.is_lawless() {
             return;
         }
         text.push_str("# The habit: how the tree grows beyond what was drawn.\n");
         let _ = writeln!(text, "seed {}", self.seed);
         for (at, (name, _)) in LAWS.into_iter().enumerate() {
-            if self.law(at) != 0.0 || (self.has_tropism() && matches!(name, "light" | "gravity")) {
+            let is_said = match name {
+                "light" | "gravity" => self.has_tropism(),
+                "reach" => self.has_length() && self.reach > 0.0,
+                "peak" => self.has_length() && self.reach > 0.0 && self.peak > 0.0,
+                // In metres, as `room`.
+                "crowd" => false,
+                _ => self.law(at) != 0.0,
+            };
+            if is_said {
                 let _ = writeln!(text, "const {name} = {}", self.law(at).abs());
             }
         }
@@ -214,8 +278,63 @@ impl Habit {
             text.push_str("tropism 0 1 0\n");
         }
         if self.starve > 0.0 {
-            let _ = writeln!(text, "const leafage = {leafage:.4}");
+            let _ = writeln!(text, "const leafage = {:.4}", leafage(usual));
         }
+        if self.crowd > 0.0 {
+            let _ = writeln!(text, "const room = {:.4}", (self.crowd * usual).max(1e-4));
+        }
+    }
+
+    /// What stands at a growing end: the end, and what it asks for.
+    pub(super) fn end(&self) -> &'static str {
+        match (self.starve > 0.0, self.crowd > 0.0) {
+            (false, false) => "B",
+            (true, false) => "B ?S(1, leafage)",
+            (false, true) => "B ?C(room, room)",
+            (true, true) => "B ?S(1, leafage) ?C(room, room)",
+        }
+    }
+
+    /// The condition by which a line's letter knows that it stands near other wood, with the context in which it reads that; none where it does not ask.
+    pub(super) fn crowded_context(&self) -> Option<&'static str> {
+        let asks_light = self.starve > 0.0;
+        (self.crowd > 0.0).then_some(if asks_light {
+            "B ?S(l, a) ?C(c, r) : c < r"
+        } else {
+            "B ?C(c, r) : c < r"
+        })
+    }
+
+    /// How many segments a branch has behind segment x of a line that has n.
+    pub(super) fn branch_length(&self) -> &'static str {
+        match (self.reach > 0.0, self.peak > 0.0) {
+            (false, _) => "length",
+            (true, false) => "reach * (n-x-1)",
+            (true, true) => {
+                "reach * (n-x-1) / (1 - peak) * ((x+1) / (n * peak))^(peak / (1 - peak))"
+            }
+        }
+    }
+
+    /// The rules by which ends go.
+    pub(super) fn push_ends(&self, text: &mut String) {
+        let (starves, is_crowded) = (self.starve > 0.0, self.crowd > 0.0);
+        if starves {
+            text.push_str("\n# Starving: an end that is told of too little light goes.\n");
+            text.push_str("B > ?S(l, a) : l < starve -> *\n?S(l, a) : l < starve -> *\n");
+        }
+        if is_crowded {
+            text.push_str(
+                "\n# Crowding: an end that is told of other wood within its room goes.\n",
+            );
+        }
+        text.push_str(match (starves, is_crowded) {
+            (_, false) => "",
+            (false, true) => "B > ?C(c, r) : c < r -> *\n?C(c, r) : c < r -> *\n",
+            (true, true) => {
+                "B > ?S(l, a) ?C(c, r) : c < r -> *\n?S(l, a) > ?C(c, r) : c < r -> *\n?S(l, a) < ?C(c, r) : l < starve || c < r -> *\n"
+            }
+        });
     }
 
     /// The statements about looks.
@@ -230,6 +349,11 @@ impl Habit {
             let _ = writeln!(text, "bears {line}");
         }
     }
+}
+
+/// Square metres of leaves that an end is counted for: a quarter of its usual segment's square.
+pub(super) fn leafage(usual: f64) -> f64 {
+    (0.25 * usual * usual).max(1e-4)
 }
 
 impl Sketch {
@@ -259,6 +383,10 @@ impl Sketch {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "habit_tests.rs"]
+mod length_and_crowding;
 
 #[cfg(test)]
 mod tests {

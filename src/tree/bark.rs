@@ -71,6 +71,24 @@ impl Bark {
         }
     }
 
+    /// Knots in ten radii of old wood: stubs of branches that it has lost.
+    #[must_use]
+    pub fn knots(self) -> f32 {
+        match self {
+            Self::Plain | Self::Stalk | Self::Cactus => 0.0,
+            Self::Maple | Self::Willow => 0.5,
+            Self::Oak | Self::Apple => 0.8,
+            Self::Birch => 0.4,
+            Self::Spruce => 0.6,
+        }
+    }
+
+    /// Whether its shoots end in domes, not in points.
+    #[must_use]
+    pub fn is_round_tipped(self) -> bool {
+        self == Self::Cactus
+    }
+
     /// Its pictures, painted once.
     #[must_use]
     pub fn maps(self) -> &'static BarkMaps {

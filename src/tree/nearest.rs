@@ -74,6 +74,46 @@ impl<const N: usize> Nearest<N> {
         best.map(|(_, _, point)| point)
     }
 
+    /// How far the nearest piece is, at most `within`; `squared` gives the squared distance of the piece of a number, or none where that does not count.
+    pub(crate) fn distance(
+        &self,
+        to: DVec3,
+        within: f64,
+        squared: impl Fn(u32, [DVec3; N]) -> Option<f64>,
+    ) -> f64 {
+        let mut best = within * within;
+        let mut open = vec![(0.0, 0_u32)];
+        while let Some((least, number)) = open.pop() {
+            let Some(node) = self.bvh.nodes.get(number as usize) else {
+                continue;
+            };
+            if least >= best {
+                continue;
+            }
+            if !node.is_leaf() {
+                let children = [node.first_index, node.first_index + 1];
+                let mut children = children.map(|child| (self.away(child, to), child));
+                children.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+                open.extend(children);
+                continue;
+            }
+            let first = node.first_index as usize;
+            let range = first..first + node.prim_count as usize;
+            for piece in self.bvh.primitive_indices.get(range).unwrap_or_default() {
+                if let Some(corners) = self.pieces.get(*piece as usize) {
+                    let far = squared(*piece, corners.map(|corner| corner.as_dvec3()));
+                    best = best.min(far.unwrap_or(best));
+                }
+            }
+        }
+        // The root of a square is not always the number itself.
+        if best < within * within {
+            best.sqrt()
+        } else {
+            within
+        }
+    }
+
     /// The squared distance to a node's box.
     fn away(&self, number: u32, to: DVec3) -> f64 {
         let Some(node) = self.bvh.nodes.get(number as usize) else {

@@ -172,14 +172,15 @@ impl Page<'_> {
     }
 
     fn laws(&mut self, ui: &mut Ui) {
-        for (at, (name, (_, [least, most]))) in self.words.laws().into_iter().zip(LAWS).enumerate()
+        for (at, (name, (law, [least, most]))) in
+            self.words.laws().into_iter().zip(LAWS).enumerate()
         {
             ui.label(name);
             let mut value = self.habit.law(at);
             let before = self.wishes.len();
             let unit = if at < 2 { "°" } else { "" };
             let slider = Slider::new(&mut value, least..=most)
-                .max_decimals(2)
+                .max_decimals(if law == "length" { 0 } else { 2 })
                 .suffix(unit);
             if self.slider(ui, slider) {
                 self.habit.set_law(at, value);

@@ -25,7 +25,9 @@ use crate::sketch::{
 const FORMAT: &str = "ramus-project";
 /// The newest version this program reads, all older ones too. It writes the oldest that says all: a project
 /// without curves and rules of one's own can be read by a program that knows none.
-const VERSION: u64 = 5;
+const VERSION: u64 = 6;
+/// The first version in which lines have an end and ends keep away from other wood.
+const LENGTH: u64 = 6;
 /// The first version in which trees have a habit.
 const HABIT: u64 = 5;
 /// The first version in which strokes have radii.
@@ -139,7 +141,9 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     let has_models = !document.models.is_empty() || document.linked;
     let thick = sketch.strokes.iter().any(|stroke| !stroke.radii.is_empty());
     let has_habit = *sketch.habit != Habit::default();
-    let version = if has_habit {
+    let version = if sketch.habit.has_later_laws() {
+        LENGTH
+    } else if has_habit {
         HABIT
     } else if thick {
         RADII
@@ -268,6 +272,12 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
     if head.version < RADII && file.strokes.iter().any(|stroke| stroke.radii.is_some()) {
         return Err(ProjectError::Malformed(format!(
             "version {} has no field `radii`",
+            head.version
+        )));
+    }
+    if head.version < LENGTH && file.habit.as_ref().is_some_and(Habit::has_later_laws) {
+        return Err(ProjectError::Malformed(format!(
+            "version {} has no laws `length`, `reach`, `peak`, `crowd`",
             head.version
         )));
     }

@@ -464,7 +464,7 @@ fn every_fault_is_told_as_a_person_wants_it() {
         ),
         (
             "axiom ?Q(1,2)\n",
-            &["1:7: found `?`; expected one of the turtle's `?P`, `?H`, `?U`, `?L`, `?S`"][..],
+            &["1:7: found `?`; expected one of the turtle's `?P`, `?H`, `?U`, `?L`, `?S`, `?C`"][..],
         ),
         (
             "axiom ?P\n",

@@ -72,7 +72,13 @@ fn refusals() {
         ),
         ("axiom ?H(1)\n", "?H(0, 0, 0)"),
         ("axiom ?L(1,2,3,4)\n", "with 4 parameters"),
-        ("axiom ?X(1,2,3)\n", "`?P`, `?H`, `?U`, `?L`"),
+        ("axiom ?X(1,2,3)\n", "`?P`, `?H`, `?U`, `?L`, `?S`, `?C`"),
+        ("axiom F?C\n", "as in `?C(0, 0, 0)`"),
+        ("axiom F?C(1)\n", "found `?C` with 1 parameters"),
+        (
+            "axiom A?C(0,1)\ninterpret {\n A -> F?C(0,1)\n}\n",
+            "`interpret` block",
+        ),
         (
             "axiom A?P(0,0)\ninterpret {\n A -> ?P(0,0)\n}\n",
             "`interpret` block",
@@ -141,4 +147,99 @@ fn light_reaches_the_top_and_less_of_it_what_is_below() {
     assert!(floors[0] < 0.9 * floors[4] && floors[0] > 0.0, "{floors:?}");
     // What takes no light leaves all of it.
     assert_eq!(light("axiom F?S(0, 0)F?S(0, 0)"), [1.0, 1.0]);
+}
+
+/// `?C` is told how far the nearest wood is that is neither of its own line nor of the line that this grows from.
+#[test]
+fn clearance_is_that_of_other_branches() {
+    let far = |text: &str| -> Vec<f64> {
+        let string = derive(&parse(text), 0);
+        let asked = string.iter().filter(|module| module.parameters.len() == 2);
+        asked.map(|module| module.parameters[0]).collect()
+    };
+    for (text, expected) in [
+        // Alone, and among its own.
+        ("axiom F(3)?C(7, 2)", vec![2.0]),
+        ("axiom F(3)[+(90)F(1)?C(7, 5)]F(1)", vec![5.0]),
+        // A sibling from the same node, an ancestor's parent, what is beyond the second parameter.
+        (
+            "axiom F(3)[+(90)F(2)?C(0, 9)][-(90)F(2)?C(0, 9)]",
+            vec![2.0, 2.0],
+        ),
+        ("axiom F(3)[+(90)F(2)[F(1)?C(0, 9)]]", vec![3.0]),
+        ("axiom F(3)[+(90)F(2)[F(1)?C(0, 1.5)]]", vec![1.5]),
+        // Beside two trees, a metre apart; a move begins another line.
+        ("axiom [F(2)?C(0, 9)]+(90)f(1)-(90)F(2)", vec![1.0]),
+        // It looks nowhere.
+        ("axiom [F(2)?C(5, 0)][+F(1)]", vec![0.0]),
+        ("axiom [F(2)?C(5, -1)][+F(1)]", vec![0.0]),
+        // What is drawn counts, not what is in the string.
+        (
+            "axiom X[+(90)F(2)[F(1)?C(0, 9)]]\ninterpret {\n X -> F(3)\n}",
+            vec![3.0],
+        ),
+    ] {
+        let told = far(&format!("{text}\n"));
+        assert_eq!(told.len(), expected.len(), "{text}");
+        for (told, expected) in told.iter().zip(expected) {
+            assert!((told - expected).abs() < 1e-6, "{text}: {told}");
+        }
+    }
+}
+
+/// Two shoots that bend towards each other stop before they meet, and the same for any number of threads.
+#[test]
+fn ends_stop_where_wood_is_near() {
+    let text = "const room = 0.7\naxiom [A(20)?C(room, room)]f(0.1)-(90)f(6)+(90)[A(-20)?C(room, room)]\ncontext literal\nA(a) > ?C(c, r) : c < r -> *\nA(a) -> -(a/4)F(0.5)A(a)\n";
+    let grammar = parse(text);
+    let tree = draw(&grammar, &derive(&grammar, 40));
+    let free = parse(&text.replace("c < r", "c < 0"));
+    let freely = draw(&free, &derive(&free, 40));
+    assert!(tree.segment_count() * 2 < freely.segment_count());
+    let (left, right): (Vec<_>, Vec<_>) = tree.position.iter().partition(|at| at.x < 3.0);
+    let gap = left
+        .iter()
+        .flat_map(|a: &glam::Vec3| right.iter().map(move |b| a.distance(*b)));
+    let gap = gap.fold(f32::INFINITY, f32::min);
+    assert!(
+        (0.1..0.7).contains(&gap),
+        "they come near, and no nearer than a segment more: {gap}"
+    );
+    for threads in [1, 2, 5] {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let again = pool.install(|| draw(&grammar, &derive(&grammar, 40)));
+        assert_eq!(again, tree, "{threads} threads");
+    }
+}
+
+/// Huge and tiny numbers are no panic.
+#[test]
+fn hostile_clearances() {
+    for text in [
+        "axiom F(1e30)?C(0, 1e300)[+F(1e-30)?C(0, 1e-300)]",
+        "axiom F(0)?C(0, 1)[F(0)?C(0, 1)][F(0)?C(0, 1)]",
+        "axiom [[[?C(0, 1)]]]",
+        "axiom F?C(0, 1, 2)",
+        "axiom f?C(0, 1)F?C(0, 1)]",
+        "axiom F(1e300)?C(0, 1)",
+    ] {
+        let Ok(grammar) = Grammar::parse(&format!("{text}\n"), "test.lsys") else {
+            continue;
+        };
+        let limits = Limits::default();
+        match grammar.derive(3, &limits, &AtomicBool::new(false)) {
+            Ok(string) => assert!(
+                string
+                    .iter()
+                    .all(|module| module.parameters.iter().all(|p| p.is_finite()))
+            ),
+            Err(error) => assert!(
+                error.to_string().contains("?C") || error.to_string().contains('F'),
+                "{error}"
+            ),
+        }
+    }
 }

@@ -173,3 +173,46 @@ fn the_tab_of_species_is_readable_and_its_tree_stands_there() {
     assert!(red > 2000, "{red} red pixels");
     assert_eq!(gpu.messages().count(), 0, "validation is silent");
 }
+
+/// Laws that a tree began without: each by its slider is one edit, stands in the grammar, and is undone.
+#[test]
+fn lines_end_and_ends_keep_away_by_sliders() {
+    let mut visitor = Visitor::with_tree();
+    let drawn = visitor.document().clone();
+    press(&mut visitor, "Species");
+    // With what stands below it, since the slider is below its label.
+    for (label, below, law, line) in [
+        (
+            "lines end after segments",
+            "longest branch, of its line",
+            7,
+            "const length = ",
+        ),
+        (
+            "ends die nearer to wood than",
+            "Summer",
+            10,
+            "const room = ",
+        ),
+    ] {
+        let edits = visitor.workshop.edits();
+        visitor.scroll_to(RIGHT, PanelId::Bench, below);
+        let row = visitor.find(PanelId::Bench, label) + Vec2::new(0.0, 0.04);
+        visitor.point_on(RIGHT, PanelId::Bench, Vec2::new(0.06, row.y));
+        visitor.pull(RIGHT, true);
+        visitor.point_on(RIGHT, PanelId::Bench, Vec2::new(0.10, row.y));
+        visitor.frame();
+        visitor.pull(RIGHT, false);
+        visitor.frame();
+        assert_eq!(visitor.workshop.edits(), edits + 1, "{label}");
+        let sketch = visitor.document().sketch.clone();
+        assert!(sketch.habit.law(law) > 0.0, "{label}");
+        assert!(sketch.grammar_text().contains(line), "{label}");
+        visitor.rest(RIGHT);
+        for stick in [-1.0, 0.0] {
+            visitor.frame.hands[RIGHT].stick.x = stick;
+            visitor.frame();
+        }
+        assert_eq!(*visitor.document(), drawn, "{label}: undone");
+    }
+}

@@ -173,7 +173,7 @@ fn action(grammar: &Grammar, symbol: Symbol, angle: f64) -> Action {
         "@Gs" => Action::BeginCylinder,
         "@Ge" => Action::EndCylinder,
         "T" => Action::Tropism,
-        "?P" | "?H" | "?U" | "?L" | "?S" => Action::Query,
+        "?P" | "?H" | "?U" | "?L" | "?S" | "?C" => Action::Query,
         name => name.strip_prefix('~').map_or(Action::Nothing, |placed| {
             let shape = grammar.shapes.iter().position(|s| s.name == placed);
             let index = shape.and_then(|index| u16::try_from(index).ok());

@@ -66,7 +66,7 @@ pub trait Canvas {
         Ok(())
     }
 
-    /// A query module, `?P ?H ?U ?L`.
+    /// A query module, `?P ?H ?U ?L ?S ?C`.
     ///
     /// # Errors
     /// What the canvas cannot answer.

@@ -320,6 +320,7 @@ impl Dress {
                 surface,
                 index,
                 colours,
+                is_round: self.bark.is_round_tipped() && self.flare > 0.0,
             };
             let placed: Vec<Vec<Placed>> = sites
                 .par_chunks(4096)
@@ -493,9 +494,21 @@ struct Places<'a> {
     /// Of the material and the first colour.
     index: u16,
     colours: u16,
+    /// Tips are domes, as `organs::collar` makes them.
+    is_round: bool,
 }
 
 impl Places<'_> {
+    /// How far the bark is from the middle, so far below the end of a node's segment.
+    fn skin(&self, node: usize, below: f32) -> f32 {
+        let radius = self.course.tree.radius[node];
+        if self.is_round && self.course.is_tip[node] && below < radius {
+            (below * (2.0 * radius - below)).max(0.0).sqrt()
+        } else {
+            radius
+        }
+    }
+
     fn of(&self, sites: &[Site]) -> Vec<Placed> {
         let mut placed = Vec::new();
         for site in sites {
@@ -591,7 +604,10 @@ impl Places<'_> {
         let up = up.unwrap_or_else(|| ahead.any_orthonormal_vector());
         let vary = self.bearing.vary * (2.0 * draw() - 1.0);
         let scale = self.bearing.size * (1.0 + vary) * self.larger;
-        let radius = if terminal { 0.0 } else { tree.radius[node] };
+        let radius = match terminal {
+            true => 0.0,
+            false => self.skin(node, (1.0 - way) * length),
+        };
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

@@ -287,3 +287,47 @@ fn hostile_trees_are_no_panic() {
         assert!(organs.placed.iter().all(|leaf| leaf.scale.is_finite()));
     }
 }
+
+/// Spines stand on the bark, on the dome of a cactus, too; other trees end in points, and so do cactuses without a flare.
+#[test]
+fn spines_stand_on_the_dome() {
+    let mut spines = Bearing::of(kind("spines").unwrap());
+    spines.set("every", 0.05);
+    spines.set("whorl", 12.0);
+    let tops = |bark: Bark, flare: f32| -> Vec<[f32; 2]> {
+        let mut tree = fork();
+        tree.radius.iter_mut().for_each(|radius| *radius = 0.2);
+        let mut organs = Organs::default();
+        let dress = Dress {
+            bark,
+            flare,
+            bears: vec![spines.clone()],
+            ..Dress::default()
+        };
+        dress.put_on(&tree, &mut organs, 1);
+        let on_twig = organs.placed.iter().filter(|one| one.node == 2);
+        let near = on_twig.filter(|one| one.position.x > 1.81);
+        near.map(|one| {
+            let aside = (one.position - Vec3::Y * 4.0).reject_from(Vec3::X).length();
+            [2.0 - one.position.x, aside]
+        })
+        .collect()
+    };
+    let domed = tops(Bark::Cactus, 0.1);
+    assert!(domed.len() >= 36, "{}", domed.len());
+    for [below, aside] in domed.iter().filter(|[below, _]| *below > 1e-4) {
+        let round = (0.04 - (0.2 - below).powi(2)).sqrt();
+        assert!(
+            (aside - round).abs() < 1e-3,
+            "{below}: {aside}, not {round}"
+        );
+    }
+    for (bark, flare) in [(Bark::Cactus, 0.0), (Bark::Oak, 0.1)] {
+        let straight = tops(bark, flare);
+        assert!(
+            straight
+                .iter()
+                .all(|[below, aside]| *below < 1e-4 || (aside - 0.2).abs() < 1e-4)
+        );
+    }
+}

@@ -149,7 +149,7 @@ pub fn refined_len(tree: &Tree, organs: &Organs) -> u64 {
     let more: u64 = (0..organs.smooth.len()).map(|at| u64::from(more(at))).sum();
     let collars = Collars::of(tree, organs).map_or(0, |collars| {
         let cut = (0..tree.len()).filter(|node| cylinders.entry_at(*node).is_none());
-        cut.map(|node| collars.cuts(node).len() as u64).sum()
+        cut.map(|node| collars.nodes(node)).sum()
     });
     tree.len() as u64 + more + collars
 }
@@ -271,7 +271,18 @@ impl Refined {
                     [0, 1].map(|i| below[i] + (radii[i] - below[i]) * cut.at)
                 };
                 let thick = thin.map(|radius| cut.thickened(radius));
-                under = self.add(old, under, start.lerp(end, cut.at), thick);
+                let place = start.lerp(end, cut.at);
+                under = self.add(old, under, place, thick);
+                if let Some(knot) = cut.knot {
+                    let along = (end - start).normalize_or_zero();
+                    let now = knot.stub(place, along, thin[0]);
+                    let before = knot.stub(place, along, thin[1]);
+                    let mut stub = under;
+                    for ((place, radius), (_, before)) in now.into_iter().zip(before) {
+                        stub = self.add(old, stub, place, [radius, before]);
+                        self.tree.order[stub as usize] = old.tree.order[old.node].saturating_add(1);
+                    }
+                }
             }
         }
         let thicker = collars.at_end(old.node);

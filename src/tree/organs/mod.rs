@@ -15,6 +15,7 @@ use super::{NO_PARENT, Tree};
 
 mod collar;
 mod cylinder;
+mod knot;
 mod leaves;
 mod look;
 mod mesh;

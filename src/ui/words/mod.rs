@@ -116,7 +116,7 @@ words! {
     distance, along, angle, thickness, curvature, radius, measured, no_measures, places, opposite_side, by_rays, no_way, no_numbers,
     cut, cut_none, cut_in_hand, cut_stays, lamp,
     mend, mend_weld, mend_debris, mend_largest, mend_orient, mend_close, mend_close_smooth, mend_smooth, mend_decimate, mend_remesh, unmend,
-    tab_species, begin_with, own_species, individual, another, bark, bears, maple, oak, birch, spruce, willow, apple, fern, cactus, spring, summer, autumn, winter, law_wander, law_spread, law_light, law_gravity, law_dominance, law_shrink, law_starve,
+    tab_species, begin_with, own_species, individual, another, bark, bears, maple, oak, birch, spruce, willow, apple, fern, cactus, spring, summer, autumn, winter, law_wander, law_spread, law_light, law_gravity, law_dominance, law_shrink, law_starve, law_length, law_reach, law_peak, law_crowd,
     leaf_size, leaf_every, leaf_droop, leaf_young,
     tab_models, models_here, no_models_here, look_again, linked, model_is_not_there, take_away, triangles, vertices, unit, stands_on, shown_at, bar_is, one_to_one, reset_view, textured, shaded, matte, x_ray, no_faces, edges, box_and_size, colour_by, nothing, parts, problems, no_problems,
     language, tab_grow, tab_shape, tab_letters, tab_room, tab_file,
@@ -173,7 +173,7 @@ impl Words {
 
     /// The laws of growth, in the order of [`LAWS`](crate::sketch::habit::LAWS).
     #[must_use]
-    pub fn laws(&self) -> [&'static str; 7] {
+    pub fn laws(&self) -> [&'static str; 11] {
         [
             self.law_wander,
             self.law_spread,
@@ -182,6 +182,10 @@ impl Words {
             self.law_dominance,
             self.law_shrink,
             self.law_starve,
+            self.law_length,
+            self.law_reach,
+            self.law_peak,
+            self.law_crowd,
         ]
     }
 
