@@ -3,7 +3,7 @@
 //! **The bound.** No point of the full tree's wood is farther from the coarser one's than [`Detail::bound`], nor the other way round: `within`, and what a
 //! ring of so few corners lacks of its circle. Each of four things takes a fourth of `within` at most: a branch goes that reaches no farther from the node it
 //! grows from; a chord stands for the nodes of a branch that are no farther from it; radii, of which a chord's change evenly, are off by no more; and no bend,
-//! old or new, thins a tube by more (see [`super::tubes`]) where one tree has it and the other has not. What continues an axis still does; where the wood
+//! old or new, thins a tube by more (see [`super::tubes`]) where one tree has it and the other has not, nor does an end lean by more. What continues an axis still does; where the wood
 //! is thicker than a fourth, a tip, which narrows to a point, keeps its last segment. What the tree carries stays where it is.
 
 use std::f32::consts::PI;
@@ -324,9 +324,11 @@ impl Near<'_> {
                 },
             ),
         ];
+        // Where a tube begins its end is seen, which turns with the chord.
+        let begins = !is_axis || arrives.is_none();
         let is_even = bends.iter().all(|(at, into, out)| {
             into.is_none_or(|into| thinned(tree.radius[*at], into, *out) <= within)
-        });
+        }) && !(begins && leaned(thick, step(chord.first as usize), along) > within);
         let mut at = Some(node);
         let mut between = || {
             at.filter(|at| *at != from)
@@ -348,6 +350,12 @@ fn thinned(radius: f32, into: Vec3, out: Vec3) -> f32 {
         true => radius * (1.0 - f32::midpoint(1.0, cosine).max(0.0).sqrt()),
         false => radius,
     }
+}
+
+/// How far the edge of a tube's end is from where it was when the tube leaves in another direction.
+fn leaned(radius: f32, before: Vec3, now: Vec3) -> f32 {
+    let cosine = before.normalize_or_zero().dot(now.normalize_or_zero());
+    radius * (1.0 - cosine.clamp(0.0, 1.0).powi(2)).sqrt()
 }
 
 /// How far a point is from a chord, and where along it is nearest, 0 to 1.

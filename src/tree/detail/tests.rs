@@ -128,6 +128,17 @@ fn is_near(fine: &Drawing, coarse: &Drawing, within: f32) {
     assert_eq!(coarse.tree.root_count(), fine.tree.root_count());
 }
 
+/// A trunk that is thicker than its first segment is long, and bends there: its end must not lean.
+#[test]
+fn the_end_of_a_thick_trunk_leans_by_no_more_than_is_said() {
+    let mut steps: Vec<Step> = vec![(0, [0, -39, 0], 4), (0, [24, 0, 0], 4)];
+    steps.extend([(0, [0; 3], 0); 4]);
+    let fine = grown(&steps);
+    for within in [0.03, 0.078_586_83, 0.2, 0.5] {
+        is_near(&fine, &coarser(&fine, within), within);
+    }
+}
+
 /// What a first form of this was off by more than it said: a lateral that narrows, an axis that goes and leaves a lateral, small bends that become one.
 #[test]
 fn laterals_axes_and_bends_are_held() {
