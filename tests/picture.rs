@@ -18,6 +18,7 @@ mod picture {
     mod faults;
     mod hidden;
     mod levels;
+    mod lights;
     mod models;
     mod older;
     mod organs;
@@ -25,4 +26,5 @@ mod picture {
     mod support;
     mod textured;
     mod trees;
+    mod wind;
 }

@@ -29,6 +29,7 @@ use crate::{
         panels::{PanelId, PanelPointer},
         room::{Quality, RoomSettings},
         study::flow::{Event, Study},
+        weather::{Light, Wind},
     },
 };
 
@@ -44,6 +45,10 @@ pub struct Settings {
     pub layers: bool,
     /// How finely everything is drawn.
     pub quality: Quality,
+    /// By what everything is lit.
+    pub light: Light,
+    /// How it blows; not at all until it is asked for.
+    pub wind: Wind,
     /// How far they have come in the tutorial: the number of the next lesson.
     pub lesson: usize,
 }
