@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draws the species' pictures: those on the bench's tab, and the guide's, in summer, autumn and winter.
+# Draws the species' pictures: those on the bench's tab, and the guide's, in summer, autumn and winter and in other light.
 # `scripts/species.sh [RAMUS]`, where RAMUS is the program (built when it is not named).
 set -euo pipefail
 
@@ -19,3 +19,4 @@ for project in assets/species/*.ramus; do
         "$ramus" export "$project" --season "$season" --sheet "$pictures/$name-$season.png" --size 160 >/dev/null
     done
 done
+UPDATE_SNAPSHOTS=1 cargo test --quiet --test panels -- --ignored species_in_other_light

@@ -61,6 +61,7 @@ fn ground_fragment(point: Point) -> @location(0) vec4f {
         mark = 0.0;
     }
     albedo = mix(albedo, vec3f(0.62, 0.63, 0.54), clamp(mark, 0.0, 1.0) * 0.42);
+    albedo = select(albedo, frame.light.floor.rgb, frame.light.floor.w > 0.5);
 
     // Less of the sky reaches the ground close to what stands on it.
     var open = 1.0;
@@ -72,7 +73,7 @@ fn ground_fragment(point: Point) -> @location(0) vec4f {
 
     let normal = vec3f(0.0, 1.0, 0.0);
     let sunny = sunlight(point.world, normal) * (0.35 + 0.65 * open);
-    let color = albedo * (ambient(normal) * open + SUN_COLOR * (frame.sun.y * sunny * 0.95));
+    let color = albedo * ((ambient(normal) + lamps(normal)) * open + frame.light.sun.rgb * (frame.sun.y * sunny * 0.95));
 
     let far = smoothstep(5.0, 62.0, length(offset));
     let haze = sky(vec3f(offset.x, 0.0, offset.z));

@@ -3,6 +3,7 @@
 #include "shared/light.wgsl"
 #include "shared/octahedral.wgsl"
 #include "shared/look.wgsl"
+#include "shared/wind.wgsl"
 
 struct Leaf {
     place: vec3f,
@@ -53,7 +54,7 @@ struct Spot {
     leaf: Leaf,
     corner: Corner,
     q: vec4f,
-    local: vec3f,
+    world: vec3f,
     shaded: vec3f,
 }
 
@@ -68,6 +69,15 @@ fn unfolded_at(leaf: Leaf, place: vec3f) -> vec3f {
     return select(place, leaf.base + frame.tree.x * (place - leaf.base), grows);
 }
 
+// One turn after another.
+fn together(a: vec4f, b: vec4f) -> vec4f {
+    return vec4f(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
+}
+
+fn in_world(place: vec3f) -> vec3f {
+    return (frame.world_from_tree * vec4f(place, 1.0)).xyz;
+}
+
 fn spot(vertex: u32, instance: u32) -> Spot {
     let entry = list[instance];
     let kite = (entry >> 28u) != 0u;
@@ -78,10 +88,19 @@ fn spot(vertex: u32, instance: u32) -> Spot {
     out.corner = corners[1u + select(0u, whole, kite) + vertex % count];
     let packed = vec4f(unpack2x16snorm(out.leaf.orientation.x), unpack2x16snorm(out.leaf.orientation.y));
     out.q = packed * inverseSqrt(max(dot(packed, packed), 1e-12));
-    let reach = turn(out.q, out.corner.place) * out.leaf.scale;
     let smaller = exp2(f32((out.leaf.flags >> 8u) & 0xffu) * -0.0625);
-    out.local = unfolded_at(out.leaf, out.leaf.place + reach);
-    out.shaded = unfolded_at(out.leaf, out.leaf.place + reach * smaller);
+    var moved = vec3f(0.0);
+    if frame.wind.x > 0.0 {
+        let hangs = in_world(unfolded_at(out.leaf, out.leaf.place));
+        moved = swayed(hangs) - hangs;
+        // Sheets flutter; fruit and spines are stiff.
+        if corners[0].thin != 0u {
+            out.q = together(out.q, fluttered(hangs, abs(out.leaf.scale) * smaller * frame.tree.y, out.leaf.place));
+        }
+    }
+    let reach = turn(out.q, out.corner.place) * out.leaf.scale;
+    out.world = in_world(unfolded_at(out.leaf, out.leaf.place + reach)) + moved;
+    out.shaded = in_world(unfolded_at(out.leaf, out.leaf.place + reach * smaller)) + moved;
     return out;
 }
 
@@ -98,7 +117,7 @@ fn leaf_vertex(
     let inside_out = select(1.0, -1.0, s.leaf.scale < 0.0 && header.thin == 0u);
     let outward = s.leaf.place - header.place;
     var out: Point;
-    out.world = (frame.world_from_tree * vec4f(s.local, 1.0)).xyz;
+    out.world = s.world;
     out.position = v.clip_from_world * vec4f(out.world, 1.0);
     out.normal = (frame.world_from_tree * vec4f(turn(s.q, unfolded(s.corner.normal)) * inside_out, 0.0)).xyz;
     out.outward = normalize((frame.world_from_tree * vec4f(outward, 0.0)).xyz + vec3f(0.0, 1e-6, 0.0))
@@ -106,14 +125,13 @@ fn leaf_vertex(
     out.look = select(s.leaf.look, s.corner.look - 1u, s.corner.look != 0u) | select(0u, THIN, header.thin != 0u);
     out.eye = v.eye.xyz;
     out.light = s.leaf.light;
-    out.shaded = (frame.world_from_tree * vec4f(s.shaded, 1.0)).xyz;
+    out.shaded = s.shaded;
     return out;
 }
 
 @vertex
 fn leaf_shadow_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4f {
-    let world = (frame.world_from_tree * vec4f(spot(vertex, instance).local, 1.0)).xyz;
-    return frame.shadow_from_world * vec4f(world, 1.0);
+    return frame.shadow_from_world * vec4f(spot(vertex, instance).world, 1.0);
 }
 
 @fragment
@@ -129,7 +147,7 @@ fn leaf_fragment(point: Point, @builtin(front_facing) front: bool) -> @location(
     let aligned = select(sheet, -sheet, dot(sheet, point.outward) < 0.0);
     let normal = normalize(select(facing, mix(aligned, point.outward / max(round, 1e-6), round), round > 0.0));
     let toward = dot(facing, frame.sun.xyz);
-    let sunny = sunlight(point.shaded, select(facing, -facing, thin && toward < 0.0));
+    let sunny = sunlight_within(point.shaded, select(facing, -facing, thin && toward < 0.0));
     // What lies deep in the crown sees little of the sky.
     let open = mix(0.42, 1.0, point.light);
     var color = glossy(look, normal, to_eye, sunny) * open;
@@ -137,8 +155,8 @@ fn leaf_fragment(point: Point, @builtin(front_facing) front: bool) -> @location(
         // What shines through a leaf is yellower than the leaf; sky and sun shine through, and light that other leaves let through.
         let through = look.color.rgb * vec3f(1.30, 1.15, 0.45);
         let from_behind = max(-toward, 0.0) * 0.75 + 0.25 * max(dot(-to_eye, frame.sun.xyz), 0.0);
-        let among = SUN_COLOR * (0.26 * open);
-        color += through * (SUN_COLOR * (from_behind * sunny) + ambient(-normal) * (0.30 * open) + among);
+        let among = frame.light.sun.rgb * (0.26 * open);
+        color += through * (frame.light.sun.rgb * (from_behind * sunny) + ambient(-normal) * (0.30 * open) + among);
     }
     return vec4f(air(color, offset), 1.0);
 }

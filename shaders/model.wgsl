@@ -70,7 +70,7 @@ fn shade(corner: Corner, front: bool) -> vec3f {
     } else {
         color = lit(own, f.normal, f.to_eye, sunlight(corner.world, f.normal));
         let half_way = normalize(f.to_eye + frame.sun.xyz);
-        color += SUN_COLOR * (pow(max(dot(f.normal, half_way), 0.0), 48.0) * select(0.0, 0.22, front));
+        color += frame.light.sun.rgb * (pow(max(dot(f.normal, half_way), 0.0), 48.0) * select(0.0, 0.22, front));
     }
     color += lamp_light(own, f.normal, corner.world);
     return air(color, f.offset);

@@ -3,6 +3,7 @@
 #include "shared/light.wgsl"
 #include "shared/octahedral.wgsl"
 #include "shared/look.wgsl"
+#include "shared/wind.wgsl"
 
 struct Vertex {
     place: vec3f,
@@ -29,7 +30,7 @@ struct Point {
 fn world_of(vertex: Vertex) -> vec3f {
     let g = frame.tree.x;
     let place = select(vertex.base + g * (vertex.place - vertex.base), vertex.place, g >= 1.0);
-    return (frame.world_from_tree * vec4f(place, 1.0)).xyz;
+    return swayed((frame.world_from_tree * vec4f(place, 1.0)).xyz);
 }
 
 @vertex
@@ -62,12 +63,12 @@ fn organ_fragment(point: Point, @builtin(front_facing) front: bool) -> @location
     }
     // Lifted towards the sun, on whichever side it stands.
     let toward = dot(normal, frame.sun.xyz);
-    let sunny = sunlight(point.world, select(normal, -normal, thin && toward < 0.0));
+    let sunny = sunlight_within(point.world, select(normal, -normal, thin && toward < 0.0));
     var color = glossy(look, normal, to_eye, sunny);
     if thin {
         // What shines through a leaf is yellower than the leaf.
         let through = look.color.rgb * vec3f(1.10, 1.05, 0.55) * (1.0 - look.material.x);
-        color += through * SUN_COLOR * (max(-toward, 0.0) * sunny * 0.55);
+        color += through * frame.light.sun.rgb * (max(-toward, 0.0) * sunny * 0.55);
     }
     return vec4f(air(color, offset), 1.0);
 }

@@ -3,6 +3,7 @@
 // from the same numbers by the same instructions, so they meet bit for bit.
 #include "shared/light.wgsl"
 #include "shared/look.wgsl"
+#include "shared/wind.wgsl"
 
 struct Segment {
     start: vec3f,
@@ -135,10 +136,12 @@ fn spot(segment: Segment, corner: Corner, toward: vec4f) -> Spot {
     var out: Spot;
     out.is_none = is_none;
     out.inside = INSIDE[corner.kind];
-    out.world = (frame.world_from_tree * vec4f(local, 1.0)).xyz;
+    // A ring is moved as its middle is.
+    let rests = (frame.world_from_tree * vec4f(center, 1.0)).xyz;
+    out.center = swayed(rests);
+    out.world = (frame.world_from_tree * vec4f(local, 1.0)).xyz + (out.center - rests);
     out.outward = normalize((frame.world_from_tree * vec4f(outward, 0.0)).xyz);
     out.normal = normalize((frame.world_from_tree * vec4f(select(out_of_axis + slope * axis, axis, tip), 0.0)).xyz);
-    out.center = (frame.world_from_tree * vec4f(center, 1.0)).xyz;
     out.around = select(around, vec2f(0.0), tip);
     out.along = select(segment.v_start, segment.v_end, corner.second);
     out.radius = radius;
@@ -240,7 +243,7 @@ fn tree_fragment(point: Point) -> @location(0) vec4f {
 
     let offset = point.world - point.eye;
     // Where the round tube is, which throws the shadow.
-    let sunny = sunlight(point.world + smooth_normal * point.around.z, smooth_normal);
+    let sunny = sunlight_within(point.world + smooth_normal * point.around.z, smooth_normal);
     if point.look != 0u {
         let painted = glossy(looks[point.look], smooth_normal, -normalize(offset), sunny);
         return vec4f(air(painted, offset), coverage(point.bark.z));

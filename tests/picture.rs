@@ -18,6 +18,7 @@ mod picture {
     mod faults;
     mod hidden;
     mod levels;
+    mod lights;
     mod models;
     mod older;
     mod organs;
@@ -27,4 +28,5 @@ mod picture {
     mod textured;
     mod trees;
     mod uploads;
+    mod wind;
 }

@@ -25,6 +25,8 @@ struct Item {
     draw: u32,
     // Triangles that all may have.
     budget: u32,
+    // What the wind may move it by, metres.
+    sway: f32,
 }
 
 // Triangles are counted in so many, so that all of them fit 32 bits.
@@ -80,7 +82,7 @@ fn pixels(sphere: vec4f, error: f32) -> f32 {
 
 fn is_seen(sphere: vec4f) -> bool {
     let middle = placed(sphere.xyz);
-    let radius = sphere.w * item.scale;
+    let radius = sphere.w * item.scale + item.sway;
     if dot(item.cut.xyz, middle) - item.cut.w > radius * length(item.cut.xyz) {
         return false;
     }

@@ -10,6 +10,34 @@ struct View {
     ray_y: vec4f,
 }
 
+// What it is lit by: day, evening or studio. Colours are linear. Twin: src/render/light.rs.
+struct Light {
+    // rgb: the sun's or the lamp's; w: half the angle under which it is seen, as a tangent.
+    sun: vec4f,
+    // rgb: the sky at the horizon; w: haze by the metre.
+    horizon: vec4f,
+    // rgb: what the horizon has besides on the sun's side; w: as far as shadows on the tree itself are blurred, texels.
+    toward_sun: vec4f,
+    // rgb: the sky at a third of its height, and right above.
+    middle: vec4f,
+    zenith: vec4f,
+    // rgb: haze about the sun, near to it, and the sun itself.
+    glow: vec4f,
+    halo: vec4f,
+    disc: vec4f,
+    // rgb: on what faces up, and on what faces down.
+    above: vec4f,
+    below: vec4f,
+    // xyz: towards a second lamp; rgb: its colour.
+    fill: vec4f,
+    fill_color: vec4f,
+    // The same of a third one.
+    rim: vec4f,
+    rim_color: vec4f,
+    // rgb: a plain floor; w: 1 where there is one, 0 where there is grass.
+    floor: vec4f,
+}
+
 struct Frame {
     // Per-eye passes bind this block so that their eye comes first.
     views: array<View, 2>,
@@ -24,6 +52,11 @@ struct Frame {
     shadow_from_world: mat4x4f,
     // Contact shadows on the ground: x, z, radius, strength.
     spots: array<vec4f, 8>,
+    light: Light,
+    // x: how strongly it blows, 0..1; y: the wind's clock, 0..1.
+    wind: vec4f,
+    // xyz: where the tree stands.
+    root: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

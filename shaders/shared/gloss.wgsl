@@ -10,7 +10,7 @@ struct Look {
 // A surface of this look in this light: matte light, the sun's shine and what it mirrors of the sky.
 fn glossy(look: Look, normal: vec3f, to_eye: vec3f, sunny: f32) -> vec3f {
     let albedo = look.color.rgb;
-    let roughness = clamp(look.color.w, 0.06, 1.0);
+    let roughness = clamp(look.color.w, max(0.06, frame.light.sun.w), 1.0);
     let metallic = look.material.x;
     let matte = lit(albedo * (1.0 - metallic), normal, to_eye, sunny);
     // Blinn's lobe of the same width as the roughness says, kept to one brightness as it narrows.
@@ -22,5 +22,5 @@ fn glossy(look: Look, normal: vec3f, to_eye: vec3f, sunny: f32) -> vec3f {
     let edge = pow(1.0 - max(dot(normal, to_eye), 0.0), 5.0);
     let fresnel = mirror + (vec3f(1.0) - mirror) * edge * (1.0 - roughness);
     let around = ambient(reflect(-to_eye, normal)) * fresnel * (1.0 - 0.7 * roughness);
-    return matte + SUN_COLOR * mirror * (min(lobe, 12.0) * facing * sunny) + around;
+    return matte + frame.light.sun.rgb * mirror * (min(lobe, 12.0) * facing * sunny) + around;
 }

@@ -260,7 +260,11 @@ mod tests {
     )]
     use super::*;
     use crate::ui::words::Language;
-    use crate::world::{World, history::History};
+    use crate::world::{
+        World,
+        history::History,
+        weather::{Light, Wind},
+    };
 
     fn workshop() -> Workshop {
         Workshop::unsaved(World::new(History::default())).unwrap()
@@ -280,6 +284,8 @@ mod tests {
         let mut settings = first.settings();
         settings.language = Language::German;
         settings.room.lift = 0.3;
+        settings.light = Light::Evening;
+        settings.wind = Wind::Breeze;
         first.set(settings);
         let project = folder.path().join("oak.ramus");
         std::fs::write(&project, "").unwrap();

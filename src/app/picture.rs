@@ -21,6 +21,7 @@ use crate::ui::words::Language;
 use crate::ui::{BoardUi, Painted};
 use crate::world::room::Quality;
 use crate::world::scene::{PlacedModel, PlacedTree, Scene};
+use crate::world::weather::{Gusts, Light, Wind};
 
 /// Where frames go.
 enum Images {
@@ -57,6 +58,9 @@ pub struct Picture {
     renderer: Renderer,
     board: BoardUi,
     language: Language,
+    gusts: Gusts,
+    /// The tree moves by itself.
+    blows: bool,
     layers: Layers,
     uploads: Worker<TreeWish, Upload>,
     /// Revision of the tree that is being prepared on the worker.
@@ -224,6 +228,8 @@ impl Picture {
             renderer: Renderer::new(gpu, &params)?,
             board: BoardUi::default(),
             language: Language::default(),
+            gusts: Gusts::default(),
+            blows: false,
             layers: Layers::default(),
             uploads,
             preparing: None,
@@ -302,6 +308,27 @@ impl Picture {
         self.lay_out(scene)?;
         let renderer = &mut self.renderer;
         Ok(self.layers.lift(headset, renderer, scene, room, views)?)
+    }
+
+    /// Shows the stage as a person has lit it and lets it blow there, at a time of the session in seconds.
+    pub fn set_weather(&mut self, light: Light, wind: Wind, time: f64) {
+        self.renderer.set_light(light);
+        let sway = self.gusts.blow(wind, time);
+        self.renderer.set_sway(sway);
+        self.blows = sway.moves() || wind != Wind::Still;
+    }
+
+    /// Whether the picture moves by itself, since it blows.
+    #[must_use]
+    pub fn blows(&self) -> bool {
+        self.blows
+    }
+
+    /// Lights everything like this from now on.
+    #[must_use]
+    pub fn lit(mut self, light: Light) -> Self {
+        self.renderer.set_light(light);
+        self
     }
 
     /// Draws as finely as a person wants it from now on.

@@ -11,6 +11,7 @@ use crate::app::picture::Picture;
 use crate::render::{Backdrop, Gpu, GpuParams, Headless};
 use crate::tree::{Drawing, radii};
 use crate::world::scene::{PlacedTree, Scene};
+use crate::world::weather::Light;
 
 /// How a tree is placed for its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +54,32 @@ const FINEST_PX: f32 = 0.9;
 /// Paper: what figures stand on in print, linear.
 pub const PAPER: Backdrop = Backdrop::Plain([0.956, 0.939, 0.888, 1.0]);
 
+/// What a tree's picture is taken before, and by what light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scenery {
+    /// What is behind it.
+    pub backdrop: Backdrop,
+    /// What lights it.
+    pub light: Light,
+}
+
+impl From<Backdrop> for Scenery {
+    /// In daylight.
+    fn from(backdrop: Backdrop) -> Self {
+        Self {
+            backdrop,
+            light: Light::Day,
+        }
+    }
+}
+
+impl Scenery {
+    /// So many pixels wide and high.
+    fn picture(self, gpu: &Gpu, pixels: u32) -> Result<Picture> {
+        Ok(Picture::before(gpu, pixels, pixels, self.backdrop)?.lit(self.light))
+    }
+}
+
 /// Where an eye before a box (its middle, its extent) sees all of it, and no farther away than that takes.
 pub(super) fn before_box(middle: Vec3, extent: Vec3, params: &PortraitParams) -> Vec3 {
     let is_flat = extent.z < params.flat * extent.x.max(extent.y);
@@ -68,7 +95,7 @@ pub(super) fn before_box(middle: Vec3, extent: Vec3, params: &PortraitParams) ->
     middle + back * distance.fold(0.0, f32::max)
 }
 
-/// Draws a drawing of any size before a backdrop, as seen from before it; `pixels` wide and high, its widths as they are or
+/// Draws a drawing of any size in a scenery, as seen from before it; `pixels` wide and high, its widths as they are or
 /// set for the picture's sake ([`radii::for_picture`]).
 ///
 /// # Errors
@@ -77,11 +104,11 @@ pub fn of_drawing(
     drawing: Drawing,
     pixels: u32,
     set_widths: bool,
-    backdrop: Backdrop,
+    scenery: impl Into<Scenery>,
 ) -> Result<RgbaImage> {
     let (scene, view) = sitting(drawing, pixels, set_widths, 1)?;
     let gpu = open_gpu()?;
-    let mut picture = Picture::before(&gpu, pixels, pixels, backdrop)?;
+    let mut picture = scenery.into().picture(&gpu, pixels)?;
     picture.draw_whole(&scene, &[view, view], None)?;
     let [left, _] = picture.read(None)?;
     Ok(left)
@@ -91,7 +118,11 @@ pub fn of_drawing(
 ///
 /// # Errors
 /// As [`of_drawing`].
-pub fn sheet(drawings: &[Arc<Drawing>], pixels: u32, backdrop: Backdrop) -> Result<RgbaImage> {
+pub fn sheet(
+    drawings: &[Arc<Drawing>],
+    pixels: u32,
+    scenery: impl Into<Scenery>,
+) -> Result<RgbaImage> {
     let count = u32::try_from(drawings.len()).unwrap_or(u32::MAX);
     let columns = (1..=count).find(|side| side.saturating_mul(*side) >= count);
     let columns = columns.unwrap_or(1);
@@ -99,7 +130,7 @@ pub fn sheet(drawings: &[Arc<Drawing>], pixels: u32, backdrop: Backdrop) -> Resu
     let [width, height] = [columns, rows].map(|many| many.saturating_mul(pixels));
     let mut sheet: Option<RgbaImage> = None;
     let gpu = open_gpu()?;
-    let mut picture = Picture::before(&gpu, pixels, pixels, backdrop)?;
+    let mut picture = scenery.into().picture(&gpu, pixels)?;
     for (place, drawing) in (0..count).zip(drawings) {
         let (scene, view) = sitting(Drawing::clone(drawing), pixels, true, u64::from(place) + 1)?;
         picture.draw_whole(&scene, &[view, view], None)?;

@@ -132,7 +132,7 @@ fn one_frame(
     let ready = frame.should_render && (acquired.is_some() || headset.swapchain().is_none());
     let rendered = match picture {
         Some(picture) if ready && (watcher.wants(workshop, frame) || acquired.is_some()) => {
-            draw(headset, workshop, picture, watcher, acquired)?
+            draw(headset, workshop, picture, watcher, acquired, frame.time)?
         }
         _ => false,
     };
@@ -147,6 +147,7 @@ fn draw(
     picture: &mut Picture,
     watcher: &mut dyn Watcher,
     acquired: Option<Acquired>,
+    time: f64,
 ) -> Result<bool, SessionEnd> {
     if !picture.fit(headset.extent())? {
         return Ok(false);
@@ -157,8 +158,10 @@ fn draw(
     for (slot, painted) in workshop.take_painted() {
         picture.paint(slot, painted)?;
     }
-    picture.set_quality(workshop.settings().quality);
-    picture.hold_rate(headset, !workshop.settings().sharp);
+    let settings = workshop.settings();
+    picture.set_quality(settings.quality);
+    picture.hold_rate(headset, !settings.sharp);
+    picture.set_weather(settings.light, settings.wind, time);
     let layers = workshop.settings().layers;
     let room = layers.then(|| workshop.world().stage_from_room());
     let scene = workshop.scene();

@@ -11,11 +11,12 @@ use clap::{ArgGroup, Args as ClapArgs, ValueEnum};
 use super::explain;
 use super::inputs::grammar_text;
 use super::moment::{Moment, step_at, time};
-use super::outputs::{check_places, not_over_each_other, picture_file, tree_file};
+use super::outputs::{check_places, light, not_over_each_other, picture_file, tree_file};
 use super::print_result;
 use super::progress::{Progress, start_watch};
 use super::unwritten::{self, Wanted};
-use crate::app::{export, memory, portrait};
+use crate::app::portrait::{self, Scenery};
+use crate::app::{export, memory};
 use crate::lsystem::report::Report;
 use crate::lsystem::{
     DeriveError, DeriveProblem, ExplainParams, Grammar, Limit, Limits, TurtleParams,
@@ -25,6 +26,7 @@ use crate::sketch::Sketch;
 use crate::tree::organs::{Organist, refined_len};
 use crate::tree::radii::{self, RadiusParams};
 use crate::tree::{Drawing, Organs, tubes};
+use crate::world::weather::Light;
 
 #[derive(Debug, ClapArgs)]
 #[command(group(ArgGroup::new("made").args(["json", "export", "png"]).multiple(true)))]
@@ -73,6 +75,9 @@ pub(super) struct Args {
     /// What the picture shows behind the tree
     #[arg(long, value_enum, default_value_t = Backdrop::Stage, value_name = "WHICH")]
     backdrop: Backdrop,
+    /// What lights the picture
+    #[arg(long, value_name = "LIGHT", default_value = Light::Day.name(), value_parser = light())]
+    light: Light,
     /// How the grammar's widths are meant in exports and pictures
     #[arg(long, value_enum, default_value_t = Widths::Auto, value_name = "HOW")]
     widths: Widths,
@@ -465,8 +470,11 @@ fn write_files(
         let organs = picture_bytes(&drawing.organs);
         budget.check(&path.display().to_string(), &drawing, PICTURE_BYTES, organs)?;
         let set_widths = args.widths == Widths::Auto;
-        let backdrop = args.backdrop.drawn();
-        let picture = Progress::during("drawing", || portrait::of_drawing(drawing, args.size, set_widths, backdrop))
+        let scenery = Scenery {
+            backdrop: args.backdrop.drawn(),
+            light: args.light,
+        };
+        let picture = Progress::during("drawing", || portrait::of_drawing(drawing, args.size, set_widths, scenery))
             .map_err(|error| match error.downcast_ref() {
                 Some(RenderError::OutOfMemory(_)) => anyhow!(
                     "the graphics memory does not hold a picture of {0} × {0} pixels: choose a smaller --size, or close other programs that draw",

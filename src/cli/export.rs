@@ -8,14 +8,17 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args as ClapArgs;
 
-use super::outputs::{check_places, not_over_each_other, picture_file};
+use super::outputs::{check_places, light, not_over_each_other, picture_file};
 use super::print_result;
 use super::progress::{Progress, start_watch};
-use crate::app::{export, portrait};
+use crate::app::export;
+use crate::app::portrait::{self, Scenery};
+use crate::render::Backdrop;
 use crate::tree::Drawing;
 use crate::tree::detail::Detail;
 use crate::tree::foliage::Season;
 use crate::tree::vary::Spread;
+use crate::world::weather::Light;
 use extras::{ExtraArgs, Growth};
 use files::{All, File, Format, Told, files};
 use source::{Source, source, spread};
@@ -55,6 +58,9 @@ pub(super) struct Args {
     /// Width and height of each individual in that picture, pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=2048))]
     size: u32,
+    /// What lights that picture: each stands on the ground under its sky then, and not on paper
+    #[arg(long, value_name = "LIGHT", requires = "sheet", value_parser = light())]
+    light: Option<Light>,
     /// The time of the year, in the place of the project's or the grammar's
     #[arg(long, value_name = "SEASON", value_parser = season)]
     season: Option<Season>,
@@ -128,7 +134,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
         false => single::write(&plan, &files)?,
     };
     if let Some(path) = args.sheet.as_ref().filter(|_| !args.dry_run) {
-        let draw = || portrait::sheet(&done.drawings, args.size, portrait::PAPER);
+        let scenery = args.light.map_or(portrait::PAPER.into(), |light| Scenery {
+            backdrop: Backdrop::Stage,
+            light,
+        });
+        let draw = || portrait::sheet(&done.drawings, args.size, scenery);
         let picture = Progress::during("drawing", draw).context("cannot draw the individuals")?;
         export::png(&picture, path)?;
     }

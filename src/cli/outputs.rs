@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Result, anyhow, ensure};
-use clap::builder::{PathBufValueParser, TypedValueParser};
+use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 
 use super::sentence;
 use crate::app::album::Album;
@@ -14,6 +14,7 @@ use crate::app::film::Film;
 use crate::app::workshop::Workshop;
 use crate::mesh::write::WriteFormat;
 use crate::tree::file::check_place;
+use crate::world::weather::Light;
 
 /// A name for a tree: an ending that tells no format is wrong usage.
 pub(super) fn tree_file() -> impl TypedValueParser<Value = PathBuf> {
@@ -33,6 +34,14 @@ pub(super) fn endpoints_file() -> impl TypedValueParser<Value = PathBuf> {
 /// A name for a picture: an ending that tells another format is wrong usage.
 pub(super) fn picture_file() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| export::check_picture(&path).map(|()| path))
+}
+
+/// A light by its name.
+pub(super) fn light() -> impl TypedValueParser<Value = Light> {
+    PossibleValuesParser::new(Light::ALL.map(Light::name)).map(|name| {
+        let mut all = Light::ALL.into_iter();
+        all.find(|light| light.name() == name).unwrap_or_default()
+    })
 }
 
 /// Refuses results that would be written over what they are made from, or over each other, however their paths are

@@ -8,7 +8,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 use ramus_xr::Frame;
 use ramus_xr::simulated::Simulated;
 
-use super::outputs::{check_places, not_over_each_other, set_aside, tree_file};
+use super::outputs::{check_places, light, not_over_each_other, set_aside, tree_file};
 use super::progress::Progress;
 use crate::app::album::{Album, OnFrame};
 use crate::app::film::Film;
@@ -19,9 +19,11 @@ use crate::app::session::{SessionEnd, Watcher};
 use crate::app::store::Store;
 use crate::app::workshop::{Workshop, WorkshopParams};
 use crate::app::{portrait, session, take_home, window};
+use crate::ui::Settings;
 use crate::world::World;
 use crate::world::document::Document;
 use crate::world::history::History;
+use crate::world::weather::Light;
 
 /// Pixels of one eye of the simulated headset.
 pub(super) const EXTENT: vk::Extent2D = vk::Extent2D {
@@ -42,6 +44,9 @@ pub(super) struct Args {
     /// Write a stereo picture of every growth step into this folder
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
+    /// What lights pictures, headset or window; without it what whoever recorded had set
+    #[arg(long, value_name = "LIGHT", value_parser = light())]
+    light: Option<Light>,
     /// Write frames of a video into that folder instead, so many a second of the session: frame-000001.png …, what the left eye sees
     #[arg(long, value_name = "RATE", requires = "png", value_parser = clap::value_parser!(u32).range(1..=240))]
     fps: Option<u32>,
@@ -86,6 +91,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
     check_places(args.glb.iter().chain(&args.lsys))?;
     let mut workshop = open(args.project.as_deref(), opening.document())?;
     opening.apply(&mut workshop);
+    if let Some(light) = args.light {
+        workshop.set(Settings {
+            light,
+            ..workshop.settings()
+        });
+    }
     workshop.stay_with_models_of(path.parent().unwrap_or(Path::new("")));
     let outcome = match stage {
         Stage::Simulated(mut picture, extent) => {

@@ -5,7 +5,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat4, Vec3, Vec4};
 
-use super::eye::Eye;
+use super::{eye::Eye, light::LightData};
 use crate::world::scene::{
     Ball, Color, Controller, MOST_PANELS, PlacedPanel, PlacedTree, Plate, Rod, Scene,
 };
@@ -35,11 +35,14 @@ pub(crate) struct FrameData {
     pub(crate) tree: Vec4,
     pub(crate) shadow_from_world: Mat4,
     pub(crate) spots: [Vec4; SPOTS],
+    pub(crate) light: LightData,
+    pub(crate) wind: Vec4,
+    pub(crate) root: Vec4,
 }
 
 const _: () = assert!(
-    size_of::<FrameData>() == 560,
-    "shaders/shared/frame.wgsl reads 560 bytes"
+    size_of::<FrameData>() == 832,
+    "shaders/shared/frame.wgsl reads 832 bytes"
 );
 
 /// `Rod` of shaders/rod.wgsl.

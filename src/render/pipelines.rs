@@ -378,6 +378,8 @@ impl Pipelines {
             Kind::SAMPLER,
             Kind::STORAGE_BUFFER,
             Kind::STORAGE_BUFFER,
+            Kind::SAMPLED_IMAGE,
+            Kind::SAMPLER,
         ];
         let chunk = [
             Kind::STORAGE_BUFFER,

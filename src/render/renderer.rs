@@ -5,6 +5,7 @@
 //! (multiview; or one pass an eye), submit. Nothing is allocated and no pipeline made once
 //! the buffers have grown to the scene.
 
+mod air;
 mod choice;
 mod models;
 mod record;
@@ -14,8 +15,9 @@ mod trees;
 use std::sync::Arc;
 
 use ash::vk;
-use glam::{Affine3A, Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec3, Vec4};
 
+use self::air::{root_of, sphere_of};
 use self::record::Pass;
 pub use self::report::{DrawReport, TreeState};
 use super::{
@@ -25,6 +27,7 @@ use super::{
     frame::{Pool, SLOTS, Slot, block_stride, depth_was_resolved, full_barrier},
     gpu::Gpu,
     hidden::{Hidden, HiddenEyes},
+    light::LightData,
     memory::Buffer,
     meshes::Meshes,
     model_upload::{Colours, Geometry, ModelLayouts},
@@ -33,13 +36,15 @@ use super::{
     pipelines::{Formats, Pipelines},
     resident::Resident,
     selection::{Chosen, OldCrowns, OldRoom, Selection, sun_views},
-    shadow::{self, Shadow, ShadowKey},
+    shade::Shade,
+    shadow::{self, Shadow},
     target::{Attachments, Target},
     texture::Texture,
     tree_upload::{Detail, Scratch, TreeUpload, upload_size},
 };
 use crate::tree::bark::Bark;
 use crate::world::scene::{Color, MOST_PANELS, PlacedTree, Scene};
+use crate::world::weather::{Light, Sway};
 
 /// How both eyes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +90,8 @@ pub struct RendererParams {
     pub mode: StereoMode,
     /// What surrounds the scene.
     pub backdrop: Backdrop,
+    /// What everything is lit by. [`Self::lit`] sets it with its sun.
+    pub light: Light,
     /// Towards the sun; any length.
     pub sun: Vec3,
     /// Whether the tree throws a shadow.
@@ -110,7 +117,8 @@ impl RendererParams {
             depth_format: DEPTH_FORMAT,
             mode,
             backdrop: Backdrop::Stage,
-            sun: Vec3::new(0.62, 0.70, 0.36),
+            light: Light::Day,
+            sun: super::light::sun(Light::Day),
             shadows: true,
             direct_segments: 100_000,
             direct_levels: 4_000,
@@ -148,6 +156,9 @@ pub struct Renderer {
     attachments: Attachments,
     slots: [Slot; SLOTS],
     shadow: Shadow,
+    shade: Shade,
+    /// How things move in the next frame.
+    sway: Sway,
     /// By slot; the board's is always there.
     panels: Vec<Panel>,
     hidden: Hidden,
@@ -191,12 +202,13 @@ impl Renderer {
             count,
             &[
                 (vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, count),
-                (vk::DescriptorType::SAMPLED_IMAGE, count),
-                (vk::DescriptorType::SAMPLER, count),
+                (vk::DescriptorType::SAMPLED_IMAGE, 2 * count),
+                (vk::DescriptorType::SAMPLER, 2 * count),
                 (vk::DescriptorType::STORAGE_BUFFER, 2 * count),
             ],
         )?;
         let shadow = Shadow::new(gpu)?;
+        let shade = Shade::new(gpu, &shadow)?;
         let layout = pipelines
             .tree_layout
             .sets
@@ -205,7 +217,7 @@ impl Renderer {
             .unwrap_or_default();
         let slot = || {
             let slot = Slot::new(gpu, pool.set(layout)?)?;
-            write_set(gpu, &slot, &shadow);
+            write_set(gpu, &slot, &shadow, &shade);
             Ok::<_, RenderError>(slot)
         };
         let slots = [slot()?, slot()?];
@@ -229,6 +241,8 @@ impl Renderer {
             pipelines,
             slots,
             shadow,
+            shade,
+            sway: Sway::default(),
             tree: None,
             coming: None,
             came: 0,
@@ -402,7 +416,7 @@ impl Renderer {
         let slot = &mut self.slots[at];
         let (rods, solids) = data::room(scene);
         if slot.make_room(&self.gpu, rods, solids)? {
-            write_set(&self.gpu, slot, &self.shadow);
+            write_set(&self.gpu, slot, &self.shadow, &self.shade);
         }
         let mut swapped = numbers;
         swapped.views.swap(0, 1);
@@ -557,9 +571,10 @@ impl Renderer {
             .map(|placed| placed.world_from_tree)
             .filter(|map| map.is_finite())
             .unwrap_or_default();
-        let shadow = placed
-            .filter(|_| self.params.shadows)
-            .and_then(|_| shadow::projection(self.params.sun, &bounds, &world_from_tree));
+        let shadow = placed.filter(|_| self.params.shadows).and_then(|placed| {
+            let sway = self.sway_of(placed);
+            shadow::projection(self.params.sun, &bounds, &world_from_tree, sway)
+        });
         let texel = shadow.map_or(0.0, |(_, texel)| texel);
         // A tree that waits for its successor stands whole.
         let growth = placed
@@ -587,17 +602,10 @@ impl Renderer {
             ),
             shadow_from_world: shadow.map_or(Mat4::IDENTITY, |(map, _)| map),
             spots: data::spots(scene, placed.map(|placed| (placed, bounds.foot))),
+            light: LightData::of(self.params.light),
+            wind: Vec4::new(self.sway.strength, self.sway.clock, 0.0, 0.0),
+            root: root_of(placed).extend(0.0),
         }
-    }
-
-    fn shadow_key(&self, placed: Option<&PlacedTree>, numbers: &FrameData) -> Option<ShadowKey> {
-        let tree = self.tree.as_ref()?;
-        let placed = placed?;
-        (numbers.tree.z > 0.0).then_some(ShadowKey {
-            revision: tree.revision,
-            growth: numbers.tree.x,
-            world_from_tree: placed.world_from_tree,
-        })
     }
 
     /// Waits until everything handed over is drawn.
@@ -613,14 +621,6 @@ impl Drop for Renderer {
     fn drop(&mut self) {
         let _ = self.gpu.wait_idle();
     }
-}
-
-/// A sphere around a tree where it stands.
-fn sphere_of(pass: &Pass<'_>, world_from_tree: Affine3A) -> Vec4 {
-    let bounds = pass.tree.map(|tree| tree.bounds).unwrap_or_default();
-    let scale = world_from_tree.x_axis.length();
-    let middle = world_from_tree.transform_point3(bounds.center);
-    middle.extend(bounds.radius * scale)
 }
 
 fn whole_buffer(buffer: vk::Buffer) -> vk::DescriptorBufferInfo {
@@ -643,7 +643,7 @@ fn records<T: bytemuck::Pod>(buffer: &mut Buffer) -> &mut [T] {
 }
 
 /// Writes a slot's set.
-fn write_set(gpu: &Gpu, slot: &Slot, shadow: &Shadow) {
+fn write_set(gpu: &Gpu, slot: &Slot, shadow: &Shadow, shade: &Shade) {
     let frame = [vk::DescriptorBufferInfo {
         buffer: slot.frame.handle,
         offset: 0,
@@ -658,6 +658,7 @@ fn write_set(gpu: &Gpu, slot: &Slot, shadow: &Shadow) {
         sampler: shadow.sampler,
         ..Default::default()
     }];
+    let [shade_map, shade_sampler] = shade.described().map(|info| [info]);
     let rods = [whole_buffer(slot.rods.handle)];
     let solids = [whole_buffer(slot.solids.handle)];
     let write = |binding, kind| {
@@ -672,6 +673,8 @@ fn write_set(gpu: &Gpu, slot: &Slot, shadow: &Shadow) {
         write(2, vk::DescriptorType::SAMPLER).image_info(&sampler),
         write(3, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&rods),
         write(4, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&solids),
+        write(5, vk::DescriptorType::SAMPLED_IMAGE).image_info(&shade_map),
+        write(6, vk::DescriptorType::SAMPLER).image_info(&shade_sampler),
     ];
     // SAFETY: the slot's last frame is done, so the set is free.
     unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };

@@ -45,11 +45,14 @@ struct ItemData {
     groups: u32,
     draw: u32,
     budget: u32,
+    /// What the wind may move it by, metres.
+    sway: f32,
+    pad: [u32; 3],
 }
 
 const _: () = assert!(
-    size_of::<ItemData>() == 96,
-    "shaders/shared/choice.wgsl reads 96 bytes"
+    size_of::<ItemData>() == 112,
+    "shaders/shared/choice.wgsl reads 112 bytes"
 );
 
 const BY_GRAIN: u32 = 1;
@@ -225,7 +228,7 @@ impl Selection {
                     first_group,
                     groups: part.clusters.div_ceil(GROUP),
                     draw: u32::try_from(self.items.len()).unwrap_or(u32::MAX),
-                    budget: 0,
+                    ..ItemData::default()
                 },
             });
         }

@@ -11,9 +11,10 @@ use super::{
     pipelines::SHADOW_FORMAT,
     tree_upload::Bounds,
 };
+use crate::world::weather::Sway;
 
 /// Texels along a side.
-const SIZE: u32 = 2048;
+pub(crate) const SIZE: u32 = 2048;
 
 /// What the map was drawn for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +22,9 @@ pub(crate) struct ShadowKey {
     pub(crate) revision: u64,
     pub(crate) growth: f32,
     pub(crate) world_from_tree: Affine3A,
+    /// Towards the sun.
+    pub(crate) sun: Vec3,
+    pub(crate) sway: Sway,
 }
 
 pub(crate) struct Shadow {
@@ -103,15 +107,17 @@ impl Drop for Shadow {
     }
 }
 
-/// World to the map (x, y in −1…1; depth 0 near the sun, 1 far) for a tree within `bounds`, and a texel's size in metres.
+/// World to the map (x, y in −1…1; depth 0 near the sun, 1 far) for a tree within `bounds` that the wind moves by `sway` metres at most, and a texel's size in
+/// metres.
 /// `None` where there is nothing that could throw a shadow.
 pub(crate) fn projection(
     sun: Vec3,
     bounds: &Bounds,
     world_from_tree: &Affine3A,
+    sway: f32,
 ) -> Option<(Mat4, f32)> {
     let scale = world_from_tree.x_axis.length();
-    let radius = bounds.radius * scale * 1.02;
+    let radius = bounds.radius * scale * 1.02 + sway;
     let center = world_from_tree.transform_point3(bounds.center);
     if !(radius > 1e-4 && radius.is_finite() && center.is_finite()) {
         return None;
@@ -149,7 +155,7 @@ mod tests {
             glam::Quat::from_rotation_y(1.0),
             Vec3::new(3.0, 0.0, -5.0),
         );
-        let (map, texel) = projection(sun, &bounds, &place).unwrap();
+        let (map, texel) = projection(sun, &bounds, &place, 0.0).unwrap();
         assert!((texel - 6.0 * 1.02 / 2048.0).abs() < 1e-6);
         for direction in [
             Vec3::X,
@@ -168,6 +174,11 @@ mod tests {
             let nearer = map.project_point3(point + sun * 0.1);
             assert!(nearer.z < at.z && (nearer.truncate() - at.truncate()).length() < 1e-5);
         }
-        assert_eq!(projection(sun, &Bounds::default(), &place), None);
+        // What sways is in it, too.
+        let (map, _) = projection(sun, &bounds, &place, 0.4).unwrap();
+        let aside = place.transform_point3(bounds.center + Vec3::Y * bounds.radius) + Vec3::X * 0.4;
+        let at = map.project_point3(aside);
+        assert!(at.x.abs() <= 1.0 && at.y.abs() <= 1.0 && (0.0..=1.0).contains(&at.z));
+        assert_eq!(projection(sun, &Bounds::default(), &place, 0.0), None);
     }
 }

@@ -14,7 +14,12 @@ use super::{
 use crate::{
     sketch::{BOUNDS, GOLDEN_DEG, Letter, SelfSimilar, Stroke, Wrap},
     world::{
-        DrawSettings, DrawTool, document::Edit, lesson::Lesson, panels::PanelId, room::Quality,
+        DrawSettings, DrawTool,
+        document::Edit,
+        lesson::Lesson,
+        panels::PanelId,
+        room::Quality,
+        weather::{Light, Wind},
     },
 };
 
@@ -462,14 +467,25 @@ impl Page<'_> {
                 let name = language.words().language;
                 ui.selectable_value(&mut settings.language, language, name);
             }
-        });
-        ui.separator();
-        ui.horizontal(|ui| {
+            // All of the page is in sight without scrolling.
+            ui.separator();
             ui.label(words.quality);
             for (quality, name) in Quality::ALL.into_iter().zip(words.qualities()) {
                 ui.selectable_value(&mut settings.quality, quality, name);
             }
             ui.checkbox(&mut settings.sharp, words.sharp);
+        });
+        ui.horizontal(|ui| {
+            ui.label(words.light);
+            for (light, name) in Light::ALL.into_iter().zip(words.lights()) {
+                ui.selectable_value(&mut settings.light, light, name);
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.label(words.wind);
+            for (wind, name) in Wind::ALL.into_iter().zip(words.winds()) {
+                ui.selectable_value(&mut settings.wind, wind, name);
+            }
         });
         let room = &mut settings.room;
         for (on, name) in [
@@ -481,12 +497,15 @@ impl Page<'_> {
         ] {
             ui.checkbox(on, name);
         }
-        ui.label(words.lift);
-        let slider = Slider::new(&mut room.lift, -0.5..=1.0)
-            .clamping(SliderClamping::Edits)
-            .max_decimals(2)
-            .suffix(" m");
-        ui.add(slider);
+        ui.horizontal_wrapped(|ui| {
+            ui.label(words.lift);
+            ui.spacing_mut().slider_width *= 0.7;
+            let slider = Slider::new(&mut room.lift, -0.5..=1.0)
+                .clamping(SliderClamping::Edits)
+                .max_decimals(2)
+                .suffix(" m");
+            ui.add(slider);
+        });
         if settings != self.view.settings {
             self.wishes.push(Wish::Set(settings));
         }

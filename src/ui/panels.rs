@@ -29,6 +29,7 @@ use crate::{
         panels::{PanelId, PanelPointer},
         room::{Quality, RoomSettings},
         study::flow::{Event, Study},
+        weather::{Light, Wind},
     },
 };
 
@@ -46,6 +47,10 @@ pub struct Settings {
     pub quality: Quality,
     /// Whether a headset's pictures have all their pixels even where the device is late with them; otherwise fewer then.
     pub sharp: bool,
+    /// By what everything is lit.
+    pub light: Light,
+    /// How it blows; not at all until it is asked for.
+    pub wind: Wind,
     /// How far they have come in the tutorial: the number of the next lesson.
     pub lesson: usize,
 }

@@ -55,6 +55,7 @@ pub mod study;
 pub mod taken;
 pub mod tools;
 mod tried;
+pub mod weather;
 
 use board::{BoardParams, Buttons, Facts, LiveBoard};
 use document::{Document, Edit, EditError};

@@ -6,11 +6,13 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 use image::RgbImage;
 use ramus::app::picture::Picture;
 use ramus::app::portrait::{self, looking_at};
+use ramus::world::panels::PanelId;
 use ramus::world::room::RoomSettings;
+use ramus::world::weather::{Light, Wind};
 use ramus_xr::{Pose, View};
 
 use super::guide::{compare, far, strip};
-use super::visitor::{LEFT, Visitor};
+use super::visitor::{LEFT, RIGHT, Visitor};
 
 const SIDE: u16 = 300;
 /// Field of view, radians.
@@ -218,4 +220,31 @@ fn a_teleport_goes_where_the_ball_is_seen_to_fall() {
     let landed = draw(&mut visitor, &mut picture, landed);
     compare("room/teleport", &strip(&[aimed, landed]));
     assert_eq!(gpu.messages().count(), 0, "validation is silent");
+}
+
+#[test]
+fn light_and_wind_are_set_on_the_bench() {
+    let mut visitor = Visitor::with_tree();
+    visitor.click(RIGHT, PanelId::Bench, "Room");
+    let set = |visitor: &Visitor| {
+        let settings = visitor.workshop.settings();
+        (settings.light, settings.wind)
+    };
+    assert_eq!(
+        set(&visitor),
+        (Light::Day, Wind::Still),
+        "off until it is asked for"
+    );
+    for (text, light, wind) in [
+        ("evening", Light::Evening, Wind::Still),
+        ("breeze", Light::Evening, Wind::Breeze),
+        ("studio", Light::Studio, Wind::Breeze),
+        ("strong", Light::Studio, Wind::Strong),
+        ("day", Light::Day, Wind::Strong),
+        ("still", Light::Day, Wind::Still),
+    ] {
+        visitor.scroll_to(RIGHT, PanelId::Bench, text);
+        visitor.click(RIGHT, PanelId::Bench, text);
+        assert_eq!(set(&visitor), (light, wind), "{text}");
+    }
 }

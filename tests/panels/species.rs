@@ -1,5 +1,9 @@
 //! Species on the bench: one is begun with, grows, is set otherwise, wears another season, and is undone; one's own stand beside them.
 
+use std::path::Path;
+use std::process::Command;
+
+use image::RgbImage;
 use ramus::app::picture::Picture;
 use ramus::app::portrait;
 use ramus::app::store::Store;
@@ -12,6 +16,7 @@ use ramus::world::scene::{PlacedTree, Scene};
 
 use glam::{Vec2, Vec3};
 
+use super::guide::compare;
 use super::pictures::{draw, save, views};
 use super::visitor::{RIGHT, Visitor};
 
@@ -99,7 +104,7 @@ fn a_species_is_begun_with_set_otherwise_and_undone() {
 fn ones_own_projects_stand_beside_the_species() {
     let folder = tempfile::tempdir().unwrap();
     let [oak, elm] = ["mine", "elm"].map(|name| folder.path().join(format!("{name}.ramus")));
-    let open = |project: &std::path::Path| {
+    let open = |project: &Path| {
         Workshop::new(Store::open(project).unwrap(), WorkshopParams::default()).unwrap()
     };
     let mut drawn = Visitor::at(open(&elm));
@@ -109,7 +114,7 @@ fn ones_own_projects_stand_beside_the_species() {
     let mut visitor = Visitor::at(open(&oak));
     let broken = folder.path().join("broken.ramus");
     std::fs::write(&broken, "{").unwrap();
-    let recent = |project: &std::path::Path| Recent {
+    let recent = |project: &Path| Recent {
         project: project.to_owned(),
         picture: None,
     };
@@ -214,5 +219,39 @@ fn lines_end_and_ends_keep_away_by_sliders() {
             visitor.frame();
         }
         assert_eq!(*visitor.document(), drawn, "{label}: undone");
+    }
+}
+
+/// The guide's pictures of all species in other light; `scripts/species.sh` draws them anew.
+#[test]
+#[ignore = "grows and draws all species twice, for people"]
+fn species_in_other_light() {
+    const COLUMNS: u32 = 4;
+    const TILE: u32 = 136;
+    let folder = tempfile::tempdir().unwrap();
+    let species = [
+        "maple", "oak", "birch", "spruce", "willow", "apple", "fern", "cactus",
+    ];
+    for light in ["evening", "studio"] {
+        let mut all = RgbImage::new(COLUMNS * TILE, 2 * TILE);
+        for (at, name) in (0..).zip(species) {
+            let project = Path::new(env!("CARGO_MANIFEST_DIR"))
+                .join("assets/species")
+                .join(name)
+                .with_extension("ramus");
+            let sheet = folder.path().join(format!("{name}.png"));
+            let drawn = Command::new(env!("CARGO_BIN_EXE_ramus"))
+                .arg("export")
+                .arg(project)
+                .args(["--light", light, "--size", &TILE.to_string(), "--sheet"])
+                .arg(&sheet)
+                .output()
+                .unwrap();
+            assert!(drawn.status.success(), "{drawn:?}");
+            let tile = image::open(&sheet).unwrap().to_rgb8();
+            let [x, y] = [at % COLUMNS, at / COLUMNS].map(|place| i64::from(place * TILE));
+            image::imageops::replace(&mut all, &tile, x, y);
+        }
+        compare(&format!("species/{light}"), &all);
     }
 }

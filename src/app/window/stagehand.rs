@@ -64,7 +64,8 @@ impl<'a> Stagehand<'a> {
             world.is_growing()
                 || workshop.is_busy()
                 || workshop.is_reading()
-                || picture.is_behind(),
+                || picture.is_behind()
+                || picture.blows(),
         );
     }
 

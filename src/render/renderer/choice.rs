@@ -43,8 +43,9 @@ impl Renderer {
             } else {
                 Affine3A::default()
             };
+            let sway = [self.sway_of(placed), self.sway.flutter()];
             for chunk in upload.crowns() {
-                self.selection.crowns.add(chunk, place, views);
+                self.selection.crowns.add(chunk, place, views, sway);
             }
         }
         let (models, crowns) = self.selection.make_room()?;

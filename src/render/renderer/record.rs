@@ -66,6 +66,7 @@ impl Renderer {
             pass.commands,
             &[self.shadow.barrier(attachment, read)],
         );
+        self.shade.record(pass.commands);
     }
 
     /// Both eyes in one pass.

@@ -193,9 +193,17 @@ impl Crowns {
         self.items.is_empty()
     }
 
-    /// Adds a chunk of a tree that stands like this, seen by these eyes.
-    pub(crate) fn add(&mut self, chunk: &CrownChunk, world_from_tree: Affine3A, views: &Views) {
-        let standing = Standing::new(world_from_tree, Vec4::ZERO, false, NEAR);
+    /// Adds a chunk of a tree that stands like this, seen by these eyes; the wind moves places by so many metres at most, and leaves besides by such a part of
+    /// their length.
+    pub(crate) fn add(
+        &mut self,
+        chunk: &CrownChunk,
+        world_from_tree: Affine3A,
+        views: &Views,
+        [sway, flutter]: [f32; 2],
+    ) {
+        let mut standing = Standing::new(world_from_tree, Vec4::ZERO, false, NEAR);
+        standing.sway = sway + flutter * chunk.size * standing.scale;
         let last = self.items.last().map(|item| item.data);
         let first_group = last.map_or(0, |data| data.first_group + data.groups);
         let all = 0..chunk.kinds_count();
@@ -221,7 +229,8 @@ impl Crowns {
                 first_group,
                 groups: chunk.count.div_ceil(GROUP),
                 draw: u32::try_from(self.items.len() * KINDS).unwrap_or(u32::MAX),
-                budget: 0,
+                sway: standing.sway,
+                ..ItemData::default()
             },
         });
     }

@@ -45,6 +45,8 @@ pub struct Standing {
     pub by_grain: bool,
     /// Nothing is nearer than this, metres.
     pub near: f32,
+    /// What the wind may move it by, metres: it is seen where it may be, and as fine as where it rests.
+    pub sway: f32,
 }
 
 impl Standing {
@@ -63,6 +65,7 @@ impl Standing {
             cut,
             by_grain,
             near,
+            sway: 0.0,
         }
     }
 
@@ -87,7 +90,7 @@ impl Standing {
     #[must_use]
     pub fn is_seen(&self, sphere: Vec4, views: &Views) -> bool {
         let middle = self.world_from_model.transform_point3(sphere.truncate());
-        let radius = sphere.w * self.scale;
+        let radius = sphere.w * self.scale + self.sway;
         let within = |plane: &Vec4| plane.truncate().dot(middle) + plane.w >= -radius;
         let normal = self.cut.truncate();
         let left = normal.dot(middle) - self.cut.w <= radius * normal.length();

@@ -124,7 +124,7 @@ words! {
     divergence, golden, alternate, thirds, opposite, scale, tip_radius, millimetres, radius_exponent, wrap, wrap_carry, wrap_restart,
     letter, trunk, branch_at, self_similar, every, depth, endless, nothing_drawn, new_branches,
     bench, hide, say_divergence, say_moment, say_clear, say_clear_again,
-    layers, quality, quality_light, quality_full, quality_high, sharp, figure, turning, vignette, left_handed, lift,
+    layers, quality, quality_light, quality_full, quality_high, sharp, light, light_day, light_evening, light_studio, wind, wind_still, wind_breeze, wind_strong, figure, turning, vignette, left_handed, lift,
     lesson_start, lesson_back, lesson_skip, lesson_stop,
     learn_draw, do_draw, learn_draw_on, do_draw_on,
     learn_branch, do_branch, learn_grow, do_grow,
@@ -148,6 +148,18 @@ impl Words {
     #[must_use]
     pub fn qualities(&self) -> [&'static str; 3] {
         [self.quality_light, self.quality_full, self.quality_high]
+    }
+
+    /// By what everything may be lit.
+    #[must_use]
+    pub fn lights(&self) -> [&'static str; 3] {
+        [self.light_day, self.light_evening, self.light_studio]
+    }
+
+    /// How it may blow.
+    #[must_use]
+    pub fn winds(&self) -> [&'static str; 3] {
+        [self.wind_still, self.wind_breeze, self.wind_strong]
     }
 
     /// Names of the species, in their order.
