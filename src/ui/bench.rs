@@ -5,6 +5,8 @@ use egui::{Button, DragValue, RichText, ScrollArea, Slider, SliderClamping, Ui};
 use super::{
     models::Models,
     panels::{Recent, View, Wish},
+    planting,
+    previews::{MANY as SEEDS, Previews},
     projects::Projects,
     rules::Rules,
     species::SpeciesTab,
@@ -37,7 +39,7 @@ enum Tab {
 #[derive(Default)]
 pub(super) struct Bench {
     tab: Tab,
-    /// It asks whether the sketch is really to be cleared.
+    /// It asks whether the sketch is really to be cleared, or the planted trees uprooted.
     asks: bool,
     /// The largest moment of the growth slider while it is dragged: its end must not run from the hand.
     furthest: Option<f64>,
@@ -68,6 +70,22 @@ impl Bench {
     pub(super) fn offer(&mut self, recent: Vec<Recent>) {
         self.species.offer(recent.clone());
         self.projects = Projects::of(recent);
+    }
+
+    /// Takes pictures of individuals.
+    pub(super) fn give_previews(&mut self, given: Previews) {
+        self.species.row.give(given);
+    }
+
+    /// The seeds of the individuals that are looked at, if the tab with them is open.
+    pub(super) fn seeds_shown(&self) -> Option<[u32; SEEDS]> {
+        let is_open = self.tab == Tab::Species;
+        self.species.row.seeds().filter(|_| is_open)
+    }
+
+    /// Pictures are given to another egui with the next look.
+    pub(super) fn load_anew(&mut self) {
+        self.species.load_anew();
     }
 
     /// Offers models to be brought.
@@ -115,7 +133,7 @@ impl Bench {
                 .auto_shrink(false)
                 .show(ui, |ui| match self.tab {
                     Tab::Grow => self.grow(ui, &mut page),
-                    Tab::Draw => page.draw(ui),
+                    Tab::Draw => page.draw(ui, &mut self.asks),
                     Tab::Shape => page.shape(ui),
                     Tab::Letters => page.letters(ui),
                     Tab::Rules => self.rules.show(ui, page.view, page.wishes),
@@ -242,14 +260,23 @@ impl Page<'_> {
         self.settle_after(&answer);
     }
 
-    /// Pen and eraser, free-hand strokes, snapping and symmetry.
-    fn draw(&mut self, ui: &mut Ui) {
+    /// Pen, eraser and planting, free-hand strokes, snapping and symmetry.
+    fn draw(&mut self, ui: &mut Ui, asks: &mut bool) {
         let (words, mut draw) = (self.words, self.view.draw);
         ui.horizontal(|ui| {
             ui.selectable_value(&mut draw.tool, DrawTool::Draw, words.pen);
             ui.selectable_value(&mut draw.tool, DrawTool::Erase, words.eraser);
+            ui.selectable_value(&mut draw.tool, DrawTool::Plant, words.planter);
         });
         ui.separator();
+        if self.view.draw.tool == DrawTool::Plant {
+            let edit = planting::show(ui, self.view, words, &mut draw, asks);
+            self.wishes.extend(edit.map(Wish::Edit));
+            if draw != self.view.draw {
+                self.wishes.push(Wish::Draw(draw));
+            }
+            return;
+        }
         let lengths = [
             (&mut draw.spacing, words.spacing, DrawSettings::SPACING),
             (
