@@ -174,7 +174,13 @@ mod tests {
             let triangles = display.mesh.triangles.len();
             assert!((1000..=60_000).contains(&triangles), "{name}: {triangles}");
             assert_eq!(display.vertex_colours.len(), display.mesh.positions.len());
-            assert!(display.low.y > -0.3 && display.high.y > 0.3, "{name}");
+            // It is as high as what has grown.
+            let grown = planted(&document.sketch, document.step, 0, &never).unwrap();
+            let (low, high) = grown.bounds().unwrap();
+            let off = (display.high.y - high.y)
+                .abs()
+                .max((display.low.y - low.y).abs());
+            assert!(off < 0.1 * (high.y - low.y), "{name}: {off} m");
         }
         let cancelled = AtomicBool::new(true);
         let document = SPECIES[0].document();
