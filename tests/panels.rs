@@ -16,6 +16,7 @@ mod panels {
     mod lines;
     mod models;
     pub(crate) mod pictures;
+    mod planting;
     mod recorded;
     mod room;
     mod species;

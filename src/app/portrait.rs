@@ -114,6 +114,43 @@ pub fn of_drawing(
     Ok(left)
 }
 
+/// A device and what it draws on, for one picture after the other.
+pub(super) struct Easel {
+    // Before the device that it belongs to.
+    picture: Picture,
+    _gpu: Gpu,
+    pixels: u32,
+    drawn: u64,
+}
+
+impl Easel {
+    /// For pictures that are `pixels` wide and high, in a scenery.
+    ///
+    /// # Errors
+    /// Where no device can draw them.
+    pub(super) fn new(pixels: u32, scenery: impl Into<Scenery>) -> Result<Self> {
+        let gpu = open_gpu()?;
+        Ok(Self {
+            picture: scenery.into().picture(&gpu, pixels)?,
+            _gpu: gpu,
+            pixels,
+            drawn: 0,
+        })
+    }
+
+    /// Draws the next one, as [`of_drawing`] does with its widths set for the picture's sake.
+    ///
+    /// # Errors
+    /// As [`of_drawing`].
+    pub(super) fn draw(&mut self, drawing: Drawing) -> Result<RgbaImage> {
+        self.drawn += 1;
+        let (scene, view) = sitting(drawing, self.pixels, true, self.drawn)?;
+        self.picture.draw_whole(&scene, &[view, view], None)?;
+        let [left, _] = self.picture.read(None)?;
+        Ok(left)
+    }
+}
+
 /// Draws several, each as [`of_drawing`] does, in rows of as many as there are rows or one more; each is `pixels` wide and high.
 ///
 /// # Errors
@@ -129,17 +166,14 @@ pub fn sheet(
     let rows = count.div_ceil(columns).max(1);
     let [width, height] = [columns, rows].map(|many| many.saturating_mul(pixels));
     let mut sheet: Option<RgbaImage> = None;
-    let gpu = open_gpu()?;
-    let mut picture = scenery.into().picture(&gpu, pixels)?;
+    let mut easel = Easel::new(pixels, scenery)?;
     for (place, drawing) in (0..count).zip(drawings) {
-        let (scene, view) = sitting(Drawing::clone(drawing), pixels, true, u64::from(place) + 1)?;
-        picture.draw_whole(&scene, &[view, view], None)?;
-        let [left, _] = picture.read(None)?;
+        let drawn = easel.draw(Drawing::clone(drawing))?;
         let at = [place % columns, place / columns].map(|at| i64::from(at * pixels));
         // Places that are left over look as what is behind the others.
-        let behind = *left.get_pixel(0, 0);
+        let behind = *drawn.get_pixel(0, 0);
         let sheet = sheet.get_or_insert_with(|| RgbaImage::from_pixel(width, height, behind));
-        image::imageops::replace(sheet, &left, at[0], at[1]);
+        image::imageops::replace(sheet, &drawn, at[0], at[1]);
     }
     sheet.ok_or_else(|| anyhow!("there is no individual to draw"))
 }

@@ -5,8 +5,11 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, Result};
 
-use crate::app::export;
+use crate::app::export::{self, Format};
+use crate::app::wood;
 use crate::sketch;
+use crate::tree::Drawing;
+use crate::tree::export::{ExportParams, Extras};
 use crate::tree::file::write_atomically;
 use crate::world::World;
 use crate::world::document::Document;
@@ -41,13 +44,31 @@ pub fn summary(world: &World) -> String {
     format!("{lines} lines of {drawn} segments drawn, {grown} at step {step}")
 }
 
-/// Writes the full-size tree of the document's step.
+/// Writes the full-size tree of the document's step, with what is planted around it where a file can hold that.
 ///
 /// # Errors
 /// Where there is no tree yet or it cannot be written.
 pub fn export(document: &Document, path: &Path) -> Result<()> {
+    if holds_planted(document, path) {
+        let wood = wood::grown(document, None)?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let sides = ExportParams::default().sides;
+        let trees = wood.iter().map(|one| {
+            let Drawing { tree, organs } = &one.drawing;
+            (tree, organs, sides, one.places.as_slice())
+        });
+        let stand = wood::stand(&name, trees, Extras::default());
+        return export::stand(&stand, path).context("the planted trees were not written");
+    }
     let grown = sketch::grow(&document.sketch, document.step, &AtomicBool::new(false))?;
     export::drawing(&grown.tree, &grown.organs, path).with_context(|| "the tree was not written")
+}
+
+/// Whether a file that the tree is taken home as holds the planted ones, too: all surfaces do; a skeleton and a grammar are of one tree.
+#[must_use]
+pub fn holds_planted(document: &Document, path: &Path) -> bool {
+    let format = Format::of(path);
+    !document.grove.is_empty() && !matches!(format, Ok(Format::Swc) | Err(_))
 }
 
 /// Writes the grammar that the sketch became, to be read, edited and derived.

@@ -26,9 +26,12 @@ pub(super) enum Taken {
     Likeness(Likeness),
 }
 
+/// A file that was written and how many planted trees are in it, or why there is none.
+type Written = Result<(PathBuf, usize), String>;
+
 /// Writes what was asked for.
 pub(super) struct Takeaway {
-    worker: Worker<(Taken, PathBuf), Result<PathBuf, String>>,
+    worker: Worker<(Taken, PathBuf), Written>,
     /// Asked for and not begun: a worker would drop the older of two.
     waiting: VecDeque<(Taken, PathBuf)>,
     /// Being written.
@@ -119,14 +122,23 @@ pub(crate) fn free_name(name: &Path, ending: &str, taken: impl Fn(&Path) -> bool
 }
 
 /// What is told of a file.
-fn sentence(written: Result<PathBuf, String>) -> String {
-    written.map_or_else(
-        |problem| problem,
-        |path| format!("Written: {}", path.display()),
-    )
+fn sentence(written: Written) -> String {
+    match written {
+        Err(problem) => problem,
+        Ok((path, 0)) => format!("Written: {}", path.display()),
+        Ok((path, planted)) => {
+            format!("Written with {planted} planted trees: {}", path.display())
+        }
+    }
 }
 
-fn write(what: &Taken, path: &Path) -> Result<PathBuf, String> {
+fn write(what: &Taken, path: &Path) -> Written {
+    let planted = match what {
+        Taken::Tree(document) if take_home::holds_planted(document, path) => {
+            document.grove.plants.len()
+        }
+        _ => 0,
+    };
     let ending = path.extension().and_then(|ending| ending.to_str());
     let written = match (what, ending.unwrap_or_default()) {
         (Taken::Tree(document), "lsys") => take_home::grammar(document, path),
@@ -147,7 +159,7 @@ fn write(what: &Taken, path: &Path) -> Result<PathBuf, String> {
         }
     };
     let wrong = |error: anyhow::Error| format!("{error:#}: {}", path.display());
-    written.map(|()| path.to_owned()).map_err(wrong)
+    written.map(|()| (path.to_owned(), planted)).map_err(wrong)
 }
 
 /// Writes a tree as far as it has grown: a skeleton as it is, anything else as it is looked at.

@@ -26,16 +26,29 @@ impl<Input: Send + 'static, Output: Send + 'static> Worker<Input, Output> {
         name: &str,
         mut job: impl FnMut(&Input, &AtomicBool) -> Output + Send + 'static,
     ) -> std::io::Result<Self> {
+        Self::start_with(name, || (), move |(), input, cancel| job(input, cancel))
+    }
+
+    /// Starts the thread with something that it keeps from one job to the next and that never leaves it, such as a device.
+    ///
+    /// # Errors
+    /// Where the system gives no more threads.
+    pub fn start_with<Kept>(
+        name: &str,
+        begin: impl FnOnce() -> Kept + Send + 'static,
+        mut job: impl FnMut(&mut Kept, &Input, &AtomicBool) -> Output + Send + 'static,
+    ) -> std::io::Result<Self> {
         let (jobs, inbox) = channel::<(Input, Arc<AtomicBool>)>();
         let (outbox, results) = channel();
         let thread = std::thread::Builder::new()
             .name(name.to_owned())
             .spawn(move || {
+                let mut kept = begin();
                 while let Ok((input, cancel)) = inbox.recv() {
                     if cancel.load(Ordering::Relaxed) {
                         continue;
                     }
-                    let output = job(&input, &cancel);
+                    let output = job(&mut kept, &input, &cancel);
                     // A job that was cancelled on the way has nothing to say.
                     if !cancel.load(Ordering::Relaxed) && outbox.send(output).is_err() {
                         return;

@@ -4,6 +4,7 @@
 //! journal, its request for a tree to [`Grower`]. Trees of up to [`WorkshopParams::at_once`] segments grow within the frame, so an
 //! edit shows in the next picture; larger ones grow on the worker and are swapped in when ready.
 
+mod projects;
 mod scanned;
 
 use std::path::{Path, PathBuf};
@@ -17,8 +18,10 @@ use crate::app::abstracting::Abstracting;
 use crate::app::comparing::Comparing;
 use crate::app::convert::{buttons, input_from_frame};
 use crate::app::finding::Finding;
+use crate::app::planting::Planter;
+use crate::app::previews::Previews;
 use crate::app::scans::Scans;
-use crate::app::store::{Opened, Store, StoreError, read_project};
+use crate::app::store::{Opened, Store, StoreError};
 use crate::app::studies::Studies;
 use crate::app::study::sitting::{Keeper, Sitting};
 use crate::app::takeaway::{Takeaway, Taken};
@@ -28,9 +31,8 @@ use crate::ui::sheet::Tick;
 use crate::ui::{CompareWish, Painted, Panels, Recent, Settings, Wish};
 use crate::world::World;
 use crate::world::board::Buttons;
-use crate::world::document::{Document, Edit};
+use crate::world::document::Document;
 use crate::world::panels::PanelId;
-use crate::world::project;
 use crate::world::scene::Scene;
 use crate::world::study::flow::Study;
 
@@ -71,6 +73,8 @@ pub struct Workshop {
     finding: Finding,
     abstracting: Abstracting,
     comparing: Comparing,
+    planter: Planter,
+    previews: Previews,
     /// Time of the last frame.
     clock: Option<f64>,
     store: Option<Store>,
@@ -146,6 +150,8 @@ impl Workshop {
             finding: Finding::start()?,
             abstracting: Abstracting::start()?,
             comparing: Comparing::start()?,
+            planter: Planter::start()?,
+            previews: Previews::start()?,
             clock: None,
             world,
             store,
@@ -194,6 +200,9 @@ impl Workshop {
         self.keep_journal();
         self.keep_sitting();
         self.grow_tree();
+        self.planter.follow(&mut self.world);
+        self.previews
+            .follow(&mut self.panels, self.world.document());
         &self.pulses
     }
 
@@ -338,71 +347,6 @@ impl Workshop {
         self.stays = true;
     }
 
-    /// Saves the project and goes on with another one; where either cannot be done, this one stays.
-    fn go_on_with(&mut self, project: &Path) {
-        let there = std::path::absolute(project).ok();
-        let here = self.project().map(std::path::absolute);
-        if here.is_some_and(|here| here.ok() == there) {
-            return self.world.show_message("You are in it.".into());
-        }
-        if self.stays {
-            let told =
-                "This session is recorded, and a recording stays with one project: end it first.";
-            return self.world.show_message(told.into());
-        }
-        let told = match self.exchange(project) {
-            Ok(told) => told,
-            Err(error) => format!("{error:#}"),
-        };
-        self.world.show_message(told);
-    }
-
-    /// Begins anew with the sketch of another project; its models stay there.
-    fn take_sketch(&mut self, project: &Path) {
-        let theirs = match read_project(project) {
-            Ok(theirs) => theirs,
-            Err(error) => return self.world.show_message(error.to_string()),
-        };
-        let alone = Document {
-            models: Arc::default(),
-            linked: false,
-            ..theirs
-        };
-        let project = String::from_utf8_lossy(&project::to_bytes(&alone)).into_owned();
-        if let Err(error) = self.world.apply(Edit::TakeSpecies { project }) {
-            self.world.show_message(error.to_string());
-        }
-    }
-
-    fn exchange(&mut self, project: &Path) -> anyhow::Result<String> {
-        self.keep_journal();
-        self.save()?;
-        // Trees that are on their way belong to this world, and the next one's wishes have the same numbers.
-        let (worker, scans, studies) = (grow_worker()?, Scans::start()?, Studies::start()?);
-        let (finding, abstracting) = (Finding::start()?, Abstracting::start()?);
-        let comparing = Comparing::start()?;
-        let opened = Store::open(project)?;
-        if let Some(store) = self.store.replace(opened.store) {
-            // Everything is in the file already; what is left is the journal's end.
-            store.close(self.world.document())?;
-        }
-        let mut world = World::new(opened.history);
-        world.set_room(self.settings.room);
-        world.set_settings(self.world.settings());
-        world.take_buttons(self.world.buttons().clone());
-        self.world = world;
-        (self.worker, self.scans, self.studies) = (worker, scans, studies);
-        (self.finding, self.abstracting) = (finding, abstracting);
-        self.comparing = comparing;
-        self.growing = None;
-        (self.grower, self.saved) = (Grower::default(), self.edits);
-        self.offer_models();
-        let name = project.file_name().unwrap_or_default().to_string_lossy();
-        Ok(opened
-            .message
-            .unwrap_or_else(|| format!("Going on with {name}.")))
-    }
-
     /// Writes the tree, or its grammar, beside the project.
     fn take_home(&mut self, ending: &str) {
         let Some(store) = &self.store else {
@@ -491,13 +435,19 @@ impl Workshop {
         self.edits
     }
 
-    /// Whether a tree is growing on the worker.
+    /// Whether a tree is growing on a worker, or is being drawn for a panel.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.growing.is_some()
+        self.growing.is_some() || self.planter.is_busy() || self.previews.is_busy()
     }
 
-    /// Waits for a tree that is growing on the worker and for files that are being written, if any.
+    /// Waits for the pictures of individuals that are looked at; the next frame shows them.
+    pub fn finish_previews(&mut self) {
+        self.previews
+            .finish(&mut self.panels, self.world.document());
+    }
+
+    /// Waits for trees that are growing on workers and for files that are being written, if any.
     pub fn finish_tree(&mut self) {
         for told in self.takeaway.finish() {
             self.world.show_message(told);
@@ -507,6 +457,11 @@ impl Workshop {
         {
             self.take_tree(id, grown);
         }
+    }
+
+    /// Waits until all planted trees have grown.
+    pub fn finish_planted(&mut self) {
+        self.planter.finish(&mut self.world);
     }
 
     /// The headset is gone: strokes and drags that are under way end where they are, as when the focus goes, and the next

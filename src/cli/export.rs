@@ -30,6 +30,7 @@ mod files;
 mod grove;
 mod single;
 mod source;
+mod wood;
 
 /// Files, and individuals in one picture, at most.
 const FILES_MOST: u64 = 100_000;
@@ -83,7 +84,7 @@ pub(super) struct Args {
     /// Individuals, of as many seeds one after the other
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     count: u32,
-    /// All individuals in one file, side by side on the ground, with materials and pictures in common
+    /// All individuals in one file, side by side on the ground, with materials and pictures in common; of a project with planted trees, and no count or seed, these where they stand
     #[arg(long)]
     grove: bool,
     /// Degrees that branches of individuals are turned at most; of a sketch 12 where it has a seed or a count, else 0
@@ -129,9 +130,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
         spread,
         shoots: &shoots,
     };
-    let done = match args.grove {
-        true => grove::write(&plan, files.first().map_or(&[], Vec::as_slice))?,
-        false => single::write(&plan, &files)?,
+    let first = files.first().map_or(&[][..], Vec::as_slice);
+    let done = match (args.grove, wood::of(args, &source)) {
+        (true, Some(planted)) => wood::write(&plan, planted, first)?,
+        (true, None) => grove::write(&plan, first)?,
+        (false, _) => single::write(&plan, &files)?,
     };
     if let Some(path) = args.sheet.as_ref().filter(|_| !args.dry_run) {
         let scenery = args.light.map_or(portrait::PAPER.into(), |light| Scenery {
@@ -191,6 +194,7 @@ fn planned(args: &Args, source: &Source, spread: Spread) -> Result<(Vec<Shoot>, 
         "{all} files are too many for one command: take a smaller --count, or fewer --growth-steps"
     );
     check_grove(args)?;
+    wood::check(args, source)?;
     extras::check(args, spread)?;
     ensure!(
         spread == Spread::NONE || !args.format.contains(&Format::Lsys),

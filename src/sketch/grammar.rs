@@ -293,6 +293,9 @@ impl Sketch {
         );
         let _ = writeln!(text, "const divergence = {}", self.divergence_deg);
         self.habit.push_laws(text, self.usual());
+        if self.habit.is_lawless() && self.habit.seed != 0 && self.own_rules_may_draw() {
+            let _ = writeln!(text, "seed {}", self.habit.seed);
+        }
         text.push_str("context literal\n");
         text.push_str(match self.wrap {
             Wrap::CarryHeading => "wrap carry\n",

@@ -158,6 +158,14 @@ impl Sketch {
             .retain(|of, _| of == FURTHER || known.contains(of));
     }
 
+    /// Whether rules of one's own may draw by the sketch's seed: where there are some, and they state none.
+    pub(super) fn own_rules_may_draw(&self) -> bool {
+        let states_seed = |line: &str| line.split_whitespace().next() == Some("seed");
+        let further = self.own_rules.get(FURTHER);
+        let states = further.is_some_and(|text| text.lines().any(states_seed));
+        !self.own_rules.is_empty() && !states
+    }
+
     /// Whether a branch was drawn since then on a line whose branching a person wrote: it grows once that rule names it.
     pub(crate) fn has_branch_left_to_rules(&self, before: &Self) -> bool {
         let new = self.strokes.iter().skip(before.strokes.len());
@@ -292,6 +300,24 @@ mod tests {
         let text = with.rules_text();
         assert!(text.find("const longest").unwrap() < text.find("axiom").unwrap());
         assert!(grow(&with, 5, &AtomicBool::new(false)).is_ok());
+    }
+
+    #[test]
+    fn rules_that_draw_draw_by_the_sketchs_seed_unless_they_state_one() {
+        let rests = "A(x) > B : weight 1 -> A(x) A(x+1)\nA(x) > B : weight 1 -> A(x)";
+        let with = sketch().with_rule("A > B", Some(rests)).unwrap();
+        assert!(!with.rules_text().contains("\nseed"));
+        let nodes = |sketch: &Sketch| {
+            let grown = grow(sketch, 12, &AtomicBool::new(false)).unwrap();
+            grown.tree.len()
+        };
+        let of_seeds = |sketch: &Sketch| -> std::collections::BTreeSet<usize> {
+            (1..9).map(|seed| nodes(&sketch.with_seed(seed))).collect()
+        };
+        assert!(of_seeds(&with).len() > 2);
+        assert_eq!(of_seeds(&sketch()).len(), 1);
+        let stated = with.with_rule(FURTHER, Some("seed 5")).unwrap();
+        assert_eq!(of_seeds(&stated).len(), 1);
     }
 
     #[test]

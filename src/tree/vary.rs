@@ -20,6 +20,12 @@ pub struct Spread {
 }
 
 impl Spread {
+    /// That of the individuals of a sketch whose laws leave nothing to chance: 12° and 15 %.
+    pub const USUAL: Self = Self {
+        angle: std::f32::consts::PI / 15.0,
+        length: 0.15,
+    };
+
     /// None at all.
     pub const NONE: Self = Self {
         angle: 0.0,

@@ -5,6 +5,8 @@ use egui::{Button, DragValue, RichText, ScrollArea, Slider, SliderClamping, Ui};
 use super::{
     models::Models,
     panels::{Recent, View, Wish},
+    planting,
+    previews::{MANY as SEEDS, Previews},
     projects::Projects,
     rules::Rules,
     species::SpeciesTab,
@@ -42,7 +44,7 @@ enum Tab {
 #[derive(Default)]
 pub(super) struct Bench {
     tab: Tab,
-    /// It asks whether the sketch is really to be cleared.
+    /// It asks whether the sketch is really to be cleared, or the planted trees uprooted.
     asks: bool,
     /// The largest moment of the growth slider while it is dragged: its end must not run from the hand.
     furthest: Option<f64>,
@@ -73,6 +75,22 @@ impl Bench {
     pub(super) fn offer(&mut self, recent: Vec<Recent>) {
         self.species.offer(recent.clone());
         self.projects = Projects::of(recent);
+    }
+
+    /// Takes pictures of individuals.
+    pub(super) fn give_previews(&mut self, given: Previews) {
+        self.species.row.give(given);
+    }
+
+    /// The seeds of the individuals that are looked at, if the tab with them is open.
+    pub(super) fn seeds_shown(&self) -> Option<[u32; SEEDS]> {
+        let is_open = self.tab == Tab::Species;
+        self.species.row.seeds().filter(|_| is_open)
+    }
+
+    /// Pictures are given to another egui with the next look.
+    pub(super) fn load_anew(&mut self) {
+        self.species.load_anew();
     }
 
     /// Offers models to be brought.
@@ -120,7 +138,7 @@ impl Bench {
                 .auto_shrink(false)
                 .show(ui, |ui| match self.tab {
                     Tab::Grow => self.grow(ui, &mut page),
-                    Tab::Draw => page.draw(ui),
+                    Tab::Draw => page.draw(ui, &mut self.asks),
                     Tab::Shape => page.shape(ui),
                     Tab::Letters => page.letters(ui),
                     Tab::Rules => self.rules.show(ui, page.view, page.wishes),
@@ -247,14 +265,23 @@ impl Page<'_> {
         self.settle_after(&answer);
     }
 
-    /// Pen and eraser, free-hand strokes, snapping and symmetry.
-    fn draw(&mut self, ui: &mut Ui) {
+    /// Pen, eraser and planting, free-hand strokes, snapping and symmetry.
+    fn draw(&mut self, ui: &mut Ui, asks: &mut bool) {
         let (words, mut draw) = (self.words, self.view.draw);
         ui.horizontal(|ui| {
             ui.selectable_value(&mut draw.tool, DrawTool::Draw, words.pen);
             ui.selectable_value(&mut draw.tool, DrawTool::Erase, words.eraser);
+            ui.selectable_value(&mut draw.tool, DrawTool::Plant, words.planter);
         });
         ui.separator();
+        if self.view.draw.tool == DrawTool::Plant {
+            let edit = planting::show(ui, self.view, words, &mut draw, asks);
+            self.wishes.extend(edit.map(Wish::Edit));
+            if draw != self.view.draw {
+                self.wishes.push(Wish::Draw(draw));
+            }
+            return;
+        }
         let lengths = [
             (&mut draw.spacing, words.spacing, DrawSettings::SPACING),
             (
@@ -473,7 +500,6 @@ impl Page<'_> {
             for (quality, name) in Quality::ALL.into_iter().zip(words.qualities()) {
                 ui.selectable_value(&mut settings.quality, quality, name);
             }
-            ui.checkbox(&mut settings.sharp, words.sharp);
         });
         ui.horizontal(|ui| {
             ui.label(words.light);
@@ -487,6 +513,7 @@ impl Page<'_> {
                 ui.selectable_value(&mut settings.wind, wind, name);
             }
         });
+        ui.checkbox(&mut settings.sharp, words.sharp);
         let room = &mut settings.room;
         for (on, name) in [
             (&mut settings.layers, words.layers),

@@ -18,7 +18,9 @@ mod lines;
 mod marks;
 mod models;
 mod panels;
+mod planting;
 pub(crate) mod plot;
+mod previews;
 mod projects;
 mod rules;
 pub mod sheet;
@@ -31,6 +33,7 @@ pub use board::BoardUi;
 pub use panels::{
     AbstractionWish, CompareWish, LineWish, Panels, Recent, Settings, Thumbnail, View, Wish,
 };
+pub use previews::{Preview, Previews};
 
 /// How densely boards are laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]

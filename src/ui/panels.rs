@@ -9,6 +9,7 @@ use super::{
     LayoutParams, Painted,
     bench::Bench,
     keyboard::Keyboard,
+    previews::{MANY as SEEDS, Previews},
     sheet::{Sheet, Tick},
     study::Pictures,
     theme::{PAPER, TITLE},
@@ -21,6 +22,7 @@ use crate::{
         board::Buttons,
         comparing::{Overlay, Subject},
         document::{Document, Edit},
+        grove::Grove,
         handles::Says,
         lesson::Lesson,
         marks::Mark,
@@ -229,6 +231,7 @@ impl<'a> View<'a> {
             sketch: Arc::clone(&self.document.sketch),
             models: Arc::clone(&self.document.models),
             linked: self.document.linked,
+            grove: Arc::clone(&self.document.grove),
             read: self.world.model_changes(),
             reading: self.world.reading().map(|reading| reading.percent),
             finding: self.world.finding().map(|finding| finding.percent),
@@ -253,6 +256,7 @@ struct Key {
     sketch: Arc<Sketch>,
     models: Arc<Vec<Model>>,
     linked: bool,
+    grove: Arc<Grove>,
     /// How often models were read.
     read: u64,
     /// How far the reading of one is.
@@ -281,6 +285,7 @@ impl Key {
     fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.sketch, &other.sketch)
             && Arc::ptr_eq(&self.models, &other.models)
+            && Arc::ptr_eq(&self.grove, &other.grove)
             && (self.linked, self.read, self.looking) == (other.linked, other.read, other.looking)
             && (self.reading, self.finding) == (other.reading, other.finding)
             && (self.step, self.moment) == (other.step, other.moment)
@@ -300,6 +305,8 @@ pub struct Panels {
     /// What the sitting of a study showed last.
     study: Option<u64>,
     pictures: Pictures,
+    /// No picture is drawn.
+    is_unseen: bool,
     keyboard: Keyboard,
     typed: Vec<egui::Event>,
     wishes: Vec<Wish>,
@@ -320,6 +327,7 @@ impl Panels {
             bench: Bench::default(),
             study: None,
             pictures: Pictures::default(),
+            is_unseen: false,
             keyboard: Keyboard::default(),
             typed: Vec::new(),
             wishes: Vec::new(),
@@ -330,6 +338,7 @@ impl Panels {
     /// Says that no picture is drawn.
     pub fn unseen(&mut self) {
         self.sheets.iter_mut().for_each(Sheet::unseen);
+        self.is_unseen = true;
     }
 
     /// The picture is made anew: all is laid out and painted again. Tabs, and a rule that is being written, stay.
@@ -340,6 +349,7 @@ impl Panels {
         (self.shown, self.said, self.buttons) = (None, None, None);
         self.there = [false; 6];
         self.pictures.load_anew();
+        self.bench.load_anew();
         self.typed.clear();
     }
 
@@ -347,6 +357,19 @@ impl Panels {
     pub fn offer(&mut self, recent: Vec<Recent>) {
         self.bench.offer(recent);
         self.shown = None;
+    }
+
+    /// Gives the pictures of the individuals that are looked at.
+    pub fn give_previews(&mut self, given: Previews) {
+        self.bench.give_previews(given);
+        self.shown = None;
+    }
+
+    /// The seeds of the individuals that somebody looks at, whose pictures are wanted.
+    #[must_use]
+    pub fn seeds_shown(&self) -> Option<[u32; SEEDS]> {
+        let is_there = self.there[PanelId::Bench as usize] && !self.is_unseen;
+        is_there.then(|| self.bench.seeds_shown()).flatten()
     }
 
     /// Gives the pictures of a study's tasks.

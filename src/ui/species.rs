@@ -6,6 +6,7 @@ use egui::{ColorImage, ScrollArea, Slider, SliderClamping, TextureHandle, Textur
 
 use super::{
     panels::{Recent, View, Wish},
+    previews::Row,
     words::Words,
 };
 use crate::sketch::habit::{Habit, LAWS, MOST_BEARS};
@@ -26,6 +27,8 @@ pub(super) struct SpeciesTab {
     /// A person's own projects, with their pictures.
     own: Vec<(PathBuf, Option<TextureHandle>)>,
     recent: Vec<Recent>,
+    /// The next individuals of the tree on the platform.
+    pub(super) row: Row,
 }
 
 impl SpeciesTab {
@@ -33,6 +36,13 @@ impl SpeciesTab {
     pub(super) fn offer(&mut self, recent: Vec<Recent>) {
         self.recent = recent;
         self.own.clear();
+    }
+
+    /// Pictures are given to another egui with the next look.
+    pub(super) fn load_anew(&mut self) {
+        self.pictures.clear();
+        self.own.clear();
+        self.row.load_anew();
     }
 
     /// Lays the tab out.
@@ -79,6 +89,7 @@ impl SpeciesTab {
             wishes,
         };
         page.individual(ui);
+        self.row.show(ui, view, words, page.wishes);
         page.laws(ui);
         ui.separator();
         page.dress(ui);

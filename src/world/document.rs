@@ -13,6 +13,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::grove::{self, Grove, Plant};
 use super::model::{self, Model, ModelError};
 use super::project;
 use super::taken::TakenLine;
@@ -114,6 +115,8 @@ pub struct Document {
     pub models: Arc<Vec<Model>>,
     /// Whether the platform and all models turn together.
     pub linked: bool,
+    /// Trees that are planted on the stage.
+    pub grove: Arc<Grove>,
 }
 
 impl Default for Document {
@@ -125,6 +128,7 @@ impl Default for Document {
             selected: NodeRef::ROOT,
             models: Arc::default(),
             linked: false,
+            grove: Arc::default(),
         }
     }
 }
@@ -255,6 +259,16 @@ pub enum Edit {
         /// Its project file.
         project: String,
     },
+    /// Plants trees of the one on the platform, as one action.
+    Plant {
+        /// Each with its place; what kind they say is not looked at.
+        trees: Vec<Plant>,
+    },
+    /// Takes planted trees away, as one action.
+    Uproot {
+        /// Their numbers, from 0, in the order in which they were planted.
+        trees: Vec<u32>,
+    },
 }
 
 impl Edit {
@@ -293,10 +307,12 @@ impl Edit {
                 }
             }
             Self::SetHabit { to } => **to = to.quantized(),
+            Self::Plant { trees } => trees.iter_mut().for_each(|tree| *tree = tree.quantized()),
             Self::Select { .. }
             | Self::DeleteNode { .. }
             | Self::Clear
             | Self::TakeSpecies { .. }
+            | Self::Uproot { .. }
             | Self::SetStep { .. }
             | Self::SetSelfSimilar { .. }
             | Self::ForgetRadii { .. }
@@ -322,6 +338,8 @@ impl Edit {
                 | Self::SetSizes { .. }
                 | Self::ForgetRadii { .. }
                 | Self::SetWrap { .. }
+                | Self::Plant { .. }
+                | Self::Uproot { .. }
         )
     }
 }
@@ -357,6 +375,38 @@ pub enum EditError {
     /// A line that is taken starts at one that is not before it.
     #[error("a line that is taken must start at the selected node or at a line before it")]
     NoLine,
+    /// A planted tree's place is NaN, infinite or far out.
+    #[error(
+        "a tree cannot be planted there: its place must be finite and within {} m of the stage's middle",
+        grove::FARTHEST
+    )]
+    PlantPlace,
+    /// A planted tree that no grove has.
+    #[error(
+        "a planted tree must be one of {} individuals of a kind that is there, {} to {} times as large as it grew",
+        grove::INDIVIDUALS,
+        grove::SIZES[0],
+        grove::SIZES[1]
+    )]
+    Plant,
+    /// Too many planted trees.
+    #[error(
+        "{} trees are planted, and there is room for no more: uproot some first",
+        grove::PLANTS_MOST
+    )]
+    GroveFull,
+    /// Too many kinds of planted trees.
+    #[error(
+        "the grove is of {} different trees, and there is room for no other: uproot all of one first",
+        grove::KINDS_MOST
+    )]
+    GroveKinds,
+    /// A planted tree that is not there.
+    #[error("there is no planted tree to take away")]
+    NoPlant,
+    /// Nothing on the platform to plant.
+    #[error("there is nothing to plant yet: draw a tree or choose a species, and let it grow")]
+    NothingToPlant,
     /// Nothing to draw.
     #[error("a stroke needs at least one segment")]
     EmptyStroke,
@@ -414,6 +464,7 @@ impl Document {
             Edit::Clear => {
                 next.selected = NodeRef::ROOT;
                 next.step = 0;
+                next.grove = Arc::new(self.grove.kept(&self.sketch, self.step));
                 Some(sketch.clear())
             }
             Edit::SetStep { step } => {
@@ -457,7 +508,19 @@ impl Document {
                     .map_err(|error| EditError::Species(error.to_string()))?;
                 next.selected = species.selected;
                 next.step = species.step;
+                next.grove = Arc::new(self.grove.kept(&self.sketch, self.step));
                 Some(Sketch::clone(&species.sketch))
+            }
+            Edit::Plant { trees } => {
+                if self.step == 0 || sketch.is_empty() {
+                    return Err(EditError::NothingToPlant);
+                }
+                next.grove = Arc::new(self.grove.with(&trees)?);
+                None
+            }
+            Edit::Uproot { trees } => {
+                next.grove = Arc::new(self.grove.without(&trees)?);
+                None
             }
         };
         if let Some(mut sketch) = changed {
@@ -524,6 +587,7 @@ impl Document {
             .into());
         }
         model::validate(&self.models)?;
+        self.grove.validate()?;
         self.platform.validate()
     }
 }

@@ -93,6 +93,7 @@ impl Tools {
             }
             Hover::Panel(on) => self.carry(hand, on.id),
             Hover::Handle { id, .. } => self.take_handle(hand, id, true, history),
+            Hover::Ground(on) => self.begin_uprooting(hand, on),
             Hover::Nothing => return,
         }
         self.show(history);
@@ -101,7 +102,7 @@ impl Tools {
     /// The grip comes up: what it holds is let go; what the trigger holds is not.
     pub(super) fn open(&mut self, hand: usize, history: &mut History) {
         match self.hands[hand].hold {
-            Hold::Stroke | Hold::Panel { .. } => {}
+            Hold::Stroke | Hold::Planting | Hold::Panel { .. } => {}
             Hold::Handle(_) => self.let_go_of_handle(hand, true, history),
             _ => self.release(hand, history),
         }
@@ -116,7 +117,7 @@ impl Tools {
                 self.hands[hand].hold = Hold::Nothing;
                 self.settle(history);
             }
-            Hold::Stroke => self.finish_stroke(hand, history),
+            Hold::Stroke | Hold::Planting | Hold::Uprooting => self.finish_stroke(hand, history),
             Hold::Node(_) => {
                 let held = self.node_in(hand, &history.committed().sketch);
                 self.hands[hand].hold = Hold::Nothing;
@@ -191,9 +192,11 @@ impl Tools {
     pub(super) fn show(&mut self, history: &History) {
         let committed = &*self.tried.over(history.committed());
         self.models.seen = Arc::clone(&history.committed().models);
+        self.planted.follow(history.committed());
         let (models, platform) = self.arranged(committed, self.platform_in_hand());
         self.shown.models = models;
         self.shown.linked = committed.linked;
+        self.shown.grove = self.grove_in_hand(committed);
         if platform != self.shown.platform {
             self.shown.platform = platform;
             self.miniature

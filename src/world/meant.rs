@@ -87,6 +87,10 @@ impl Tools {
             };
             along = Some(met);
         }
+        if let Some(on) = self.ground_meant(pointer, along) {
+            nearest = Hover::Ground(on);
+            along = Some(on.along);
+        }
         match self.panels.find(hand, pointer) {
             Some(on) if along.is_none_or(|along| on.along <= along) => return Hover::Panel(on),
             _ => {}

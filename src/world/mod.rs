@@ -14,6 +14,7 @@ use glam::{Affine3A, Vec3};
 use crate::sketch::{Grown, Sketch};
 
 pub mod abstracting;
+mod at_hand;
 pub mod board;
 pub mod branches;
 pub mod comparing;
@@ -21,6 +22,7 @@ pub mod document;
 #[cfg(test)]
 mod document_tests;
 mod grip;
+pub mod grove;
 mod growth;
 pub mod handles;
 pub mod hands;
@@ -40,6 +42,8 @@ mod miniature;
 pub mod model;
 pub mod models;
 pub mod panels;
+pub mod planted;
+mod planting;
 mod play;
 pub mod project;
 pub mod room;
@@ -75,6 +79,7 @@ use tools::{Hover, Tools};
 pub use grip::GripParams;
 pub use growth::{GrowthParams, TreeRequest};
 pub use hold::HoldParams;
+pub use planting::PlantParams;
 pub use play::PlayParams;
 pub use settings::{DrawSettings, DrawTool};
 pub use tools::{Haptic, Met, ToolParams};
@@ -562,6 +567,7 @@ impl World {
         let branches = [0, 1].map(|hand| self.tools.branch_meant(hand));
         models.draw_lines(both, branches, head, scene);
         self.draw_overlay(document, scene);
+        self.tools.draw_grove(palette, stage, scene);
         let highlights = self.tools.hands.map(|hand| match (hand.hold, hand.hover) {
             (tools::Hold::Node(at), _) | (_, Hover::Node { at, .. }) => Some(at),
             _ => None,
@@ -635,6 +641,7 @@ impl World {
             | Hover::End { along, .. }
             | Hover::Branch { along, .. }
             | Hover::Handle { along, .. } => (along, palette.ray_hit),
+            Hover::Ground(on) => (on.along, palette.ray_hit),
             Hover::Panel(on) => (on.along, palette.ray_hit),
             Hover::Nothing => (stage.ray_length, palette.ray),
         };

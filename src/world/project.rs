@@ -15,6 +15,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::document::{Document, EditError, Placement};
+use super::grove::{Grove, Kind, Plant};
 use super::model::Model;
 use crate::sketch::{
     Habit, Letter, NodeRef, OwnRules, SelfSimilar, Sketch, Stroke, Wrap, own_rules::by_name,
@@ -26,8 +27,8 @@ const FORMAT: &str = "ramus-project";
 /// The newest version this program reads, all older ones too. It writes the oldest that says all: a project
 /// without curves and rules of one's own can be read by a program that knows none.
 const VERSION: u64 = 6;
-/// The first version in which lines have an end and ends keep away from other wood.
-const LENGTH: u64 = 6;
+/// The first version with planted trees, lines that end, and ends that keep away from other wood.
+const GROVE: u64 = 6;
 /// The first version in which trees have a habit.
 const HABIT: u64 = 5;
 /// The first version in which strokes have radii.
@@ -90,8 +91,7 @@ struct Head {
 struct File {
     #[serde(rename = "format")]
     _format: String,
-    #[serde(rename = "version")]
-    _version: u64,
+    version: u64,
     #[serde(rename = "needs")]
     _needs: String,
     step: u32,
@@ -113,6 +113,11 @@ struct File {
     linked: bool,
     #[serde(default)]
     models: Vec<Model>,
+    /// Since version [`GROVE`]: projects of one tree.
+    #[serde(default)]
+    kinds: Vec<File>,
+    #[serde(default)]
+    plants: Vec<Plant>,
     strokes: Vec<FileStroke>,
 }
 
@@ -141,8 +146,8 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     let has_models = !document.models.is_empty() || document.linked;
     let thick = sketch.strokes.iter().any(|stroke| !stroke.radii.is_empty());
     let has_habit = *sketch.habit != Habit::default();
-    let version = if sketch.habit.has_later_laws() {
-        LENGTH
+    let version = if !document.grove.is_empty() || sketch.habit.has_later_laws() {
+        GROVE
     } else if has_habit {
         HABIT
     } else if thick {
@@ -186,6 +191,7 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
         }
         text.push_str("\n  ],\n");
     }
+    push_grove(&mut text, &document.grove);
     text.push_str("  \"strokes\": [\n");
     for (number, stroke) in (1..).zip(&sketch.strokes) {
         text.push_str("    {\n");
@@ -220,6 +226,37 @@ pub fn to_bytes(document: &Document) -> Vec<u8> {
     }
     text.push_str("  ]\n}\n");
     text.into_bytes()
+}
+
+/// Planted trees, one a line, and those trees that they are of beside the one on the platform: each a project of its own.
+fn push_grove(text: &mut String, grove: &Grove) {
+    if grove.is_empty() {
+        return;
+    }
+    for (number, kind) in grove.kinds.iter().enumerate() {
+        text.push_str(if number == 0 {
+            "  \"kinds\": [\n    "
+        } else {
+            ",\n    "
+        });
+        let alone = Document {
+            sketch: Arc::clone(&kind.sketch),
+            step: kind.step,
+            ..Document::default()
+        };
+        let project = to_bytes(&alone);
+        let project = String::from_utf8_lossy(&project);
+        text.push_str(&project.trim_end().replace('\n', "\n    "));
+    }
+    if !grove.kinds.is_empty() {
+        text.push_str("\n  ],\n");
+    }
+    text.push_str("  \"plants\": [");
+    for (number, plant) in grove.plants.iter().enumerate() {
+        text.push_str(if number == 0 { "\n    " } else { ",\n    " });
+        push_json(text, plant);
+    }
+    text.push_str("\n  ],\n");
 }
 
 fn field(text: &mut String, indent: usize, name: &str, value: &impl Serialize) {
@@ -275,7 +312,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
             head.version
         )));
     }
-    if head.version < LENGTH && file.habit.as_ref().is_some_and(Habit::has_later_laws) {
+    if head.version < GROVE && file.habit.as_ref().is_some_and(Habit::has_later_laws) {
         return Err(ProjectError::Malformed(format!(
             "version {} has no laws `length`, `reach`, `peak`, `crowd`",
             head.version
@@ -293,8 +330,31 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
             head.version
         )));
     }
+    if head.version < GROVE && !(file.plants.is_empty() && file.kinds.is_empty()) {
+        return Err(ProjectError::Malformed(format!(
+            "version {} has no planted trees",
+            head.version
+        )));
+    }
+    let holds_more = |kind: &File| {
+        !(kind.models.is_empty() && kind.kinds.is_empty() && kind.plants.is_empty())
+            || !(PLAIN..=VERSION).contains(&kind.version)
+    };
+    if file.kinds.iter().any(holds_more) {
+        return Err(ProjectError::Malformed(
+            "a kind of planted tree is a project of one tree alone".to_owned(),
+        ));
+    }
     let document = document_from_file(file);
     document.validate()?;
+    for kind in &document.grove.kinds {
+        let alone = Document {
+            sketch: Arc::clone(&kind.sketch),
+            step: kind.step,
+            ..Document::default()
+        };
+        alone.validate()?;
+    }
     Ok(document)
 }
 
@@ -315,6 +375,14 @@ fn malformed(error: &serde_json::Error) -> ProjectError {
 
 /// The document a file describes, on the grid but not yet checked.
 fn document_from_file(file: File) -> Document {
+    let kinds = file.kinds.into_iter().map(|kind| {
+        let Document { sketch, step, .. } = document_from_file(kind);
+        Kind { sketch, step }
+    });
+    let grove = Grove {
+        kinds: kinds.collect(),
+        plants: file.plants.iter().map(Plant::quantized).collect(),
+    };
     let strokes = file.strokes.into_iter().map(|stroke| {
         let radii = stroke.radii.unwrap_or_default();
         let mut stroke = Stroke {
@@ -346,5 +414,6 @@ fn document_from_file(file: File) -> Document {
         selected: file.selected,
         models: Arc::new(file.models.iter().map(Model::quantized).collect()),
         linked: file.linked,
+        grove: Arc::new(grove),
     }
 }

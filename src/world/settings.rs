@@ -23,6 +23,8 @@ pub enum DrawTool {
     Measure(Measuring),
     /// It chooses branches of centerlines.
     Branch,
+    /// It plants trees on the ground.
+    Plant,
 }
 
 /// How drawing acts. Lengths are metres in the hand, on the stage: a larger platform draws more finely.
@@ -49,6 +51,10 @@ pub struct DrawSettings {
     pub next_end: Kind,
     /// Whether endpoints snap to the middle of the tube that they are on.
     pub snap_ends: bool,
+    /// Distance between trees that one pull plants, 0.3 to 20 m at full size.
+    pub plant_spacing: f32,
+    /// By what part of its size a planted tree is larger or smaller at most, 0 to 0.6.
+    pub plant_vary: f32,
 }
 
 impl Default for DrawSettings {
@@ -64,6 +70,8 @@ impl Default for DrawSettings {
             mirror_symmetry: false,
             next_end: Kind::Source,
             snap_ends: true,
+            plant_spacing: 4.0,
+            plant_vary: 0.2,
         }
     }
 }
@@ -75,6 +83,11 @@ impl DrawSettings {
     pub const TOLERANCE: [f32; 2] = [0.0, 0.1];
     /// Smallest and largest snapping angle, degrees.
     pub const SNAP_ANGLE_DEG: [f32; 2] = [5.0, 90.0];
+
+    /// Smallest and largest distance between planted trees, metres.
+    pub const PLANT_SPACING: [f32; 2] = [0.3, 20.0];
+    /// Smallest and largest variation of their size.
+    pub const PLANT_VARY: [f32; 2] = [0.0, 0.6];
 
     /// These within their bounds; what is no number becomes the default.
     #[must_use]
@@ -92,6 +105,12 @@ impl DrawSettings {
                 .snap_angle_deg
                 .filter(|angle| !angle.is_nan())
                 .map(|angle| within(angle, angle, Self::SNAP_ANGLE_DEG)),
+            plant_spacing: within(
+                self.plant_spacing,
+                default.plant_spacing,
+                Self::PLANT_SPACING,
+            ),
+            plant_vary: within(self.plant_vary, default.plant_vary, Self::PLANT_VARY),
             symmetry: self.symmetry.clamp(1, Symmetry::TURNS_MOST),
             ..*self
         }
@@ -144,6 +163,8 @@ mod tests {
                 tolerance: value,
                 smoothing: value,
                 snap_angle_deg: Some(value),
+                plant_spacing: value,
+                plant_vary: value,
                 symmetry: 0,
                 ..default
             };
@@ -151,6 +172,8 @@ mod tests {
             assert!((0.01..=0.5).contains(&checked.spacing), "{value}");
             assert!((0.0..=0.1).contains(&checked.tolerance), "{value}");
             assert!((0.0..=1.0).contains(&checked.smoothing), "{value}");
+            assert!((0.3..=20.0).contains(&checked.plant_spacing), "{value}");
+            assert!((0.0..=0.6).contains(&checked.plant_vary), "{value}");
             assert!(
                 checked
                     .snap_angle_deg

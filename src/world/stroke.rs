@@ -204,8 +204,9 @@ impl Tools {
         self.pulse(hand, self.params.haptics.choose);
     }
 
-    /// Ends the stroke in a hand where it is now: one edit.
+    /// Ends the stroke in a hand where it is now, of the pen or of the brush that plants: one edit.
     pub(super) fn finish_stroke(&mut self, hand: usize, history: &mut History) {
+        self.finish_brush(hand, history);
         let edit = self.pens[hand].edit();
         let full = self.pens[hand].path.is_full();
         self.pens[hand].rest();
@@ -222,7 +223,10 @@ impl Tools {
     /// Ends the strokes in the hands where they are now.
     pub(super) fn finish_strokes(&mut self, history: &mut History) {
         for hand in 0..self.hands.len() {
-            if self.hands[hand].hold == Hold::Stroke {
+            if matches!(
+                self.hands[hand].hold,
+                Hold::Stroke | Hold::Planting | Hold::Uprooting
+            ) {
                 self.finish_stroke(hand, history);
             }
         }

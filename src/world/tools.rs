@@ -17,15 +17,16 @@
 
 use glam::Vec3;
 
-use crate::mesh::pick::Hit;
 use crate::sketch::{BOUNDS, MAX_SEGMENTS, NodeRef, Predictor, SketchError, point};
 
+pub use super::at_hand::Met;
+pub(super) use super::at_hand::{Hold, Hover};
 pub use super::haptics::{Haptic, HapticParams};
 
 use super::{
     document::{Document, Edit},
     grip::PlatformGrip,
-    handles::{HandleId, HandleParams, Handles},
+    handles::{HandleParams, Handles},
     hands::{Buttons, Edge, Edges, HandParams, Sample, checked, sample},
     history::History,
     hold::{Held, HoldParams},
@@ -33,7 +34,9 @@ use super::{
     input::{HandInput, Input, Pose},
     miniature::Miniature,
     models::Models,
-    panels::{OnPanel, PanelId, PanelParams, Panels},
+    panels::{PanelParams, Panels},
+    planted::Planted,
+    planting::{Brush, PlantParams},
     settings::{DrawSettings, DrawTool},
     snap,
     stage::{Palette, StageParams},
@@ -62,6 +65,8 @@ pub struct ToolParams {
     pub panels: PanelParams,
     /// The lever, the wheel and the stump.
     pub handles: HandleParams,
+    /// Planting.
+    pub plant: PlantParams,
 }
 
 /// How drawing acts.
@@ -98,76 +103,6 @@ impl Default for DrawParams {
     }
 }
 
-/// What a hand is at.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) enum Hover {
-    #[default]
-    Nothing,
-    /// A node, so many metres along the ray (0: touched).
-    Node { at: NodeRef, along: f32 },
-    /// The platform's rim, so many metres along the ray (0: touched).
-    Rim { along: f32 },
-    /// A scanned model or its pedestal, so many metres along the ray (0: touched), and the place of its surface, from the mesh's origin.
-    Model {
-        at: usize,
-        along: f32,
-        spot: Option<Hit>,
-    },
-    /// An endpoint of a scanned model, so many metres along the ray (0: touched).
-    End { model: usize, at: usize, along: f32 },
-    /// A branch of a model's centerlines, so many metres along the ray (0: touched).
-    Branch {
-        model: usize,
-        branch: usize,
-        along: f32,
-    },
-    /// A panel.
-    Panel(OnPanel),
-    /// The lever, the wheel or the stump, so many metres along the ray (0: touched).
-    Handle { id: HandleId, along: f32 },
-}
-
-/// What a hand holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) enum Hold {
-    #[default]
-    Nothing,
-    Node(NodeRef),
-    Platform,
-    /// A scanned model, by its number.
-    Model(usize),
-    /// An endpoint of one.
-    End {
-        model: usize,
-        at: usize,
-    },
-    /// A panel, pressed by the trigger or by the tip.
-    Panel {
-        id: PanelId,
-        poked: bool,
-    },
-    /// A panel that is carried, with its centre in the hand's frame, metres.
-    Carried {
-        id: PanelId,
-        offset: Vec3,
-    },
-    /// The lever or the wheel.
-    Handle(HandleId),
-    /// A free-hand stroke in progress.
-    Stroke,
-}
-
-/// What a ray meets.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Met {
-    /// Where, metres on the stage: a node's centre, else the point on the ray.
-    pub place: Vec3,
-    /// A hand that points there uses it with the trigger; else the trigger draws as if nothing was there.
-    pub takes_trigger: bool,
-    /// The thumbstick up and down scrolls it.
-    pub scrolls: bool,
-}
-
 /// One hand between frames.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Hand {
@@ -201,22 +136,6 @@ struct Next {
     snapped: bool,
 }
 
-impl Hover {
-    /// Metres along the ray; none where there is nothing.
-    pub(super) fn along(self) -> Option<f32> {
-        match self {
-            Self::Nothing => None,
-            Self::Node { along, .. }
-            | Self::Rim { along }
-            | Self::Model { along, .. }
-            | Self::End { along, .. }
-            | Self::Branch { along, .. }
-            | Self::Handle { along, .. } => Some(along),
-            Self::Panel(on) => Some(on.along),
-        }
-    }
-}
-
 /// The head, if it is somewhere.
 fn head_of(input: &Input, params: &HandParams) -> Option<Pose> {
     checked(&input.head, params)
@@ -240,6 +159,7 @@ pub(super) struct Tools {
     pub(super) palette: Palette,
     pub(super) hands: [Hand; 2],
     pub(super) pens: [Pen; 2],
+    pub(super) brushes: [Brush; 2],
     pub(super) platform: Option<PlatformGrip>,
     /// The document with what the hands hold.
     pub(super) shown: Document,
@@ -248,6 +168,7 @@ pub(super) struct Tools {
     pub(super) panels: Panels,
     pub(super) handles: Handles,
     pub(super) models: Models,
+    pub(super) planted: Planted,
     /// An edit that is tried out, and the document as it would be: a slider that is dragged, the lever, a tree that plays.
     pub(super) tried: Tried,
     pub(super) haptics: Vec<Haptic>,
@@ -277,6 +198,7 @@ impl Tools {
             palette,
             hands: [Hand::default(); 2],
             pens: Default::default(),
+            brushes: Default::default(),
             platform: None,
             shown: document.clone(),
             held: None,
@@ -284,6 +206,7 @@ impl Tools {
             panels: Panels::new(params.panels, &stage),
             handles: Handles::default(),
             models: Models::default(),
+            planted: Planted::default(),
             tried: Tried::default(),
             haptics: Vec::new(),
             predictor: Predictor::default(),
@@ -330,6 +253,7 @@ impl Tools {
             }
         });
         self.follow_pens(edges.map(|edges| edges.trigger == Edge::Up), history);
+        self.follow_brushes(history);
         self.show(history);
         for (hand, edges) in edges.into_iter().enumerate() {
             self.hands[hand].hover = self.find(hand);
@@ -393,7 +317,11 @@ impl Tools {
                 !matches!(before, Hover::Branch { model: other, branch: before, .. } if (other, before) == (model, branch))
             }
             // Panels tick by themselves.
-            Hover::Panel(_) | Hover::Rim { .. } | Hover::Model { .. } | Hover::Nothing => false,
+            Hover::Panel(_)
+            | Hover::Rim { .. }
+            | Hover::Model { .. }
+            | Hover::Ground(_)
+            | Hover::Nothing => false,
         };
         let told = self.haptics.iter().any(|haptic| haptic.hand == hand);
         if (found || snapped && !was_snapped) && !told {
@@ -442,6 +370,8 @@ impl Tools {
                 Hold::Platform
                 | Hold::Model(_)
                 | Hold::Stroke
+                | Hold::Planting
+                | Hold::Uprooting
                 | Hold::Panel { .. }
                 | Hold::Carried { .. }
                 | Hold::Handle(_),
@@ -460,6 +390,7 @@ impl Tools {
             {
                 self.delete_end(hand, model, at, history);
             }
+            (Hold::Nothing, Hover::Ground(on)) => self.use_ground(hand, on, history),
             (Hold::Nothing, hover) if self.is_marking() => self.pull_at(hand, hover, history),
             (Hold::Nothing, hover) if self.params.settings.tool == DrawTool::Branch => {
                 self.pull_at_branch(hand, hover);
@@ -477,7 +408,8 @@ impl Tools {
                 | Hover::Model { .. }
                 | Hover::End { .. }
                 | Hover::Branch { .. },
-            ) => self.draw(hand, history),
+            ) if self.params.settings.tool == DrawTool::Plant => self.miss_ground(hand),
+            (Hold::Nothing, _) => self.draw(hand, history),
         }
     }
 

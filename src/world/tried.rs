@@ -67,6 +67,7 @@ impl Tried {
 fn same(a: &Document, b: &Document) -> bool {
     std::sync::Arc::ptr_eq(&a.sketch, &b.sketch)
         && std::sync::Arc::ptr_eq(&a.models, &b.models)
+        && std::sync::Arc::ptr_eq(&a.grove, &b.grove)
         && (a.step, a.platform, a.selected, a.linked) == (b.step, b.platform, b.selected, b.linked)
 }
 

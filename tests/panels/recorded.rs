@@ -16,7 +16,7 @@ use ramus_xr::session as recorded;
 use ramus_xr::simulated::Simulated;
 
 use super::lessons::{does, draw, rest};
-use super::visitor::{LEFT, Visitor};
+use super::visitor::{LEFT, RIGHT, Visitor};
 
 /// What must be done before a tool can be used.
 fn before(lesson: Lesson) -> &'static [Lesson] {
@@ -123,6 +123,31 @@ fn turns(visitor: &mut Visitor) {
     }
 }
 
+/// Grows the tree, plants a row and a single one, and uproots that.
+fn plants(visitor: &mut Visitor) {
+    for lower in [true, false, true, false] {
+        visitor.frame.hands[RIGHT].lower = lower;
+        visitor.frame();
+    }
+    sets(visitor, "Draw", "Plant");
+    let at = |visitor: &mut Visitor, x: f32, z: f32| {
+        let from = Vec3::new(0.3, 1.3, -0.2);
+        let ahead = (Vec3::new(x, 0.0, z) - from).normalize();
+        visitor.tip_to_along(RIGHT, from + ahead * 0.1, ahead);
+    };
+    at(visitor, 1.5, -4.0);
+    visitor.pull(RIGHT, true);
+    for n in 0..=20_u8 {
+        at(visitor, 1.5 + 0.3 * f32::from(n), -4.0 - 0.3 * f32::from(n));
+    }
+    visitor.pull(RIGHT, false);
+    at(visitor, -2.0, -5.0);
+    visitor.pull(RIGHT, true);
+    visitor.pull(RIGHT, false);
+    visitor.grip(RIGHT, true);
+    visitor.grip(RIGHT, false);
+}
+
 /// What a person does with it.
 type Hands = fn(&mut Visitor);
 
@@ -130,7 +155,7 @@ type Hands = fn(&mut Visitor);
 type Made = fn(&Document, &Workshop) -> bool;
 
 /// Tools that no lesson teaches: name, hands, and what they make.
-const OTHERS: [(&str, Hands, Made); 4] = [
+const OTHERS: [(&str, Hands, Made); 5] = [
     ("eraser", erases, |made, _| {
         made.sketch.strokes[0].points.len() == 1
     }),
@@ -139,6 +164,7 @@ const OTHERS: [(&str, Hands, Made); 4] = [
         trunk.len() == 3 && trunk[2].x == trunk[1].x
     }),
     ("mirror", mirrors, |made, _| made.sketch.strokes.len() == 3),
+    ("planting", plants, |made, _| made.grove.plants.len() == 3),
     ("turning", turns, |_, workshop| {
         let room = workshop.world().stage_from_room();
         let (_, turn, place) = room.to_scale_rotation_translation();

@@ -101,6 +101,7 @@ impl Visitor {
         let felt = self.workshop.update(&self.frame).to_vec();
         self.felt.extend(felt);
         self.workshop.finish_tree();
+        self.workshop.finish_planted();
     }
 
     pub(crate) fn place(&mut self, id: PanelId) -> (Affine3A, Vec2) {

@@ -9,6 +9,7 @@ use super::*;
 
 mod extras;
 mod home;
+mod planted;
 mod whole;
 
 const LILY: &str = concat!(

@@ -16,7 +16,7 @@ use crate::app::export;
 use crate::cli::print_result;
 use crate::cli::progress::Progress;
 use crate::tree::Drawing;
-use crate::tree::export::{ExportParams, Individual, Stand, grove};
+use crate::tree::export::{ExportParams, Individual, Place, Stand, grove};
 
 /// Bytes that the trees of a grove may take in memory, before there is any surface.
 const BYTES_MOST: u64 = 2 << 30;
@@ -53,10 +53,9 @@ pub(super) fn write(plan: &Plan<'_>, files: &[File]) -> Result<Done> {
                 trees: (1..)
                     .zip(trees.iter().zip(&places))
                     .map(|(number, (one, at))| Individual {
-                        name: format!("tree-{number}"),
+                        places: vec![Place::at(format!("tree-{number}"), *at)],
                         tree: &one.drawing.tree,
                         organs: &one.drawing.organs,
-                        at: *at,
                         params: ExportParams { sides: one.sides },
                     })
                     .collect(),

@@ -13,14 +13,12 @@ use crate::lsystem::Grammar;
 use crate::sketch::{self, Grown};
 use crate::tree::Drawing;
 use crate::tree::vary::{Spread, varied};
-
-/// How far the individuals of a sketch differ where nothing else is said: degrees and percent.
-const OWN_SPREAD: [f32; 2] = [12.0, 15.0];
+use crate::world::document::Document;
 
 /// What is grown.
 pub(super) enum Source {
     Grammar(Box<Grammar>, String),
-    Sketch(Arc<sketch::Sketch>, u32),
+    Sketch(Box<Document>),
 }
 
 /// Reads the file.
@@ -49,23 +47,23 @@ pub(super) fn source(args: &Args) -> Result<Source> {
         step > 0,
         "{name} was left at step 0, where no tree has grown yet: give --steps, or grow it in the workshop first"
     );
-    Ok(Source::Sketch(document.sketch, step))
+    Ok(Source::Sketch(Box::new(Document { step, ..document })))
 }
 
 /// How far individuals differ besides what a grammar draws.
 pub(super) fn spread(args: &Args, source: &Source) -> Spread {
     let own = match source {
         // Where its laws draw by the seed, they make the individuals.
-        Source::Sketch(sketch, _)
-            if sketch.habit.is_lawless() && (args.count > 1 || args.seed.is_some()) =>
+        Source::Sketch(document)
+            if document.sketch.habit.is_lawless() && (args.count > 1 || args.seed.is_some()) =>
         {
-            OWN_SPREAD
+            Spread::USUAL
         }
-        _ => [0.0, 0.0],
+        _ => Spread::NONE,
     };
     Spread {
-        angle: args.angles.unwrap_or(own[0]).to_radians(),
-        length: args.lengths.unwrap_or(own[1]) / 100.0,
+        angle: args.angles.map_or(own.angle, f32::to_radians),
+        length: args.lengths.map_or(own.length, |percent| percent / 100.0),
     }
 }
 
@@ -74,7 +72,7 @@ impl Source {
     pub(super) fn steps(&self, args: &Args) -> Result<u32> {
         let stated = match self {
             Self::Grammar(grammar, _) => args.steps.or(grammar.steps()),
-            Self::Sketch(_, step) => Some(*step),
+            Self::Sketch(document) => Some(document.step),
         };
         let name = args.file.display();
         stated.ok_or_else(|| anyhow!("{name} states no number of steps: give --steps"))
@@ -130,8 +128,8 @@ pub(super) fn grown(
             }
             (drawing, text)
         }
-        Source::Sketch(sketch, left) => {
-            let step = &step.unwrap_or(*left);
+        Source::Sketch(document) => {
+            let (sketch, step) = (&document.sketch, &step.unwrap_or(document.step));
             let one_of_many = args.count > 1 || args.seed.is_some();
             let individual = if one_of_many && !sketch.habit.is_lawless() {
                 sketch.with_seed(folded(seed))

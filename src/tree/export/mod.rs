@@ -11,6 +11,8 @@ pub mod grove;
 mod instances;
 mod names;
 mod obj;
+pub mod painted;
+mod place;
 mod ply;
 mod surface;
 mod swc;
@@ -21,6 +23,7 @@ mod wind;
 
 pub use glb::{Glb, glb};
 pub use obj::{Obj, obj};
+pub use place::Place;
 pub use ply::Ply;
 pub use swc::{Swc, swc};
 pub use usd::Usd;
@@ -33,14 +36,12 @@ use super::{Organs, Tree};
 /// A tree of a file.
 #[derive(Clone, Debug)]
 pub struct Individual<'a> {
-    /// Its name among the others.
-    pub name: String,
+    /// Where it stands, each time under another name; not empty.
+    pub places: Vec<Place>,
     /// The skeleton.
     pub tree: &'a Tree,
     /// What it carries.
     pub organs: &'a Organs,
-    /// Where its own zero stands in the file, metres.
-    pub at: Vec3,
     /// How its tubes are written.
     pub params: ExportParams,
 }
@@ -70,7 +71,7 @@ pub struct Stand<'a> {
     pub name: String,
     /// Each has a node of its own below it; one that is no grove *is* the node on top.
     pub is_grove: bool,
-    /// One, or those of the grove.
+    /// One, or those of the grove. One that stands in several places is once in GLB and USD, whose other places name it.
     pub trees: Vec<Individual<'a>>,
     /// What is written besides.
     pub extras: Extras,
@@ -84,10 +85,9 @@ impl<'a> Stand<'a> {
             name: name.to_owned(),
             is_grove: false,
             trees: vec![Individual {
-                name: name.to_owned(),
+                places: vec![Place::at(name.to_owned(), Vec3::ZERO)],
                 tree,
                 organs,
-                at: Vec3::ZERO,
                 params: *params,
             }],
             extras: Extras::default(),
@@ -99,7 +99,8 @@ impl<'a> Stand<'a> {
     }
 
     fn segments(&self) -> usize {
-        self.trees.iter().map(|one| one.tree.segment_count()).sum()
+        let of = |one: &Individual<'_>| one.tree.segment_count() * one.places.len();
+        self.trees.iter().map(of).sum()
     }
 }
 

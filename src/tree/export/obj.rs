@@ -7,8 +7,8 @@
 
 use std::io::{self, Write};
 
-use super::surface::{Costs, Group, Matter, Standing, standing};
-use super::{ExportParams, Stand, TREE};
+use super::surface::{Costs, Group, Matter, Standing, everywhere, standing};
+use super::{ExportParams, Place, Stand, TREE};
 use crate::tree::organs::{Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
 
@@ -59,6 +59,7 @@ impl<'a> Obj<'a> {
                 Costs {
                     vertex: VERTEX_BYTES,
                     instance: 0,
+                    once: false,
                 },
             )?,
             segments: stand.segments(),
@@ -70,7 +71,7 @@ impl<'a> Obj<'a> {
     /// # Errors
     /// What `out` fails in.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let what = match self.trees.len() {
+        let what = match everywhere(&self.trees).count() {
             1 => "a tree".to_owned(),
             trees => format!("{trees} trees"),
         };
@@ -86,13 +87,13 @@ impl<'a> Obj<'a> {
             vertex: 1,
             coordinate: 1,
         };
-        for one in &self.trees {
+        for (one, place) in everywhere(&self.trees) {
             // One word, since some readers end a name at the first space.
-            let name = one
+            let name = place
                 .name
                 .replace(|c: char| c.is_whitespace() || c.is_control(), "_");
             writeln!(out, "o {name}")?;
-            vertices(one, painted, out)?;
+            vertices(one, place, painted, out)?;
             for group in &one.surface.groups {
                 faces(one, group, &first, out)?;
                 first.vertex += group.vertices as u64;
@@ -111,12 +112,17 @@ struct First {
     coordinate: u64,
 }
 
-fn vertices(one: &Standing<'_>, painted: bool, out: &mut dyn Write) -> io::Result<()> {
+fn vertices(
+    one: &Standing<'_>,
+    place: &Place,
+    painted: bool,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let surface = &one.surface;
     for group in &surface.groups {
         surface.each(group.matter, |part, _| {
             for (at, position) in part.positions.iter().enumerate() {
-                let [x, y, z] = one.placed(*position);
+                let [x, y, z] = place.placed(*position);
                 if !painted {
                     writeln!(out, "v {x} {y} {z}")?;
                     continue;
@@ -137,7 +143,7 @@ fn vertices(one: &Standing<'_>, painted: bool, out: &mut dyn Write) -> io::Resul
     // Five digits are finer than any shading shows and halve the file.
     for group in &surface.groups {
         surface.each(group.matter, |part, _| {
-            let mut lines = part.normals.iter();
+            let mut lines = part.normals.iter().map(|normal| place.turned(*normal));
             lines.try_for_each(|[x, y, z]| writeln!(out, "vn {x:.5} {y:.5} {z:.5}"))
         })?;
     }

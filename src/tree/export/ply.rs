@@ -7,7 +7,7 @@ use std::io::{self, Write};
 
 use bytemuck::{Pod, Zeroable, cast_slice};
 
-use super::surface::{Costs, Standing, standing};
+use super::surface::{Costs, Standing, everywhere, standing};
 use super::{ExportParams, Stand, TREE};
 use crate::tree::organs::{Colour, Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
@@ -66,6 +66,7 @@ impl<'a> Ply<'a> {
                 Costs {
                     vertex: bytes,
                     instance: 0,
+                    once: false,
                 },
             )?,
         })
@@ -77,11 +78,14 @@ impl<'a> Ply<'a> {
     /// What `out` fails in.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let groups = || {
-            let trees = self.trees.iter();
-            trees.flat_map(|one| one.surface.groups.iter().map(move |group| (one, group)))
+            let trees = everywhere(&self.trees);
+            trees.flat_map(|(one, place)| {
+                let groups = one.surface.groups.iter();
+                groups.map(move |group| (one, place, group))
+            })
         };
-        let vertices: usize = groups().map(|(_, group)| group.vertices).sum();
-        let indices: usize = groups().map(|(_, group)| group.indices).sum();
+        let vertices: usize = groups().map(|(_, _, group)| group.vertices).sum();
+        let indices: usize = groups().map(|(_, _, group)| group.indices).sum();
         write!(
             out,
             "ply\nformat binary_little_endian 1.0\ncomment Ramus {}: metres, Y up\nelement vertex {vertices}\n",
@@ -100,11 +104,11 @@ impl<'a> Ply<'a> {
         )?;
         let bark = eight_bits(bark_colour());
         let mut made: Vec<Vertex> = Vec::with_capacity(AT_ONCE);
-        for (one, group) in groups() {
+        for (one, place, group) in groups() {
             one.surface.each(group.matter, |part, _| {
                 let vertex = |at: usize| Vertex {
-                    position: one.placed(part.positions[at]).map(f32::to_le_bytes),
-                    normal: part.normals[at].map(f32::to_le_bytes),
+                    position: place.placed(part.positions[at]).map(f32::to_le_bytes),
+                    normal: place.turned(part.normals[at]).map(f32::to_le_bytes),
                     uv: part
                         .uvs
                         .get(at)
@@ -121,7 +125,7 @@ impl<'a> Ply<'a> {
         }
         let mut made: Vec<Face> = Vec::with_capacity(AT_ONCE);
         let mut first = 0;
-        for (one, group) in groups() {
+        for (one, _, group) in groups() {
             one.surface.each(group.matter, |part, before| {
                 let (triangles, _) = part.indices.as_chunks::<3>();
                 let face = |at: usize| Face {

@@ -11,7 +11,7 @@ use glam::Vec3;
 use super::instances::{Run, runs};
 use super::unfold::Unfolding;
 use super::wind::Bending;
-use super::{ExportParams, Extras, Individual, MOST_BYTES, PART, Stand};
+use super::{ExportParams, Extras, Individual, MOST_BYTES, PART, Place, Stand};
 use crate::tree::mesh::{SIDES, TubeMesh, mesh, vertices_per_segment};
 use crate::tree::organs::{
     Colour, LookTable, OrganMesh, Organist, Organs, look_of, paint_segments, refined, refined_len,
@@ -90,18 +90,24 @@ pub(super) struct Budget {
 /// A tree's surface, and where in a file it stands.
 #[derive(Debug)]
 pub(super) struct Standing<'a> {
-    /// Of the tree among others.
-    pub(super) name: String,
-    /// Metres from where the file counts from.
-    pub(super) at: Vec3,
+    /// At least one.
+    pub(super) places: Vec<Place>,
     pub(super) surface: Surface<'a>,
 }
 
 impl Standing<'_> {
-    /// A position where it stands.
-    pub(super) fn placed(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        [x + self.at.x, y + self.at.y, z + self.at.z]
+    /// The name of the tree, which is that of its first place.
+    pub(super) fn name(&self) -> &str {
+        self.places.first().map_or("", |place| &place.name)
     }
+}
+
+/// Each tree with each of its places.
+pub(super) fn everywhere<'a, 'b>(
+    trees: &'b [Standing<'a>],
+) -> impl Iterator<Item = (&'b Standing<'a>, &'b Place)> {
+    let trees = trees.iter();
+    trees.flat_map(|one| one.places.iter().map(move |place| (one, place)))
 }
 
 /// What things take in a file at most, bytes.
@@ -110,6 +116,8 @@ pub(super) struct Costs {
     pub(super) vertex: u64,
     /// What is placed and has no triangles of its own; 0 where the format has no such.
     pub(super) instance: u64,
+    /// Whether a tree that stands in several places is written once.
+    pub(super) once: bool,
 }
 
 /// The surfaces of all trees of a file, or why they cannot be written.
@@ -128,17 +136,16 @@ pub(super) fn standing<'a>(
         let mut surface = Surface::new(one, extras, format, costs, &mut budget)?;
         surface.measure(&mut budget)?;
         let standing = Standing {
-            name: one.name.clone(),
-            at: one.at,
+            places: one.places.clone(),
             surface,
         };
-        let corners = standing
-            .surface
-            .groups
-            .iter()
-            .flat_map(|group| group.bounds);
-        let mut corners = corners.map(|corner| standing.placed(corner));
-        match corners.all(|corner| Vec3::from(corner).is_finite()) {
+        let groups = standing.surface.groups.iter();
+        let mut corners = groups.flat_map(|group| group.bounds);
+        let is_finite = |corner: [f32; 3]| {
+            let mut places = standing.places.iter();
+            places.all(|place| Vec3::from(place.placed(corner)).is_finite())
+        };
+        match corners.all(is_finite) {
             true => Ok(standing),
             false => Err(TreeError::TooWide),
         }
@@ -218,6 +225,12 @@ impl<'a> Surface<'a> {
         let most = tubes.saturating_add(carried);
         let instances = costs.instance.saturating_mul(apart as u64);
         let bytes = most.saturating_mul(costs.vertex).saturating_add(instances);
+        let times = if costs.once {
+            1
+        } else {
+            one.places.len() as u64
+        };
+        let bytes = bytes.saturating_mul(times);
         let Some(left) = budget.bytes.checked_sub(bytes) else {
             return Err(TreeError::TooLarge {
                 format,

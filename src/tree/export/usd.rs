@@ -10,8 +10,8 @@ use std::io::{self, Write};
 
 use super::instances::Run;
 use super::names::{identifier, identifiers, name, unlike_identifier};
-use super::surface::{Costs, Group, Matter, Standing, Surface, standing};
-use super::{ExportParams, Stand, TREE};
+use super::surface::{Costs, Group, Matter, Standing, Surface, everywhere, standing};
+use super::{ExportParams, Place, Stand, TREE};
 use crate::tree::bark::Bark;
 use crate::tree::organs::{Organs, bark_colour};
 use crate::tree::{Tree, TreeError};
@@ -24,6 +24,7 @@ use instancer::Site;
 const COSTS: Costs = Costs {
     vertex: 70 + 40 + 40 + 2 * 50,
     instance: 4 + 45 + 45 + 40,
+    once: true,
 };
 /// Numbers on a line.
 const LINE: usize = 12;
@@ -101,13 +102,11 @@ impl<'a> Usd<'a> {
     /// What `out` fails in.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let name = &self.name;
-        let segments: usize = self
-            .trees
-            .iter()
-            .map(|one| one.surface.tree.segment_count())
-            .sum();
+        let trees = || everywhere(&self.trees);
+        let segments = trees().map(|(one, _)| one.surface.tree.segment_count());
+        let segments: usize = segments.sum();
         let (what, kind) = match self.is_grove {
-            true => (format!("{} trees", self.trees.len()), "group"),
+            true => (format!("{} trees", trees().count()), "group"),
             false => ("a tree".to_owned(), "component"),
         };
         write!(
@@ -117,6 +116,7 @@ impl<'a> Usd<'a> {
         )?;
         for standing in &self.trees {
             self.tree(standing, out)?;
+            self.further(standing, out)?;
         }
         writeln!(out, "    def Scope \"materials\"\n    {{")?;
         for material in &self.materials {
@@ -129,13 +129,14 @@ impl<'a> Usd<'a> {
     fn tree(&self, standing: &Standing<'_>, out: &mut dyn Write) -> io::Result<()> {
         let surface = &standing.surface;
         let inside = if self.is_grove { "        " } else { "    " };
-        if self.is_grove {
+        if let Some(place) = standing.places.first().filter(|_| self.is_grove) {
             write!(
                 out,
-                "    def Xform \"{}\" (\n        kind = \"component\"\n    )\n    {{\n        double3 xformOp:translate = {}\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n\n",
-                identifier(&standing.name),
-                triple(&standing.at.to_array()),
+                "    def Xform \"{}\" (\n        kind = \"component\"\n    )\n    {{\n",
+                identifier(&place.name)
             )?;
+            stand_at(place, out)?;
+            writeln!(out)?;
         }
         let mut taken = identifiers(surface);
         for (group, name) in surface.groups.iter().zip(&taken) {
@@ -143,7 +144,7 @@ impl<'a> Usd<'a> {
         }
         let mut above = format!("/{}", self.name);
         if self.is_grove {
-            above += &format!("/{}", identifier(&standing.name));
+            above += &format!("/{}", identifier(standing.name()));
         }
         let same = |a: &Run, b: &Run| a.paint.material == b.paint.material;
         for runs in surface.runs.chunk_by(same) {
@@ -160,6 +161,22 @@ impl<'a> Usd<'a> {
             instancer::write(surface, runs, &site, out)?;
         }
         if self.is_grove {
+            writeln!(out, "    }}\n")?;
+        }
+        Ok(())
+    }
+
+    /// Its further places: the same tree by a reference, so that programs keep one of it.
+    fn further(&self, standing: &Standing<'_>, out: &mut dyn Write) -> io::Result<()> {
+        let first = identifier(standing.name());
+        for place in standing.places.iter().skip(1) {
+            write!(
+                out,
+                "    def Xform \"{}\" (\n        instanceable = true\n        kind = \"component\"\n        prepend references = </{}/{first}>\n    )\n    {{\n",
+                identifier(&place.name),
+                self.name
+            )?;
+            stand_at(place, out)?;
             writeln!(out, "    }}\n")?;
         }
         Ok(())
@@ -297,6 +314,22 @@ impl Material {
 
 /// Behind a list whose numbers are each of one vertex.
 const VERTEX: &str = " (\n            interpolation = \"vertex\"\n        )";
+
+/// Says where a tree stands: moved, turned about the vertical and sized, the last first.
+fn stand_at(place: &Place, out: &mut dyn Write) -> io::Result<()> {
+    let at = triple(&place.at.to_array());
+    writeln!(out, "        double3 xformOp:translate = {at}")?;
+    let mut order = String::from("\"xformOp:translate\"");
+    if !place.is_plain() {
+        let (yaw, size) = (place.yaw_deg, triple(&[place.size; 3]));
+        write!(
+            out,
+            "        float xformOp:rotateY = {yaw}\n        float3 xformOp:scale = {size}\n"
+        )?;
+        order += ", \"xformOp:rotateY\", \"xformOp:scale\"";
+    }
+    writeln!(out, "        uniform token[] xformOpOrder = [{order}]")
+}
 
 fn triple([x, y, z]: &[f32; 3]) -> String {
     format!("({x}, {y}, {z})")

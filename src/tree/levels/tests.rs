@@ -196,7 +196,7 @@ proptest! {
     #[test]
     fn what_is_not_edited_stays(seed in any::<u64>(), edited in any::<prop::sample::Index>(), more in 0_usize..40) {
         let choices: Vec<(u8, u16)> = (0..30_000)
-            .map(|at| runs::stirred(seed, at).to_le_bytes())
+            .map(|at| stirred(seed, at).to_le_bytes())
             .map(|bytes| (bytes[0], u16::from_le_bytes([bytes[1], bytes[2]])))
             .collect();
         let before = ordered(&tree(&choices), 9);

@@ -69,7 +69,7 @@ pub(super) const WORDS: Words = Words {
     quality_light: "leicht",
     quality_full: "voll",
     quality_high: "fein",
-    sharp: "immer scharf",
+    sharp: "alle Pixel, auch zu spät",
     light: "Licht",
     light_day: "Tag",
     light_evening: "Abend",
@@ -293,6 +293,18 @@ pub(super) const WORDS: Words = Words {
     leaf_every: "m Abstand",
     leaf_droop: "hängend",
     leaf_young: "Schritte alt",
+    more_individuals: "Weitere",
+    plant_them: "Anpflanzen",
+    all_alike: "An dieser Skizze ist nichts dem Zufall überlassen, darum sind alle Exemplare gleich: unten die Triebe sich schlängeln oder die Äste streuen lassen.",
+    grow_first: "Lass den Baum wachsen, dann stehen hier seine nächsten Exemplare.",
+    no_pictures: "Von den Exemplaren gibt es keine Bilder",
+    planter: "Pflanzen",
+    plant_how: "Abzug: pflanzt einen Baum, wohin du am Boden zeigst oder wo du die Plattform berührst; weiterbewegt eine Reihe. Griff: entwurzelt.",
+    plant_spacing: "Abstand der Bäume",
+    plant_vary: "Größen weichen ab um",
+    planted: "Bäume gepflanzt",
+    uproot_all: "Alle entwurzeln",
+    really_uproot: "Wirklich alle entwurzeln",
     tab_models: "Modelle",
     models_here: "Modelle neben dem Projekt",
     no_models_here: "GLB-, OBJ-, PLY-, STL- oder VTP-Dateien neben das Projekt oder in dessen Ordner models legen.",
@@ -374,6 +386,31 @@ pub(super) fn part(name: &str) -> String {
 
 /// What the world says, English and German; `{}` stands for what is said in between, which stays in its order.
 pub(super) const SAID: &[(&str, &str)] = &[
+    // Planting.
+    (
+        "Trees are planted on the ground: point at it, or touch the platform.",
+        "Bäume werden auf den Boden gepflanzt: darauf zeigen oder die Plattform berühren.",
+    ),
+    (
+        "there is nothing to plant yet: draw a tree or choose a species, and let it grow",
+        "es gibt noch nichts zu pflanzen: einen Baum zeichnen oder eine Art wählen und wachsen lassen",
+    ),
+    (
+        "{} trees are planted, and there is room for no more: uproot some first",
+        "{} Bäume sind gepflanzt, für mehr ist kein Platz: zuerst welche entwurzeln",
+    ),
+    (
+        "the grove is of {} different trees, and there is room for no other: uproot all of one first",
+        "der Hain hat {} verschiedene Bäume, für andere ist kein Platz: zuerst alle von einem entwurzeln",
+    ),
+    (
+        "The planted trees cannot grow: {}.",
+        "Die gepflanzten Bäume können nicht wachsen: {}.",
+    ),
+    (
+        "Written with {} planted trees: {}",
+        "Mit {} gepflanzten Bäumen geschrieben: {}",
+    ),
     // Comparisons.
     (
         "A tree of {} segments is not compared here: write it as a file and give it to `ramus compare`.",

@@ -40,7 +40,7 @@ pub(super) fn root(file: &Gltf) -> gltf::Node<'_> {
 }
 
 /// All positions of a node and of what is below it.
-fn positions(file: &Gltf, node: &gltf::Node<'_>, above: Mat4) -> Vec<Vec3> {
+pub(super) fn positions(file: &Gltf, node: &gltf::Node<'_>, above: Mat4) -> Vec<Vec3> {
     let place = above * Mat4::from_cols_array_2d(&node.transform().matrix());
     let mut all = Vec::new();
     for primitive in node.mesh().iter().flat_map(|mesh| mesh.primitives()) {

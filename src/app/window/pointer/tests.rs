@@ -289,3 +289,60 @@ proptest! {
         prop_assert!(aside < 1e-3, "always on the cursor's ray");
     }
 }
+
+#[test]
+fn the_brush_plants_under_the_cursor_and_the_right_button_uproots() {
+    use crate::app::convert::input_from_frame;
+    use crate::world::panels::PanelId;
+    use crate::world::species::SPECIES;
+    use crate::world::{DrawSettings, DrawTool, World, history::History};
+    use ramus_xr::Frame;
+
+    let mut world = World::new(History::new(SPECIES[0].document()));
+    world.show_panel(PanelId::Bench, false);
+    world.set_settings(DrawSettings {
+        tool: DrawTool::Plant,
+        ..world.settings()
+    });
+    let mut pointer = pointer();
+    let mut frame = Frame::start();
+    let mut go_on = |pointer: &mut Pointer, world: &mut World| {
+        while pointer.is_busy() {
+            let ray = pointer.ray(SIZE);
+            let facts = Facts {
+                met: world.met(ray.origin, ray.direction),
+                ..facts()
+            };
+            frame.time += FRAME;
+            frame.hands[1] = pointer.step(FRAME, SIZE, &facts);
+            world.update(&input_from_frame(&frame));
+        }
+    };
+    let click = |pointer: &mut Pointer, button| {
+        pointer.take(Act::Button(button, true));
+        pointer.take(Act::Button(button, false));
+    };
+    let mut wanted = Vec::new();
+    for at in [Vec2::new(1150.0, 560.0), Vec2::new(200.0, 500.0)] {
+        pointer.take(Act::Moved(at));
+        go_on(&mut pointer, &mut world);
+        let ray = pointer.ray(SIZE);
+        let foot = ray.at(-ray.origin.y / ray.direction.y);
+        wanted.push(Vec2::new(foot.x, foot.z));
+        click(&mut pointer, Button::Trigger);
+        go_on(&mut pointer, &mut world);
+    }
+    let planted = |world: &World| -> Vec<Vec2> {
+        let plants = &world.document().grove.plants;
+        plants.iter().map(|plant| plant.at).collect()
+    };
+    let stand = planted(&world);
+    assert_eq!(stand.len(), 2);
+    for (is, wanted) in stand.iter().zip(&wanted) {
+        assert!(is.distance(*wanted) < 0.01, "{is} {wanted}");
+    }
+    // The cursor is at the foot of the last one still.
+    click(&mut pointer, Button::Squeeze);
+    go_on(&mut pointer, &mut world);
+    assert_eq!(planted(&world), stand[..1]);
+}

@@ -5,9 +5,9 @@
 use glam::Vec3;
 use serde_json::{Value, json};
 
-use super::super::Stand;
 use super::super::names::names;
 use super::super::surface::{Group, Matter, Standing, Surface};
+use super::super::{Place, Stand};
 use super::growth::Animated;
 use super::placed::{EXTENSION, Shared};
 use super::{Piece, What};
@@ -67,15 +67,20 @@ impl Document {
                 below.extend(parts);
                 continue;
             }
-            let mut node = json!({ "name": standing.name, "extras": extras });
-            // An empty list is not allowed.
-            if !parts.is_empty() {
-                node["children"] = json!(parts);
+            for (number, place) in standing.places.iter().enumerate() {
+                // A node has one parent, so each further place has nodes of its own with the same meshes.
+                let parts = match number {
+                    0 => parts.clone(),
+                    _ => document.again(&parts),
+                };
+                let mut node = json!({ "name": place.name, "extras": extras });
+                // An empty list is not allowed.
+                if !parts.is_empty() {
+                    node["children"] = json!(parts);
+                }
+                stand_at(&mut node, place);
+                below.push(add(&mut document.nodes, node));
             }
-            if standing.at != Vec3::ZERO {
-                node["translation"] = json!(standing.at.to_array());
-            }
-            below.push(add(&mut document.nodes, node));
         }
         document.nodes[0]["children"] = json!(below);
         document.animation();
@@ -92,7 +97,7 @@ impl Document {
             let mut primitive = self.primitive(number, surface, group);
             let (targets, steps) = self.targets(number, surface, group);
             let weights = vec![0.0; targets.len()];
-            let mut mesh = json!({ "name": format!("{}-{name}", standing.name) });
+            let mut mesh = json!({ "name": format!("{}-{name}", standing.name()) });
             if !targets.is_empty() {
                 primitive["targets"] = json!(targets);
                 mesh["weights"] = json!(weights);
@@ -107,6 +112,29 @@ impl Document {
         }
         parts.extend(self.placed(number, standing, &mut names));
         parts
+    }
+
+    /// The same nodes once more, and what is below them.
+    fn again(&mut self, nodes: &[usize]) -> Vec<usize> {
+        let mut made = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            let Some(mut copy) = self.nodes.get(*node).cloned() else {
+                continue;
+            };
+            let children = copy.get("children").and_then(Value::as_array);
+            let children: Vec<usize> = children
+                .into_iter()
+                .flatten()
+                .filter_map(|child| usize::try_from(child.as_u64()?).ok())
+                .collect();
+            if !children.is_empty() {
+                copy["children"] = json!(self.again(&children));
+            }
+            let number = add(&mut self.nodes, copy);
+            self.animates_as(*node, number);
+            made.push(number);
+        }
+        made
     }
 
     /// A group's triangles.
@@ -301,6 +329,19 @@ impl Document {
 pub(super) fn add(list: &mut Vec<Value>, value: Value) -> usize {
     list.push(value);
     list.len() - 1
+}
+
+/// Says where a node stands, where that is not where its parent does.
+fn stand_at(node: &mut Value, place: &Place) {
+    if place.at != Vec3::ZERO {
+        node["translation"] = json!(place.at.to_array());
+    }
+    if place.yaw_deg != 0.0 {
+        node["rotation"] = json!(place.turn().to_array());
+    }
+    if place.size != 1.0 {
+        node["scale"] = json!([place.size, place.size, place.size]);
+    }
 }
 
 /// What bark is called in a file.

@@ -54,6 +54,14 @@ impl Document {
         }
     }
 
+    /// Lets a node move as another one, where that moves.
+    pub(super) fn animates_as(&mut self, other: usize, node: usize) {
+        let known = self.animated.0.iter().find(|(of, _)| *of == other);
+        if let Some((_, targets)) = known.copied() {
+            self.animates(node, targets);
+        }
+    }
+
     /// The animation of all nodes, if there is any.
     pub(super) fn animation(&mut self) {
         let animated = std::mem::take(&mut self.animated.0);

@@ -127,6 +127,7 @@ impl<'a> Glb<'a> {
         let costs = Costs {
             vertex: VERTEX_BYTES + wind + MORPH_BYTES * u64::from(extras.morphs),
             instance: Place::BYTES,
+            once: true,
         };
         let trees = standing(stand, "GLB", costs)?;
         let document = Document::of(stand, &trees)?;
