@@ -52,9 +52,9 @@ pub fn planted(
 ) -> Result<Drawing, SketchError> {
     let seed = u32::from(individual) + 1;
     let drawing = of_seed(sketch, step, seed, cancel)?;
-    Ok(match sketch.habit.is_lawless() {
-        true => varied(&drawing, u64::from(seed), Spread::USUAL),
-        false => drawing,
+    Ok(match sketch.habit.has_chance() {
+        true => drawing,
+        false => varied(&drawing, u64::from(seed), Spread::USUAL),
     })
 }
 
@@ -144,7 +144,7 @@ fn fewer(mut drawing: Drawing) -> Drawing {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
     use super::*;
-    use crate::sketch::{Letter, NodeRef};
+    use crate::sketch::{Habit, Letter, NodeRef};
     use crate::world::species::SPECIES;
     use glam::Vec3;
 
@@ -157,7 +157,13 @@ mod tests {
         let (plain, _) = plain.add_segments(at, &[Vec3::new(0.2, 0.4, 0.0)]).unwrap();
         let fern = SPECIES.iter().find(|one| one.name == "fern").unwrap();
         let fern = fern.document();
-        for (sketch, step) in [(&plain, 4), (&*fern.sketch, fern.step)] {
+        // A law that ends lines draws nothing.
+        let ends = Habit {
+            length: 3.0,
+            ..Habit::default()
+        };
+        let ended = plain.with_habit(ends).unwrap();
+        for (sketch, step) in [(&plain, 4), (&ended, 4), (&*fern.sketch, fern.step)] {
             let of = |sketch: &Sketch, number| planted(sketch, step, number, &never).unwrap();
             assert_eq!(of(sketch, 3), of(&sketch.with_seed(77), 3));
             assert_ne!(of(sketch, 3).tree.position, of(sketch, 4).tree.position);

@@ -263,7 +263,7 @@ mod tests {
     use crate::world::{
         World,
         history::History,
-        weather::{Light, Wind},
+        scene::weather::{Light, Wind},
     };
 
     fn workshop() -> Workshop {

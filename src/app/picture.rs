@@ -20,8 +20,8 @@ use crate::render::{
 use crate::ui::words::Language;
 use crate::ui::{BoardUi, Painted};
 use crate::world::room::Quality;
+use crate::world::scene::weather::{Gusts, Light, Wind};
 use crate::world::scene::{PlacedModel, PlacedTree, Scene};
-use crate::world::weather::{Gusts, Light, Wind};
 
 /// Where frames go.
 enum Images {
@@ -456,7 +456,8 @@ impl Picture {
         }
     }
 
-    /// Waits for the last draw and reads what both eyes see (of the runtime's images: those that `acquired` names).
+    /// Waits for the last draw and reads what both eyes see (of the runtime's images: those that `acquired` names; where only a part was drawn, see
+    /// [`Self::hold_rate`], the rest is nothing).
     ///
     /// # Errors
     /// [`RenderError`] where the device fails.

@@ -10,8 +10,8 @@ use ramus_xr::{Fov, Frame, Pose, View};
 use crate::app::picture::Picture;
 use crate::render::{Backdrop, Gpu, GpuParams, Headless};
 use crate::tree::{Drawing, radii};
+use crate::world::scene::weather::Light;
 use crate::world::scene::{PlacedTree, Scene};
-use crate::world::weather::Light;
 
 /// How a tree is placed for its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -21,13 +21,17 @@ const TOO_LONG: f64 = 0.90;
 const AIM: f64 = 0.80;
 const SHORT: f64 = 0.75;
 
-/// How large pictures are.
-#[derive(Clone, Debug)]
+/// No screen's period is shorter.
+const SHORTEST: Duration = Duration::from_millis(1);
+
+/// How large pictures are.#[derive(Clone, Debug)]
 pub(super) struct Rate {
     sixteenths: u32,
     late: u32,
     early: u32,
     under_way: u32,
+    /// The screen's own period; zero before it is known.
+    period: Duration,
 }
 
 impl Default for Rate {
@@ -37,13 +41,24 @@ impl Default for Rate {
             late: 0,
             early: 0,
             under_way: 0,
+            period: Duration::ZERO,
         }
     }
 }
 
 impl Rate {
-    /// Takes how long the device worked on the last frame that is done.
+    /// The screen's own period: a runtime that is late tells two or three of them (Monado's pacing does), and that is no reason to be content.
+    fn base(&mut self, told: Duration) -> Duration {
+        let known = self.period.as_secs_f64();
+        if self.period < SHORTEST || told.as_secs_f64() < 1.5 * known {
+            self.period = told;
+        }
+        self.period
+    }
+
+    /// Takes how long the device worked on the last frame that is done, and how long the runtime says that one is shown.
     pub(super) fn take(&mut self, worked: Duration, period: Duration) {
+        let period = self.base(period);
         if self.under_way > 0 {
             self.under_way -= 1;
             return;
@@ -157,6 +172,22 @@ mod tests {
         assert_eq!(down.last(), Some(&10));
         let up = after(&mut rate, 0.0, 0.5, 2000);
         assert!(up.is_sorted() && up.last() == Some(&16));
+    }
+
+    /// A runtime that shows each picture twice while they are late.
+    #[test]
+    fn a_period_that_doubles_is_still_the_old_one() {
+        let mut rate = Rate::default();
+        after(&mut rate, 0.1, 0.5, 20);
+        for _ in 0..40 {
+            rate.take(PERIOD.mul_f64(1.9), 2 * PERIOD);
+        }
+        assert_eq!(rate.sixteenths, 10);
+        // Another rate of the screen's, slower by less than twice, is another period.
+        for _ in 0..2000 {
+            rate.take(PERIOD.mul_f64(0.3), PERIOD.mul_f64(1.25));
+        }
+        assert_eq!((rate.sixteenths, rate.period), (16, PERIOD.mul_f64(1.25)));
     }
 
     #[test]

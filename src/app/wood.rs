@@ -3,6 +3,7 @@
 //! Files count from the foot of the tree on the platform, so that it stands at zero, and what is planted around it as on the stage.
 
 use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::{Result, anyhow, ensure};
 use glam::Vec3;
@@ -41,20 +42,21 @@ struct Wanted {
 /// # Errors
 /// What cannot be grown, or that it is too much for one file.
 pub fn grown(document: &Document, season: Option<Season>) -> Result<Vec<Standing>> {
-    let made: Vec<Standing> = wanted(document, season)
-        .into_par_iter()
-        .map(|wanted| {
-            let drawing = drawing(&wanted)?;
-            let places = wanted.places;
-            Ok(Standing { drawing, places })
-        })
-        .collect::<Result<_>>()?;
-    let bytes: u64 = made.iter().map(|one| bytes_of(&one.drawing)).sum();
-    ensure!(
-        bytes <= BYTES_MOST,
-        "the planted trees are too large for one file: uproot those of some kinds, or step them back"
-    );
-    Ok(made)
+    let bytes = AtomicU64::new(0);
+    let grow = |wanted: Wanted| {
+        let drawing = drawing(&wanted)?;
+        let own = bytes_of(&drawing);
+        // As soon as it is known: each may be large.
+        let before = bytes.fetch_add(own, Ordering::Relaxed);
+        ensure!(
+            before.saturating_add(own) <= BYTES_MOST,
+            "the planted trees are too large for one file: uproot those of some kinds, or step them back"
+        );
+        let places = wanted.places;
+        Ok(Standing { drawing, places })
+    };
+    let wanted = wanted(document, season);
+    wanted.into_par_iter().map(grow).collect()
 }
 
 /// All of them as they stand in a file, where each has been made as coarse as it is to be.

@@ -26,7 +26,7 @@ use crate::sketch::Sketch;
 use crate::tree::organs::{Organist, refined_len};
 use crate::tree::radii::{self, RadiusParams};
 use crate::tree::{Drawing, Organs, tubes};
-use crate::world::weather::Light;
+use crate::world::scene::weather::Light;
 
 #[derive(Debug, ClapArgs)]
 #[command(group(ArgGroup::new("made").args(["json", "export", "png"]).multiple(true)))]

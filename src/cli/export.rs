@@ -18,7 +18,7 @@ use crate::tree::Drawing;
 use crate::tree::detail::Detail;
 use crate::tree::foliage::Season;
 use crate::tree::vary::Spread;
-use crate::world::weather::Light;
+use crate::world::scene::weather::Light;
 use extras::{ExtraArgs, Growth};
 use files::{All, File, Format, Told, files};
 use source::{Source, source, spread};

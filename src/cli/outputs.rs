@@ -14,7 +14,7 @@ use crate::app::film::Film;
 use crate::app::workshop::Workshop;
 use crate::mesh::write::WriteFormat;
 use crate::tree::file::check_place;
-use crate::world::weather::Light;
+use crate::world::scene::weather::Light;
 
 /// A name for a tree: an ending that tells no format is wrong usage.
 pub(super) fn tree_file() -> impl TypedValueParser<Value = PathBuf> {

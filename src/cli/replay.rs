@@ -23,7 +23,7 @@ use crate::ui::Settings;
 use crate::world::World;
 use crate::world::document::Document;
 use crate::world::history::History;
-use crate::world::weather::Light;
+use crate::world::scene::weather::Light;
 
 /// Pixels of one eye of the simulated headset.
 pub(super) const EXTENT: vk::Extent2D = vk::Extent2D {

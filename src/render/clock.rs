@@ -62,7 +62,8 @@ impl Clock {
 
     /// First of a frame's commands.
     pub(crate) fn start(&self, commands: vk::CommandBuffer) {
-        let first = vk::PipelineStageFlags::TOP_OF_PIPE;
+        // When all before it is done: another frame may be under way.
+        let first = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
         // SAFETY: the command buffer is recording outside of a pass, and the pool's last use is done.
         unsafe {
             let device = &self.gpu.device;
@@ -72,7 +73,7 @@ impl Clock {
     }
 
     /// Last of them.
-    pub(crate) fn stop(&mut self, commands: vk::CommandBuffer) {
+    pub(crate) fn stop(&self, commands: vk::CommandBuffer) {
         let last = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
         // SAFETY: as above.
         unsafe {
@@ -80,6 +81,10 @@ impl Clock {
                 .device
                 .cmd_write_timestamp(commands, last, self.pool, LAST);
         }
+    }
+
+    /// The frame was handed over.
+    pub(crate) fn runs(&mut self) {
         self.runs = true;
     }
 }

@@ -316,10 +316,14 @@ impl Slot {
 
     /// Hands the frame over.
     pub(crate) fn submit(&mut self) -> Result<(), RenderError> {
-        if let Some(clock) = &mut self.clock {
+        if let Some(clock) = &self.clock {
             clock.stop(self.commands.buffer);
         }
-        self.commands.submit()
+        self.commands.submit()?;
+        if let Some(clock) = &mut self.clock {
+            clock.runs();
+        }
+        Ok(())
     }
 
     /// Makes room for so many rods and solids; true when buffers changed and the set must be written anew.

@@ -5,7 +5,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
-use crate::world::weather::Light;
+use crate::world::scene::weather::Light;
 
 /// `Light` of shaders/shared/frame.wgsl, where each is explained. Colours are linear.
 #[repr(C)]

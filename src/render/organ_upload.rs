@@ -122,7 +122,11 @@ impl OrganChunk {
         commands: vk::CommandBuffer,
         budget: &mut u64,
     ) -> bool {
-        let parts = [&self.vertices, &self.indices].map(|buffer| Part::staged(buffer, buffer.size));
+        let indices = u64::from(self.count) * size_of::<u32>() as u64;
+        let parts = [
+            Part::staged(&self.vertices, self.vertices.size),
+            Part::staged(&self.indices, indices),
+        ];
         self.staging.copy(gpu, commands, &parts, budget)
     }
 

@@ -43,8 +43,8 @@ use super::{
     tree_upload::{Detail, Scratch, TreeUpload, upload_size},
 };
 use crate::tree::bark::Bark;
+use crate::world::scene::weather::{Light, Sway};
 use crate::world::scene::{Color, MOST_PANELS, PlacedTree, Scene};
-use crate::world::weather::{Light, Sway};
 
 /// How both eyes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use super::{
     pipelines::SHADOW_FORMAT,
     tree_upload::Bounds,
 };
-use crate::world::weather::Sway;
+use crate::world::scene::weather::Sway;
 
 /// Texels along a side.
 pub(crate) const SIZE: u32 = 2048;
@@ -117,9 +117,10 @@ pub(crate) fn projection(
     sway: f32,
 ) -> Option<(Mat4, f32)> {
     let scale = world_from_tree.x_axis.length();
-    let radius = bounds.radius * scale * 1.02 + sway;
+    let still = bounds.radius * scale;
+    let radius = still * 1.02 + sway;
     let center = world_from_tree.transform_point3(bounds.center);
-    if !(radius > 1e-4 && radius.is_finite() && center.is_finite()) {
+    if !(still > 1e-4 && radius.is_finite() && center.is_finite()) {
         return None;
     }
     let (right, up) = sun.any_orthonormal_pair();

@@ -6,6 +6,9 @@ use gpu_allocator::MemoryLocation;
 
 use super::{error::RenderError, gpu::Gpu, memory::Buffer};
 
+/// A copy takes as much of a frame's budget as so many bytes do, at least.
+const LEAST: u64 = 64 << 10;
+
 /// Bytes that belong together, and where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
@@ -85,6 +88,9 @@ impl Staging {
         };
         while let Some(part) = parts.get(self.part) {
             let now = (part.size - self.copied).min(*budget);
+            if now == 0 && self.copied < part.size {
+                return false;
+            }
             let (source, first) = match part.from {
                 Source::Staged => (staging.handle, self.read),
                 Source::Device(buffer, first) => (buffer, first + self.copied),
@@ -101,7 +107,8 @@ impl Staging {
                         .cmd_copy_buffer(commands, source, part.to, &region)
                 };
             }
-            *budget -= now;
+            // A copy costs something by itself.
+            *budget = budget.saturating_sub(now.max(LEAST));
             self.copied += now;
             if part.from == Source::Staged {
                 self.read += now;

@@ -292,7 +292,8 @@ impl Sketch {
             self.scale
         );
         let _ = writeln!(text, "const divergence = {}", self.divergence_deg);
-        self.habit.push_laws(text, self.usual());
+        self.habit
+            .push_laws(text, self.usual(), !self.own_rules_state_a_seed());
         if self.habit.is_lawless() && self.habit.seed != 0 && self.own_rules_may_draw() {
             let _ = writeln!(text, "seed {}", self.habit.seed);
         }
@@ -327,8 +328,8 @@ impl Sketch {
             return;
         }
         text.push_str("\n# What it wears.\n");
-        if self.habit.is_lawless() && self.habit.seed != 0 {
-            // Laws state it already.
+        if self.habit.is_lawless() && self.habit.seed != 0 && self.own_rules.is_empty() {
+            // Laws and rules of one's own have it above, or state their own.
             let _ = writeln!(text, "seed {}", self.habit.seed);
         }
         if self.strokes.iter().all(|one| one.radii.is_empty()) {

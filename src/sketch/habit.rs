@@ -179,6 +179,12 @@ impl Habit {
         (0..LAWS.len()).all(|at| self.law(at) == 0.0)
     }
 
+    /// Whether a law draws by the seed, so that individuals differ.
+    #[must_use]
+    pub fn has_chance(&self) -> bool {
+        self.wander_deg > 0.0 || self.spread_deg > 0.0 || self.dominance != 0.0
+    }
+
     /// Whether a law is set that programs before format 6 of projects do not know.
     #[must_use]
     pub fn has_later_laws(&self) -> bool {
@@ -254,13 +260,15 @@ impl Habit {
         self.bearings().map(|_| ())
     }
 
-    /// The statements before the axiom. `usual` is the length of a usual segment at full size, metres.
-    pub(super) fn push_laws(&self, text: &mut String, usual: f64) {
+    /// The statements before the axiom. `usual` is the length of a usual segment at full size, metres; `seeded`: the seed is among them.
+    pub(super) fn push_laws(&self, text: &mut String, usual: f64, seeded: bool) {
         if self.is_lawless() {
             return;
         }
         text.push_str("# The habit: how the tree grows beyond what was drawn.\n");
-        let _ = writeln!(text, "seed {}", self.seed);
+        if seeded {
+            let _ = writeln!(text, "seed {}", self.seed);
+        }
         for (at, (name, _)) in LAWS.into_iter().enumerate() {
             let is_said = match name {
                 "light" | "gravity" => self.has_tropism(),

@@ -160,10 +160,14 @@ impl Sketch {
 
     /// Whether rules of one's own may draw by the sketch's seed: where there are some, and they state none.
     pub(super) fn own_rules_may_draw(&self) -> bool {
-        let states_seed = |line: &str| line.split_whitespace().next() == Some("seed");
+        !self.own_rules.is_empty() && !self.own_rules_state_a_seed()
+    }
+
+    /// Whether a person's further lines state the seed: a grammar has one.
+    pub(super) fn own_rules_state_a_seed(&self) -> bool {
+        let states = |line: &str| line.split_whitespace().next() == Some("seed");
         let further = self.own_rules.get(FURTHER);
-        let states = further.is_some_and(|text| text.lines().any(states_seed));
-        !self.own_rules.is_empty() && !states
+        further.is_some_and(|text| text.lines().any(states))
     }
 
     /// Whether a branch was drawn since then on a line whose branching a person wrote: it grows once that rule names it.
@@ -237,7 +241,8 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::sketch::{GROW, GrowParams, Grower, Letter, NodeRef, SelfSimilar, grow};
+    use crate::sketch::{GROW, GrowParams, Grower, Habit, Letter, NodeRef, SelfSimilar, grow};
+    use crate::tree::bark::Bark;
 
     const TRUNK_BRANCHES: &str = "A > A :";
 
@@ -318,6 +323,21 @@ mod tests {
         assert_eq!(of_seeds(&sketch()).len(), 1);
         let stated = with.with_rule(FURTHER, Some("seed 5")).unwrap();
         assert_eq!(of_seeds(&stated).len(), 1);
+        // A grammar states its seed once, whatever else stands in it.
+        const OAK: Option<Bark> = Some(Bark::Oak);
+        for (bark, wander_deg) in [(OAK, 0.0), (None, 4.0), (OAK, 4.0)] {
+            for sketch in [&with, &stated] {
+                let habit = Habit {
+                    bark,
+                    wander_deg,
+                    seed: 3,
+                    ..Habit::default()
+                };
+                let dressed = sketch.with_habit(habit).unwrap();
+                assert_eq!(dressed.grammar_text().matches("\nseed ").count(), 1);
+                assert!(nodes(&dressed) > 1, "{bark:?} {wander_deg}");
+            }
+        }
     }
 
     #[test]

@@ -21,7 +21,7 @@ use crate::{
         lesson::Lesson,
         panels::PanelId,
         room::Quality,
-        weather::{Light, Wind},
+        scene::weather::{Light, Wind},
     },
 };
 
@@ -494,7 +494,6 @@ impl Page<'_> {
                 let name = language.words().language;
                 ui.selectable_value(&mut settings.language, language, name);
             }
-            // All of the page is in sight without scrolling.
             ui.separator();
             ui.label(words.quality);
             for (quality, name) in Quality::ALL.into_iter().zip(words.qualities()) {
@@ -513,10 +512,13 @@ impl Page<'_> {
                 ui.selectable_value(&mut settings.wind, wind, name);
             }
         });
-        ui.checkbox(&mut settings.sharp, words.sharp);
+        // All of the page is in sight without scrolling.
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut settings.layers, words.layers);
+            ui.checkbox(&mut settings.sharp, words.sharp);
+        });
         let room = &mut settings.room;
         for (on, name) in [
-            (&mut settings.layers, words.layers),
             (&mut room.figure, words.figure),
             (&mut room.turning, words.turning),
             (&mut room.vignette, words.vignette),

@@ -30,8 +30,8 @@ use crate::{
         models::Looking,
         panels::{PanelId, PanelPointer},
         room::{Quality, RoomSettings},
+        scene::weather::{Light, Wind},
         study::flow::{Event, Study},
-        weather::{Light, Wind},
     },
 };
 

@@ -93,32 +93,24 @@ impl Row {
         let first = self.first.filter(stays).unwrap_or(seed.wrapping_add(1));
         (self.first, self.seed) = (Some(first), seed);
         self.load(ui);
-        if self.given.are_alike {
-            ui.label(words.all_alike);
-        } else {
-            ui.horizontal(|ui| {
-                for seed in (0..SEEDS).map(|n| first.wrapping_add(n)) {
-                    if self.tile(ui, seed, document.sketch.habit.seed == seed) {
-                        let to = Habit {
-                            seed,
-                            ..Habit::clone(&document.sketch.habit)
-                        };
-                        wishes.push(Wish::Edit(Edit::SetHabit { to: Box::new(to) }));
-                    }
+        // What a thread has made shows where the tiles are, and moves nothing: a session that is played again has other pictures, or none.
+        let row = ui.horizontal(|ui| {
+            for seed in (0..SEEDS).map(|n| first.wrapping_add(n)) {
+                if self.tile(ui, seed, document.sketch.habit.seed == seed) {
+                    let to = Habit {
+                        seed,
+                        ..Habit::clone(&document.sketch.habit)
+                    };
+                    wishes.push(Wish::Edit(Edit::SetHabit { to: Box::new(to) }));
                 }
-            });
-            let wrong = self
-                .given
-                .all
-                .iter()
-                .find_map(|one| one.picture.as_ref().err());
-            if let Some(wrong) = wrong {
-                ui.colored_label(MESSAGE, format!("{}: {wrong}.", words.no_pictures));
             }
+        });
+        if let Some(said) = self.said(words) {
+            over(ui, row.response.rect, said);
         }
         ui.horizontal(|ui| {
             let more = egui::Button::new(words.more_individuals);
-            if ui.add_enabled(!self.given.are_alike, more).clicked() {
+            if ui.add(more).clicked() {
                 self.first = Some(first.wrapping_add(SEEDS));
             }
             let plants = view.draw.tool == DrawTool::Plant;
@@ -132,6 +124,16 @@ impl Row {
                 wishes.push(Wish::Draw(DrawSettings { tool, ..view.draw }));
             }
         });
+    }
+
+    /// What there is to say of the row: why all are the same, or why there is no picture.
+    fn said(&self, words: &Words) -> Option<String> {
+        if self.given.are_alike {
+            return Some(words.all_alike.to_owned());
+        }
+        let mut pictures = self.given.all.iter().map(|one| &one.picture);
+        let wrong = pictures.find_map(|picture| picture.as_ref().err())?;
+        Some(format!("{}: {wrong}.", words.no_pictures))
     }
 
     fn load(&mut self, ui: &Ui) {
@@ -190,4 +192,13 @@ impl Row {
         );
         answer.clicked()
     }
+}
+
+/// A sentence over what is there.
+fn over(ui: &Ui, rect: egui::Rect, text: String) {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 4.0, ui.visuals().panel_fill.gamma_multiply(0.94));
+    let font = FontId::proportional(14.0);
+    let laid = painter.layout(text, font, MESSAGE, rect.width() - 2.0 * MARGIN);
+    painter.galley(rect.min + vec2(MARGIN, MARGIN), laid, MESSAGE);
 }

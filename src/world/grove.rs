@@ -203,7 +203,7 @@ impl Grove {
     }
 
     /// Forgets the kinds that nothing is of.
-    fn prune(&mut self) {
+    pub(super) fn prune(&mut self) {
         for number in (0..self.kinds.len()).rev() {
             let Ok(kind) = u8::try_from(number) else {
                 continue;

@@ -93,7 +93,11 @@ impl Tools {
             }
             Hover::Panel(on) => self.carry(hand, on.id),
             Hover::Handle { id, .. } => self.take_handle(hand, id, true, history),
-            Hover::Ground(on) => self.begin_uprooting(hand, on),
+            Hover::Ground(on) => {
+                // What the other hand has changed gets its numbers first.
+                self.finish_strokes(history);
+                self.begin_uprooting(hand, on);
+            }
             Hover::Nothing => return,
         }
         self.show(history);

@@ -59,7 +59,6 @@ pub mod study;
 pub mod taken;
 pub mod tools;
 mod tried;
-pub mod weather;
 
 use board::{BoardParams, Buttons, Facts, LiveBoard};
 use document::{Document, Edit, EditError};

@@ -36,8 +36,8 @@ pub struct PlantParams {
     pub tolerance: f32,
     /// The eraser takes what is as near as this to its way, metres.
     pub uproot: f32,
-    /// Height of a tree that has not grown yet, metres.
-    pub sapling: f32,
+    /// Height up to which a trunk can be aimed at, metres: the same whatever has grown by then, so that a session that is played again uproots the same.
+    pub trunk: f32,
     /// Most trees that one frame plants in one hand: more than a hand can pass.
     pub at_once: usize,
 }
@@ -49,7 +49,7 @@ impl Default for PlantParams {
             touch: 0.05,
             tolerance: 1.5_f32.to_radians(),
             uproot: 0.5,
-            sapling: 0.6,
+            trunk: 2.0,
             at_once: 32,
         }
     }
@@ -155,11 +155,9 @@ impl Tools {
         met.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// How high a planted tree is, metres.
+    /// How high a planted tree's trunk can be aimed at, metres.
     fn height_of(&self, plant: &Plant) -> f32 {
-        let display = self.planted.display(plant);
-        let height = display.map_or(self.params.plant.sapling, |(display, _)| display.high.y);
-        height.max(self.params.plant.touch) * plant.size
+        self.params.plant.trunk * plant.size
     }
 
     /// What a hand means on the ground with the tool that it has, if that works there and nothing is nearer than `before`.

@@ -345,7 +345,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
             "a kind of planted tree is a project of one tree alone".to_owned(),
         ));
     }
-    let document = document_from_file(file);
+    let mut document = document_from_file(file);
     document.validate()?;
     for kind in &document.grove.kinds {
         let alone = Document {
@@ -355,6 +355,8 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
         };
         alone.validate()?;
     }
+    // A kind that nothing is of would take the place of another.
+    Arc::make_mut(&mut document.grove).prune();
     Ok(document)
 }
 

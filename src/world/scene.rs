@@ -13,6 +13,8 @@ use serde::{Deserialize, Serialize};
 use crate::mesh::display::Display;
 use crate::tree::{Organs, Tree};
 
+pub mod weather;
+
 pub use super::input::Pose;
 
 /// Linear (not sRGB) colour with straight alpha, each 0 to 1.

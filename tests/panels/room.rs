@@ -8,7 +8,7 @@ use ramus::app::picture::Picture;
 use ramus::app::portrait::{self, looking_at};
 use ramus::world::panels::PanelId;
 use ramus::world::room::RoomSettings;
-use ramus::world::weather::{Light, Wind};
+use ramus::world::scene::weather::{Light, Wind};
 use ramus_xr::{Pose, View};
 
 use super::guide::{compare, far, strip};

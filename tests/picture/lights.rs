@@ -9,8 +9,8 @@ use image::RgbaImage;
 use ramus::render::{Eye, Fov, Gpu, Offscreen, Renderer, RendererParams, StereoMode, TreeState};
 use ramus::tree::foliage::{Bearing, Dress, kind};
 use ramus::tree::{NO_PARENT, Organs, Tree};
+use ramus::world::scene::weather::{Light, Sway, Wind};
 use ramus::world::scene::{PlacedTree, Scene};
-use ramus::world::weather::{Light, Sway, Wind};
 
 use super::support::{SIDE, device, field, grove, mode, placed, shoot, silent};
 

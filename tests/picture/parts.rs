@@ -10,7 +10,7 @@ fn part(width: u32, height: u32) -> vk::Extent2D {
     vk::Extent2D { width, height }
 }
 
-/// A renderer that has drawn one frame of a scene before.
+/// What a renderer shows that has drawn a scene in pictures of these sizes, one after the other.
 fn drawn(
     gpu: &Gpu,
     scene: &Scene,

@@ -5,8 +5,8 @@ use image::RgbaImage;
 use ramus::render::{
     Backdrop, Eye, Fov, Gpu, Offscreen, Renderer, RendererParams, StereoMode, TreeState,
 };
+use ramus::world::scene::weather::{Light, Sway, Wind};
 use ramus::world::scene::{PlacedTree, Scene};
-use ramus::world::weather::{Light, Sway, Wind};
 
 use super::lights::{leafy, params};
 use super::support::{SIDE, device, field, grove, mode, placed, silent};

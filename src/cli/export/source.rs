@@ -55,7 +55,7 @@ pub(super) fn spread(args: &Args, source: &Source) -> Spread {
     let own = match source {
         // Where its laws draw by the seed, they make the individuals.
         Source::Sketch(document)
-            if document.sketch.habit.is_lawless() && (args.count > 1 || args.seed.is_some()) =>
+            if !document.sketch.habit.has_chance() && (args.count > 1 || args.seed.is_some()) =>
         {
             Spread::USUAL
         }
@@ -131,7 +131,7 @@ pub(super) fn grown(
         Source::Sketch(document) => {
             let (sketch, step) = (&document.sketch, &step.unwrap_or(document.step));
             let one_of_many = args.count > 1 || args.seed.is_some();
-            let individual = if one_of_many && !sketch.habit.is_lawless() {
+            let individual = if one_of_many && sketch.habit.has_chance() {
                 sketch.with_seed(folded(seed))
             } else {
                 sketch::Sketch::clone(sketch)

@@ -4,8 +4,8 @@ use glam::{Affine3A, Vec3, Vec4};
 
 use super::{Renderer, RendererParams, record::Pass};
 use crate::render::{data::FrameData, light, shadow::ShadowKey};
-use crate::world::{
-    scene::PlacedTree,
+use crate::world::scene::{
+    PlacedTree,
     weather::{Light, Sway},
 };
 

@@ -4,9 +4,9 @@
 //! (content-defined chunking: Muthitacharoen, Chen and Mazières 2001, "A Low-bandwidth Network File System", §3.1). Clusters are numbered from their run's
 //! beginning, and become half as many inside it, [`ROUNDS`] times; then what is left is cut into runs anew.
 
-/// After so many halvings a run of 8 to 15 is one.
+/// After so many halvings a run of 8 to 15 is one; what is left of the last one's 16 is two, which are cut anew with the others.
 pub(super) const ROUNDS: usize = 3;
-/// Members of a run, at least; twice as many are too many. The last one may have more, and where there are fewer in all there is one.
+/// Members of a run, at least; twice as many are too many. Where there are fewer in all there is one.
 const LEAST: usize = 1 << ROUNDS;
 
 /// How long each run is of so many in a row, `each` of which stand in a cluster. `mark`: a number for what stands at a place, the same wherever that is.

@@ -69,7 +69,7 @@ pub(super) const WORDS: Words = Words {
     quality_light: "leicht",
     quality_full: "voll",
     quality_high: "fein",
-    sharp: "alle Pixel, auch zu spät",
+    sharp: "nie gröber",
     light: "Licht",
     light_day: "Tag",
     light_evening: "Abend",
@@ -527,6 +527,14 @@ pub(super) const SAID: &[(&str, &str)] = &[
     (
         "Step {} would have more than {} segments: this tree is full-grown.",
         "Schritt {} hätte mehr als {} Segmente: dieser Baum ist ausgewachsen.",
+    ),
+    (
+        "there is no planted tree to take away",
+        "dort ist kein gepflanzter Baum",
+    ),
+    (
+        "the planted trees are too large for one file: uproot those of some kinds, or step them back",
+        "die gepflanzten Bäume sind zu groß für eine Datei: die einiger Arten ausreißen oder einen Schritt zurückgehen",
     ),
     (
         "This is step 0, the root alone.",

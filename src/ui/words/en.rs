@@ -69,7 +69,7 @@ pub(super) const WORDS: Words = Words {
     quality_light: "light",
     quality_full: "full",
     quality_high: "high",
-    sharp: "all pixels, even if late",
+    sharp: "never coarser",
     light: "lit by",
     light_day: "day",
     light_evening: "evening",
