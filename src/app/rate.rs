@@ -103,7 +103,6 @@ impl Rate {
     }
 
     /// Pixels to draw, of a picture of so many.
-    #[must_use]
     pub(super) fn part_of(&self, all: vk::Extent2D) -> vk::Extent2D {
         let part = |pixels: u32| {
             let wide = u64::from(pixels) * u64::from(self.sixteenths);

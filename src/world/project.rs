@@ -337,8 +337,8 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
         )));
     }
     let holds_more = |kind: &File| {
-        !(kind.models.is_empty() && kind.kinds.is_empty() && kind.plants.is_empty())
-            || !(PLAIN..=VERSION).contains(&kind.version)
+        let is_one_tree = kind.models.is_empty() && kind.kinds.is_empty() && kind.plants.is_empty();
+        !is_one_tree || !(PLAIN..=VERSION).contains(&kind.version)
     };
     if file.kinds.iter().any(holds_more) {
         return Err(ProjectError::Malformed(
