@@ -13,8 +13,8 @@ pub enum TreeState {
     Shown,
     /// The last one, while the scene's is being copied.
     Copying,
-    /// The last one: the scene's is too large to build within a frame; give [`Renderer::set_tree`] a
-    /// [`TreeUpload`] of this revision made on a worker.
+    /// The last one: the scene's is too large to build within a frame; give [`Renderer::set_tree`](crate::render::Renderer::set_tree) a
+    /// [`TreeUpload`](crate::render::TreeUpload) of this revision made on a worker.
     Wanted(u64),
 }
 
@@ -25,7 +25,7 @@ pub struct DrawReport {
     pub draws: u32,
     /// Triangles handed over but for those that the device chose, each counted once for both eyes.
     pub triangles: u64,
-    /// What the device chose of trees and of models' faces in the last frame that is known to be done: two frames ago. See [`Renderer::chosen`].
+    /// What the device chose of trees and of models' faces in the last frame that is known to be done: two frames ago. See [`Renderer::chosen`](crate::render::Renderer::chosen).
     pub chosen: Chosen,
     /// Segments of the tree that was shown.
     pub segments: u32,
@@ -35,10 +35,10 @@ pub struct DrawReport {
     pub device: Option<Duration>,
     /// The tree.
     pub tree: TreeState,
-    /// The shown tree has no levels of detail and has been at rest for a while: give [`Renderer::set_tree`] a [`TreeUpload`] of this revision, which has,
+    /// The shown tree has no levels of detail and has been at rest for a while: give [`Renderer::set_tree`](crate::render::Renderer::set_tree) a [`TreeUpload`](crate::render::TreeUpload) of this revision, which has,
     /// and takes its place unseen.
     pub plain: Option<u64>,
-    /// The first model that is too large to prepare within a frame: give [`Renderer::set_model`] a [`ModelUpload`](super::ModelUpload) of this revision
-    /// made on a worker; of its colours alone, where [`Renderer::has_shape`] says so.
+    /// The first model that is too large to prepare within a frame: give [`Renderer::set_model`](crate::render::Renderer::set_model) a [`ModelUpload`](crate::render::ModelUpload) of this revision
+    /// made on a worker; of its colours alone, where [`Renderer::has_shape`](crate::render::Renderer::has_shape) says so.
     pub model: Option<u64>,
 }

@@ -10,7 +10,7 @@
 //! coarsest            ▣           the whole tree in 64 records
 //! ```
 //!
-//! Where pairs begin depends on what stands there and not on how many came before ([`runs`]), so an edit leaves most clusters as they were.
+//! Where pairs begin depends on what stands there and not on how many came before (`runs`), so an edit leaves most clusters as they were.
 //!
 //! Each cluster has one parent, so a cut through this tree of clusters shows every part of the plant once: a cluster is drawn where its own error is
 //! small enough on the screen and its parent's is not ([`cut`]). A mesh needs more than that ([`crate::mesh::levels`](../../mesh/levels/index.html)),
