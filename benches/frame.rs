@@ -4,6 +4,7 @@
 //! share of recording included but the drawing itself not: the picture is 16 pixels wide and the device has finished before the
 //! clock starts. With `leaves`, one in five segments bears one. `edit` is the same for a frame that brings a new tree: building its segments and levels of
 //! detail, staging memory, copies; nothing of it is as it was, or with `a hundredth` all but that. `ready` is all our own time from a tree that is new to one that is drawn: the same on a worker, then the frames that copy it.
+//! `whole` is a frame of 256 pixels an eye with all that the device does for it, in each light and with wind; on a software device that is nearly all.
 //! Wall-clock numbers of a shared machine are pessimistic; compare runs, not machines.
 #![allow(
     missing_docs,
@@ -31,7 +32,10 @@ use ramus::{
         foliage::{Bearing, kind},
         organs::{Paint, Placed},
     },
-    world::scene::{Ball, PlacedTree, Rod, Scene},
+    world::scene::{
+        Ball, PlacedTree, Rod, Scene,
+        weather::{Light, Sway, Wind},
+    },
 };
 
 /// A tree of `segments`, each branch of ten segments starting on an earlier one.
@@ -238,5 +242,52 @@ fn frame(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, frame);
+/// Whole frames, the device's work included, in each light and with wind.
+fn whole(criterion: &mut Criterion) {
+    let Ok(gpu) = Gpu::new(&Headless::default(), &GpuParams::default()) else {
+        return;
+    };
+    let eyes = Eye::looking_at(
+        Vec3::new(0.0, 3.0, 12.0),
+        Vec3::new(0.0, 1.0, 0.0),
+        Fov::symmetric(1.0, 1.0),
+    )
+    .pair(0.063);
+    let mut group = criterion.benchmark_group("whole");
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(3));
+    let mut scene = scene(5_000, 1_000);
+    for (name, light, strength, turns) in [
+        ("day", Light::Day, 0.0, false),
+        ("evening", Light::Evening, 0.0, false),
+        ("studio", Light::Studio, 0.0, false),
+        ("day, a breeze", Light::Day, Wind::Breeze.strength(), false),
+        ("day, a tree that turns", Light::Day, 0.0, true),
+    ] {
+        let params = RendererParams::new(256, 256, StereoMode::Multiview).lit(light);
+        let offscreen = Offscreen::new(&gpu, params.extent).unwrap();
+        let mut renderer = Renderer::new(&gpu, &params).unwrap();
+        let mut frame = 0.0_f32;
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                frame += 1.0;
+                renderer.set_sway(Sway {
+                    strength,
+                    clock: (frame / 90.0 / 256.0).fract(),
+                });
+                if turns {
+                    let tree = scene.tree.as_mut().unwrap();
+                    tree.world_from_tree = Affine3A::from_rotation_y(0.001 * frame);
+                }
+                renderer.draw(&scene, &eyes, &offscreen.target()).unwrap();
+                renderer.wait().unwrap();
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, frame, whole);
 criterion_main!(benches);

@@ -3,16 +3,15 @@
 
 use std::sync::Arc;
 
-use cpu_time::ProcessTime;
 use glam::{Affine3A, Quat, Vec3};
 use image::RgbaImage;
-use ramus::render::{Eye, Fov, Gpu, Offscreen, Renderer, RendererParams, StereoMode, TreeState};
+use ramus::render::{Eye, Fov, Gpu, Offscreen, Renderer, RendererParams, StereoMode};
 use ramus::tree::foliage::{Bearing, Dress, kind};
 use ramus::tree::{NO_PARENT, Organs, Tree};
-use ramus::world::scene::weather::{Light, Sway, Wind};
+use ramus::world::scene::weather::Light;
 use ramus::world::scene::{PlacedTree, Scene};
 
-use super::support::{SIDE, device, field, grove, mode, placed, shoot, silent};
+use super::support::{SIDE, device, grove, mode, placed, shoot, silent};
 
 /// Two metres high, with some 30,000 leaves.
 pub(crate) fn leafy() -> PlacedTree {
@@ -259,55 +258,6 @@ fn look_at_lights() {
             shot.color[0]
                 .save(folder.join(format!("light-{what}-{}.png", light.name())))
                 .unwrap();
-        }
-    }
-    silent(&gpu);
-}
-
-/// What a whole frame costs the process, which on lavapipe is the device, too; wall-clock times of a shared machine say little: `cargo test --test picture -- --ignored --nocapture pace_of_frames`.
-#[test]
-#[ignore = "times frames"]
-fn pace_of_frames() {
-    let Some(gpu) = device() else { return };
-    for (light, wind) in [
-        (Light::Day, Wind::Still),
-        (Light::Evening, Wind::Still),
-        (Light::Studio, Wind::Still),
-        (Light::Day, Wind::Breeze),
-    ] {
-        let params = params(mode(&gpu), 512, light);
-        let offscreen = Offscreen::new(&gpu, params.extent).unwrap();
-        let mut renderer = Renderer::new(&gpu, &params).unwrap();
-        let mut scene = scene(leafy());
-        for (name, from, moves) in [
-            ("tree at rest", Vec3::new(1.0, 1.6, 4.5), false),
-            ("ground", Vec3::new(1.0, 6.0, 5.0), false),
-            ("tree that changes", Vec3::new(1.0, 1.6, 4.5), true),
-        ] {
-            let eyes = Eye::looking_at(from, Vec3::new(0.0, 0.8, 0.0), field()).pair(0.064);
-            let mut times = Vec::new();
-            for frame in 0..24 {
-                if moves {
-                    let place = Affine3A::from_rotation_y(0.001 * frame as f32);
-                    scene.tree.as_mut().unwrap().world_from_tree = place;
-                }
-                renderer.set_sway(Sway {
-                    strength: wind.strength(),
-                    clock: frame as f32 / 90.0 / 256.0,
-                });
-                renderer.wait().unwrap();
-                let begun = ProcessTime::now();
-                let report = renderer.draw(&scene, &eyes, &offscreen.target()).unwrap();
-                renderer.wait().unwrap();
-                if report.tree == TreeState::Shown && frame > 3 {
-                    times.push(begun.elapsed().as_secs_f64() * 1e3);
-                }
-            }
-            times.sort_by(f64::total_cmp);
-            let (middle, least) = (times[times.len() / 2], times[0]);
-            eprintln!(
-                "{light:?}, {wind:?}, {name}: {middle:.1} ms of the processor (least {least:.1})"
-            );
         }
     }
     silent(&gpu);
