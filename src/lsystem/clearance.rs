@@ -3,8 +3,9 @@
 //!
 //! A *line* is what is drawn within one pair of brackets. Other wood is all segments but those of the asker's own line and of the one that it grows from,
 //! which are always near: an end stands at its own last segment, and a bud on its parent. Distances are to the segments' middle lines, since how thick they are is
-//! known when the tree stands. A hierarchy of boxes finds the nearest, so that n ends among n segments take n log n, whatever their lengths; a grid of cells would
-//! be as fast where all segments are of one length, and not bounded where they are not.
+//! known when the tree stands. A hierarchy of boxes finds the nearest: n ends among n segments take n log n, whatever their lengths, as long as few of the segments within the
+//! distance that is asked for are the asker's own (a law asks for some of a segment's length; who asks a line of n segments for what is beyond its length has all n looked at). A grid
+//! of cells would be as fast where all segments are of one length, and not bounded where they are not.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
