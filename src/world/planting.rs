@@ -38,6 +38,8 @@ pub struct PlantParams {
     pub uproot: f32,
     /// Height up to which a trunk can be aimed at, metres: the same whatever has grown by then, so that a session that is played again uproots the same.
     pub trunk: f32,
+    /// Height of a tree that has not grown yet, metres.
+    pub sapling: f32,
     /// Most trees that one frame plants in one hand: more than a hand can pass.
     pub at_once: usize,
 }
@@ -50,6 +52,7 @@ impl Default for PlantParams {
             tolerance: 1.5_f32.to_radians(),
             uproot: 0.5,
             trunk: 2.0,
+            sapling: 0.6,
             at_once: 32,
         }
     }
@@ -147,7 +150,7 @@ impl Tools {
         }
         let spread = self.params.plant.tolerance.tan();
         let met = plants.filter_map(|(at, plant)| {
-            let height = self.height_of(plant);
+            let height = self.trunk_of(plant);
             let (along, aside) = apart(pointer, plant.foot(), height)?;
             let near = along <= self.params.plant.reach && aside <= 0.03 * height + along * spread;
             near.then_some((at, along))
@@ -156,8 +159,15 @@ impl Tools {
     }
 
     /// How high a planted tree's trunk can be aimed at, metres.
-    fn height_of(&self, plant: &Plant) -> f32 {
+    fn trunk_of(&self, plant: &Plant) -> f32 {
         self.params.plant.trunk * plant.size
+    }
+
+    /// How high a planted tree is drawn, metres.
+    fn height_of(&self, plant: &Plant) -> f32 {
+        let display = self.planted.display(plant);
+        let height = display.map_or(self.params.plant.sapling, |(display, _)| display.high.y);
+        height.max(self.params.plant.touch) * plant.size
     }
 
     /// What a hand means on the ground with the tool that it has, if that works there and nothing is nearer than `before`.
