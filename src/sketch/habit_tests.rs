@@ -296,6 +296,8 @@ proptest! {
         length in 1.0..12.0_f64, reach in 0.0..1.0_f64, peak in 0.0..0.9_f64, crowd in 0.0..0.6_f64, seed in 0_u32..99,
     ) {
         let habit = Habit { length, reach, peak, crowd, seed, wander_deg: 9.0, dominance: 0.2, ..Habit::default() }.quantized();
+        // As they are kept: the least of a number may be none.
+        let (length, reach) = (habit.length, habit.reach);
         let tree = grown(&sketch(Some(2)), habit.clone(), 16).tree;
         tree.validate().unwrap();
         prop_assert!(lines(&tree, 0).into_values().all(|segments| segments as f64 <= length.ceil()));

@@ -325,17 +325,17 @@ mod tests {
         assert_eq!(of_seeds(&stated).len(), 1);
         // A grammar states its seed once, whatever else stands in it.
         const OAK: Option<Bark> = Some(Bark::Oak);
-        for (bark, wander_deg) in [(OAK, 0.0), (None, 4.0), (OAK, 4.0)] {
+        for (bark, shrink) in [(OAK, 0.0), (None, 0.1), (OAK, 0.1)] {
             for sketch in [&with, &stated] {
                 let habit = Habit {
                     bark,
-                    wander_deg,
+                    shrink,
                     seed: 3,
                     ..Habit::default()
                 };
                 let dressed = sketch.with_habit(habit).unwrap();
                 assert_eq!(dressed.grammar_text().matches("\nseed ").count(), 1);
-                assert!(nodes(&dressed) > 1, "{bark:?} {wander_deg}");
+                assert!(nodes(&dressed) > 1, "{bark:?} {shrink}");
             }
         }
     }

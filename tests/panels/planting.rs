@@ -267,6 +267,32 @@ fn a_pull_that_is_moved_plants_a_row_at_the_spacing_and_the_grip_uproots() {
     assert!(places(&visitor).is_empty());
 }
 
+/// While one hand holds what it has uprooted, the other uproots what it points at; and a trunk is met high above the ground, whether its mesh has come or not.
+#[test]
+fn two_hands_uproot_what_each_points_at() {
+    let mut visitor = gardener(Visitor::new());
+    for x in [-6.0, 0.0, 6.0] {
+        plant(&mut visitor, x, -9.0);
+    }
+    let before = places(&visitor);
+    assert_eq!(before.len(), 3);
+    let left = &mut visitor.frame.hands[LEFT];
+    // Before the bench, which stands to the left.
+    left.aim.position = Vec3::new(0.4, 1.4, -0.5);
+    left.grip.position = left.aim.position;
+    let [size_left, size_right] = [1, 2].map(|at| visitor.document().grove.plants[at].size);
+    visitor.point(LEFT, Vec3::new(before[1].x, 1.6 * size_left, before[1].y));
+    visitor.grip(LEFT, true);
+    aim(
+        &mut visitor,
+        Vec3::new(before[2].x, 1.6 * size_right, before[2].y),
+    );
+    visitor.grip(RIGHT, true);
+    visitor.grip(RIGHT, false);
+    visitor.grip(LEFT, false);
+    assert_eq!(places(&visitor), [before[0]]);
+}
+
 #[test]
 fn the_platform_is_the_ground_in_miniature() {
     let mut visitor = gardener(Visitor::new());
