@@ -3,9 +3,8 @@
 //!
 //! A *line* is what is drawn within one pair of brackets. Other wood is all segments but those of the asker's own line and of the one that it grows from,
 //! which are always near: an end stands at its own last segment, and a bud on its parent. Distances are to the segments' middle lines, since how thick they are is
-//! known when the tree stands. A hierarchy of boxes finds the nearest: n ends among n segments take n log n, whatever their lengths, as long as few of the segments within the
-//! distance that is asked for are the asker's own (a law asks for some of a segment's length; who asks a line of n segments for what is beyond its length has all n looked at). A grid
-//! of cells would be as fast where all segments are of one length, and not bounded where they are not.
+//! known when the tree stands. A hierarchy of boxes finds the nearest: n ends among n segments take n log n, whatever their lengths; boxes that hold nothing but
+//! the asker's own line are passed over. A grid of cells would be as fast where all segments are of one length, and not bounded where they are not.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -13,7 +12,7 @@ use glam::{DVec3, Vec3};
 
 use super::turtle::Pen;
 use crate::tree::NO_PARENT;
-use crate::tree::nearest::Nearest;
+use crate::tree::nearest::NearestLine;
 
 /// No line.
 const NONE: u32 = u32::MAX;
@@ -105,16 +104,13 @@ impl Wood {
         let Self {
             pieces, line_of, ..
         } = self;
-        let nearest = Nearest::new(pieces);
+        let nearest = NearestLine::new(pieces, line_of);
         let one = |(place, kin, within): &(DVec3, Kin, f64)| {
             if cancel.load(Ordering::Relaxed) {
                 return None;
             }
-            let squared = |piece: u32, ends: [DVec3; 2]| {
-                let line = line_of.get(piece as usize).copied().unwrap_or(NONE);
-                (!kin.contains(&line)).then(|| on_segment(ends, *place).distance_squared(*place))
-            };
-            Some(nearest.distance(*place, within.max(0.0), squared))
+            let squared = |ends| on_segment(ends, *place).distance_squared(*place);
+            Some(nearest.distance(*place, within.max(0.0), *kin, squared))
         };
         asked.iter().map(one).collect()
     }

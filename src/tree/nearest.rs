@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 /// Finds nearest points of pieces with so many corners each.
@@ -40,14 +40,36 @@ impl<const N: usize> Nearest<N> {
         on: impl Fn([DVec3; N], DVec3) -> DVec3,
     ) -> Option<DVec3> {
         let mut best: Option<(f64, u32, DVec3)> = None;
+        let all = |_: usize| true;
+        self.walk(to, f64::INFINITY, all, |piece, corners| {
+            let point = on(corners, to);
+            let distance = point.distance_squared(to);
+            let is_better = |(far, other, _): (f64, u32, DVec3)| (distance, piece) < (far, other);
+            if best.is_none_or(is_better) {
+                best = Some((distance, piece, point));
+            }
+            best.map_or(f64::INFINITY, |(distance, ..)| distance)
+        });
+        best.map(|(_, _, point)| point)
+    }
+
+    /// Shows the pieces that may be no farther than `most`, squared, nearer boxes first; `see` says what that is from then on. `counts`: whether a box, by its
+    /// number, has what matters.
+    fn walk(
+        &self,
+        to: DVec3,
+        mut most: f64,
+        counts: impl Fn(usize) -> bool,
+        mut see: impl FnMut(u32, [DVec3; N]) -> f64,
+    ) {
         let mut open = vec![(0.0, 0_u32)];
         while let Some((least, number)) = open.pop() {
-            if best.is_some_and(|(distance, ..)| least > distance) {
-                continue;
-            }
             let Some(node) = self.bvh.nodes.get(number as usize) else {
                 continue;
             };
+            if least > most || !counts(number as usize) {
+                continue;
+            }
             if !node.is_leaf() {
                 let children = [node.first_index, node.first_index + 1];
                 let mut children = children.map(|child| (self.away(child, to), child));
@@ -56,62 +78,19 @@ impl<const N: usize> Nearest<N> {
                 open.extend(children);
                 continue;
             }
-            let first = node.first_index as usize;
-            let range = first..first + node.prim_count as usize;
-            for piece in self.bvh.primitive_indices.get(range).unwrap_or_default() {
-                let Some(corners) = self.pieces.get(*piece as usize) else {
-                    continue;
-                };
-                let point = on(corners.map(|corner| corner.as_dvec3()), to);
-                let distance = point.distance_squared(to);
-                let is_better =
-                    |(far, other, _): (f64, u32, DVec3)| (distance, *piece) < (far, other);
-                if best.is_none_or(is_better) {
-                    best = Some((distance, *piece, point));
+            for piece in self.pieces_of(node) {
+                if let Some(corners) = self.pieces.get(*piece as usize) {
+                    most = see(*piece, corners.map(|corner| corner.as_dvec3()));
                 }
             }
         }
-        best.map(|(_, _, point)| point)
     }
 
-    /// How far the nearest piece is, at most `within`; `squared` gives the squared distance of the piece of a number, or none where that does not count.
-    pub(crate) fn distance(
-        &self,
-        to: DVec3,
-        within: f64,
-        squared: impl Fn(u32, [DVec3; N]) -> Option<f64>,
-    ) -> f64 {
-        let mut best = within * within;
-        let mut open = vec![(0.0, 0_u32)];
-        while let Some((least, number)) = open.pop() {
-            let Some(node) = self.bvh.nodes.get(number as usize) else {
-                continue;
-            };
-            if least >= best {
-                continue;
-            }
-            if !node.is_leaf() {
-                let children = [node.first_index, node.first_index + 1];
-                let mut children = children.map(|child| (self.away(child, to), child));
-                children.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
-                open.extend(children);
-                continue;
-            }
-            let first = node.first_index as usize;
-            let range = first..first + node.prim_count as usize;
-            for piece in self.bvh.primitive_indices.get(range).unwrap_or_default() {
-                if let Some(corners) = self.pieces.get(*piece as usize) {
-                    let far = squared(*piece, corners.map(|corner| corner.as_dvec3()));
-                    best = best.min(far.unwrap_or(best));
-                }
-            }
-        }
-        // The root of a square is not always the number itself.
-        if best < within * within {
-            best.sqrt()
-        } else {
-            within
-        }
+    /// The pieces of a box that holds no other.
+    fn pieces_of(&self, node: &Bvh2Node) -> &[u32] {
+        let first = node.first_index as usize;
+        let own = first..first + node.prim_count as usize;
+        self.bvh.primitive_indices.get(own).unwrap_or_default()
     }
 
     /// The squared distance to a node's box.
@@ -122,5 +101,102 @@ impl<const N: usize> Nearest<N> {
         let (min, max) = (node.aabb().min, node.aabb().max);
         let (min, max) = (Vec3::from(min).as_dvec3(), Vec3::from(max).as_dvec3());
         to.clamp(min, max).distance_squared(to)
+    }
+}
+
+/// Pieces of lines, of which some are not asked for.
+pub(crate) struct NearestLine<const N: usize> {
+    nearest: Nearest<N>,
+    /// The line of each piece,
+    line_of: Vec<u32>,
+    /// and of all pieces in each box, where they are of one.
+    lines: Vec<Option<u32>>,
+}
+
+impl<const N: usize> NearestLine<N> {
+    /// Over all pieces, each of the line of its place in `line_of`.
+    pub(crate) fn new(pieces: Vec<[Vec3; N]>, line_of: Vec<u32>) -> Self {
+        let mut nearest = Nearest::new(pieces);
+        // Children come after their parents then, so that one pass from behind is enough.
+        nearest.bvh.reorder_in_stack_traversal_order();
+        let nodes = &nearest.bvh.nodes;
+        let mut lines: Vec<Option<u32>> = vec![None; nodes.len()];
+        for (number, node) in nodes.iter().enumerate().rev() {
+            let first = node.first_index as usize;
+            lines[number] = if node.is_leaf() {
+                let own = nearest.pieces_of(node).iter();
+                common(own.map(|piece| line_of.get(*piece as usize).copied()))
+            } else {
+                common((first..first + 2).map(|child| lines.get(child).copied().flatten()))
+            };
+        }
+        Self {
+            nearest,
+            line_of,
+            lines,
+        }
+    }
+
+    /// How far the nearest piece is that is of none of these lines, at most `within`; `squared` gives the squared distance of a piece. Boxes of nothing else are
+    /// passed over, so a long line is in nobody's way.
+    pub(crate) fn distance(
+        &self,
+        to: DVec3,
+        within: f64,
+        without: [u32; 2],
+        squared: impl Fn([DVec3; N]) -> f64,
+    ) -> f64 {
+        let mut best = within * within;
+        let counts = |line: Option<u32>| line.is_none_or(|line| !without.contains(&line));
+        let boxes = |number: usize| counts(self.lines.get(number).copied().flatten());
+        self.nearest.walk(to, best, boxes, |piece, corners| {
+            if counts(self.line_of.get(piece as usize).copied()) {
+                best = best.min(squared(corners));
+            }
+            best
+        });
+        // The root of a square is not always the number itself.
+        if best < within * within {
+            best.sqrt()
+        } else {
+            within
+        }
+    }
+}
+
+/// The line that all are of, if they are of one.
+fn common(mut lines: impl Iterator<Item = Option<u32>>) -> Option<u32> {
+    let first = lines.next().flatten();
+    first.filter(|_| lines.all(|line| line == first))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "the names say it")]
+    use super::*;
+
+    /// A line of ten thousand pieces with two of another: who asks for others is shown a handful.
+    #[test]
+    fn a_long_line_is_passed_over() {
+        let piece = |at: u16| [0.0, 0.9].map(|part| Vec3::X * (f32::from(at) + part));
+        let mut pieces: Vec<[Vec3; 2]> = (0..10_000).map(piece).collect();
+        let mut line_of = vec![7; pieces.len()];
+        for at in [2000_usize, 7000] {
+            pieces[at] = pieces[at].map(|end| end + Vec3::Y);
+            line_of[at] = 8;
+        }
+        let lines = NearestLine::new(pieces, line_of);
+        let to = DVec3::new(5000.0, 0.0, 0.0);
+        let squared = |ends: [DVec3; 2]| ends[0].distance_squared(to);
+        let found = lines.distance(to, 1e6, [7, u32::MAX], squared);
+        assert!((found - 2000.0_f64.hypot(1.0)).abs() < 1e-3, "{found}");
+        let mut seen = 0;
+        let other = |number: usize| lines.lines[number] != Some(7);
+        lines.nearest.walk(to, f64::INFINITY, other, |_, _| {
+            seen += 1;
+            f64::INFINITY
+        });
+        assert!((2..60).contains(&seen), "{seen} of 10,000");
+        assert_eq!(lines.distance(to, 3.0, [7, 8], squared), 3.0);
     }
 }
