@@ -1,4 +1,4 @@
-// How the wind moves what is on a tree: a function of the place at rest and of the time alone. Twin: src/world/weather.rs, which says why.
+// How the wind moves what is on a tree: a function of the place at rest and of the time alone. Twin: src/world/scene/weather.rs, which says why.
 #include "shared/frame.wgsl"
 #include "shared/noise.wgsl"
 
@@ -14,8 +14,9 @@ const WHOLE_TURN = 6.2831853;
 // Pixels of a leaf's length: shorter ones do not flutter, longer ones do whole.
 const FLUTTERS = vec2f(4.0, 14.0);
 
+// Whole turns are left out: devices promise nothing of the sine of thousands.
 fn wave(phase: f32, times: f32) -> f32 {
-    return sin(phase - WHOLE_TURN * times * frame.wind.y);
+    return sin(phase - WHOLE_TURN * fract(times * frame.wind.y));
 }
 
 fn bent(length: f32, stiff: f32) -> f32 {

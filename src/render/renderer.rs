@@ -17,7 +17,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{Mat4, Vec3, Vec4};
 
-use self::air::{root_of, sphere_of};
+use self::air::sphere_of;
 use self::record::Pass;
 pub use self::report::{DrawReport, TreeState};
 use super::{
@@ -572,8 +572,8 @@ impl Renderer {
             .filter(|map| map.is_finite())
             .unwrap_or_default();
         let shadow = placed.filter(|_| self.params.shadows).and_then(|placed| {
-            let sway = self.sway_of(placed);
-            shadow::projection(self.params.sun, &bounds, &world_from_tree, sway)
+            let stir = self.stir_of(placed);
+            shadow::projection(self.params.sun, &bounds, &world_from_tree, stir)
         });
         let texel = shadow.map_or(0.0, |(_, texel)| texel);
         // A tree that waits for its successor stands whole.
@@ -604,7 +604,7 @@ impl Renderer {
             spots: data::spots(scene, placed.map(|placed| (placed, bounds.foot))),
             light: LightData::of(self.params.light),
             wind: Vec4::new(self.sway.strength, self.sway.clock, 0.0, 0.0),
-            root: root_of(placed).extend(0.0),
+            root: placed.map_or(Vec4::ZERO, |placed| self.root_of(placed).extend(0.0)),
         }
     }
 

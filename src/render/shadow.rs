@@ -150,6 +150,7 @@ mod tests {
             center: Vec3::new(0.0, 1.0, 0.0),
             radius: 1.5,
             foot: 0.1,
+            root: Vec3::ZERO,
         };
         let place = Affine3A::from_scale_rotation_translation(
             Vec3::splat(2.0),

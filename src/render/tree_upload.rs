@@ -39,12 +39,13 @@ pub(crate) const COPY_BYTES: u64 = 32 << 20;
 /// A chunk is never larger than this, whatever the device allows.
 pub(crate) const CHUNK_BYTES: u64 = 256 << 20;
 
-/// A sphere around the whole tree and the radius at its foot, in the tree's own frame.
+/// A sphere around the whole tree, the radius at its foot, and where that is, in the tree's own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Bounds {
     pub(crate) center: Vec3,
     pub(crate) radius: f32,
     pub(crate) foot: f32,
+    pub(crate) root: Vec3,
 }
 
 impl Bounds {
@@ -174,6 +175,7 @@ impl TreeUpload {
             upload.leaves = LeafChunk::all(&mut making, placed, &mut looks, detail)?;
             upload.bounds.include(placed.organs.bounds());
         }
+        upload.bounds.root = placed.tree.position.first().copied().unwrap_or_default();
         upload.resident = Arc::new(resident);
         upload.before = before;
         upload.bark = placed.organs.bark;
@@ -314,6 +316,7 @@ fn bounds(segments: &[TubeSegment]) -> Bounds {
             center: (low + high) / 2.0,
             radius: low.distance(high) / 2.0,
             foot,
+            root: Vec3::ZERO,
         }
     } else {
         Bounds::default()

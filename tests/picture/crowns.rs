@@ -15,6 +15,7 @@ use ramus::tree::levels::{Levels, along_axes, cut};
 use ramus::tree::tubes::{self, TubeSegment};
 use ramus::tree::{Organs, Tree};
 use ramus::world::room::Quality;
+use ramus::world::scene::weather::{Sway, Wind};
 use ramus::world::scene::{PlacedTree, Scene};
 
 use super::support::{device, field, grove, mode, placed, silent};
@@ -197,11 +198,22 @@ fn the_device_chooses_the_clusters_that_its_twin_chooses() {
     );
     let levels = Levels::new(&ordered(&tree.tree, &tree.radius_before));
     let kinds = of_tubes();
-    for distance in [0.4, 1.0, 3.0, 20.0, 300.0] {
+    let strong = Wind::Strong.strength();
+    for (distance, strength) in [
+        (0.4, 0.0),
+        (1.0, 0.0),
+        (1.0, strong),
+        (3.0, 0.0),
+        (20.0, 0.0),
+        (300.0, strong),
+    ] {
         let eyes = from(distance);
+        let clock = 0.3;
+        stage.renderer.set_sway(Sway { strength, clock });
         let (report, chosen) = stage.draw(&scene(&tree), &eyes);
         assert!(report.draws < 40, "{report:?}");
-        let (standing, views) = stage.renderer.choice_of_tree(tree.world_from_tree, &eyes);
+        let (standing, views) = stage.renderer.choice_of_tree(&tree, &eyes);
+        assert_eq!(standing.sway > 0.0, strength > 0.0);
         let looked = |cluster: &ramus::tree::levels::Cluster| {
             let bins = cluster.bins(&standing, &views).unwrap_or([255, 255]);
             let kind = kind_of(

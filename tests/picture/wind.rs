@@ -5,6 +5,7 @@ use image::RgbaImage;
 use ramus::render::{
     Backdrop, Eye, Fov, Gpu, Offscreen, Renderer, RendererParams, StereoMode, TreeState,
 };
+use ramus::tree::{NO_PARENT, Node, Tree};
 use ramus::world::scene::weather::{Light, Sway, Wind};
 use ramus::world::scene::{PlacedTree, Scene};
 
@@ -158,6 +159,69 @@ fn the_crown_leans_the_foot_stays_and_the_shadow_goes_along() {
         [Sway::default(), STRONG].map(|sway| seen(&gpu, &ground, &tree, &eyes, sway)[0].clone());
     let changed = differing(&rest, &swayed);
     assert!(changed > 1000, "{changed} pixels of its shadow");
+    silent(&gpu);
+}
+
+/// Small things all over a tree, each seen from two sides through a keyhole where [`Sway::at`] says that it is now.
+#[test]
+fn what_sways_is_where_its_twin_says() {
+    let Some(gpu) = device() else { return };
+    let root = Vec3::new(0.2, 0.1, -0.3);
+    let params = dark(params(mode(&gpu), SIDE, Light::Day));
+    let mut moved = 0.0_f32;
+    for (place, clock) in [
+        (Vec3::new(0.0, 0.4, 0.0), 0.1),
+        (Vec3::new(1.5, 2.0, 0.4), 0.2437),
+        (Vec3::new(-1.0, 3.0, 2.0), 0.5),
+        (Vec3::new(0.3, 6.0, -2.5), 0.77),
+        (Vec3::new(4.0, 5.0, 3.0), 0.999),
+    ] {
+        // The root is a point, and the thing a short piece of its own.
+        let mut tree = Tree {
+            letters: vec!["F".to_owned()],
+            ..Tree::default()
+        };
+        let half = Vec3::Y * 0.01;
+        for (parent, position) in [
+            (NO_PARENT, root),
+            (NO_PARENT, root + place - half),
+            (1, root + place + half),
+        ] {
+            tree.push(Node {
+                parent,
+                position,
+                radius: 0.02,
+                letter: 0,
+                order: 0,
+                birth: 0,
+            });
+        }
+        let tree = placed(tree, Vec::new(), 0, Affine3A::IDENTITY);
+        let sway = Sway {
+            strength: 1.0,
+            clock,
+        };
+        let by = sway.at(root + place, root);
+        moved = moved.max(by.length());
+        let now = root + place + by;
+        for side in [Vec3::X, Vec3::Z] {
+            // 1.2 mm a pixel.
+            let field = Fov::symmetric(0.3, 1.0);
+            let eyes = Eye::looking_at(now + side, now, field).pair(0.0);
+            let picture = &seen(&gpu, &params, &tree, &eyes, sway)[0];
+            let lit = picture.enumerate_pixels();
+            let lit = lit.filter(|(.., pixel)| pixel.0[..3].iter().any(|part| *part > 12));
+            let (mut count, mut middle) = (0.0, [0.0; 2]);
+            for (x, y, _) in lit {
+                count += 1.0;
+                middle = [middle[0] + f64::from(x), middle[1] + f64::from(y)];
+            }
+            assert!(count > 200.0, "{place}: {count} pixels");
+            let off = middle.map(|sum| sum / count + 0.5 - f64::from(SIDE / 2));
+            assert!(off.iter().all(|off| off.abs() < 2.0), "{place}: {off:?}");
+        }
+    }
+    assert!(moved > 0.3, "{moved} m");
     silent(&gpu);
 }
 

@@ -59,13 +59,28 @@ impl Renderer {
             return 0.0;
         };
         let place = placed.world_from_tree;
-        let root = root_of(Some(placed));
+        let root = self.root_of(placed);
         let radius = tree.bounds.radius * place.x_axis.length();
         let middle = place.transform_point3(tree.bounds.center) - root;
         let most = self
             .sway
             .most(middle.y + radius, middle.with_y(0.0).length() + radius);
         if most.is_finite() { most } else { 0.0 }
+    }
+
+    /// The same of corners of its leaves, which flutter besides.
+    pub(super) fn stir_of(&self, placed: &PlacedTree) -> f32 {
+        let leaves = self.tree.iter().flat_map(|tree| &tree.leaves);
+        let longest = leaves.map(|leaf| leaf.crown.size).fold(0.0, f32::max);
+        let flutter = longest * placed.world_from_tree.x_axis.length() * self.sway.flutter();
+        self.sway_of(placed) + if flutter.is_finite() { flutter } else { 0.0 }
+    }
+
+    /// Where the shown tree stands: its first node. It is that of before as long as another is on its way.
+    pub(super) fn root_of(&self, placed: &PlacedTree) -> Vec3 {
+        let tree = self.tree.as_ref();
+        let root = tree.map(|tree| placed.world_from_tree.transform_point3(tree.bounds.root));
+        root.filter(|root| root.is_finite()).unwrap_or_default()
     }
 }
 
@@ -75,13 +90,4 @@ pub(super) fn sphere_of(pass: &Pass<'_>, world_from_tree: Affine3A) -> Vec4 {
     let scale = world_from_tree.x_axis.length();
     let middle = world_from_tree.transform_point3(bounds.center);
     middle.extend(bounds.radius * scale)
-}
-
-/// Where a tree stands: its first node.
-pub(super) fn root_of(placed: Option<&PlacedTree>) -> Vec3 {
-    let root = placed.and_then(|placed| {
-        let first = placed.tree.position.first()?;
-        Some(placed.world_from_tree.transform_point3(*first))
-    });
-    root.filter(|root| root.is_finite()).unwrap_or_default()
 }

@@ -43,9 +43,13 @@ impl Renderer {
             } else {
                 Affine3A::default()
             };
-            let sway = [self.sway_of(placed), self.sway.flutter()];
-            for chunk in upload.crowns() {
-                self.selection.crowns.add(chunk, place, views, sway);
+            let sway = self.sway_of(placed);
+            let branches = upload.chunks.iter().map(|chunk| (chunk, 0.0));
+            let flutter = self.sway.flutter();
+            let leaves = upload.leaves.iter().map(|chunk| (&chunk.crown, flutter));
+            for (chunk, flutter) in branches.chain(leaves) {
+                let crowns = &mut self.selection.crowns;
+                crowns.add(chunk, place, views, [sway, flutter]);
             }
         }
         let (models, crowns) = self.selection.make_room()?;
@@ -135,10 +139,13 @@ impl Renderer {
         self.selection.crowns.read(slot)
     }
 
-    /// What the choice of a tree that stands like this is worked out from, for its twin in [`crate::tree::levels`].
+    /// What the choice of the shown tree's branches is worked out from, for its twin in [`crate::tree::levels`].
     #[must_use]
-    pub fn choice_of_tree(&self, world_from_tree: Affine3A, eyes: &[Eye; 2]) -> (Standing, Views) {
-        let standing = Standing::new(world_from_tree, Vec4::ZERO, false, NEAR);
+    pub fn choice_of_tree(&self, placed: &PlacedTree, eyes: &[Eye; 2]) -> (Standing, Views) {
+        let standing = Standing {
+            sway: self.sway_of(placed),
+            ..Standing::new(placed.world_from_tree, Vec4::ZERO, false, NEAR)
+        };
         (standing, self.views_of(eyes))
     }
 }

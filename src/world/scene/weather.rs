@@ -153,7 +153,7 @@ impl Sway {
         if !self.moves() {
             return Vec3::ZERO;
         }
-        let wave = |phase: f32, times: f32| (phase - TAU * times * self.clock).sin();
+        let wave = |phase: f32, times: f32| (phase - TAU * (times * self.clock).fract()).sin();
         let level = Vec2::new(place.x, place.z);
         let height = (place.y - root.y).max(0.0);
         let reach = level.distance(Vec2::new(root.x, root.z));
