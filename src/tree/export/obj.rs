@@ -9,7 +9,7 @@ use std::io::{self, Write};
 
 use super::surface::{Costs, Group, Matter, Standing, everywhere, standing};
 use super::{ExportParams, Place, Stand, TREE};
-use crate::tree::organs::{Organs, bark_colour, srgb};
+use crate::tree::organs::{Numbers, Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
 
 /// What the text of one vertex with its share of the faces takes at most, roughly.
@@ -120,7 +120,11 @@ fn vertices(
 ) -> io::Result<()> {
     let surface = &one.surface;
     for group in &surface.groups {
-        surface.each(group.matter, |part, _| {
+        let numbers = Numbers {
+            colours: painted,
+            ..Numbers::POSITIONS
+        };
+        surface.each(group.matter, numbers, |part, _| {
             for (at, position) in part.positions.iter().enumerate() {
                 let [x, y, z] = place.placed(*position);
                 if !painted {
@@ -135,14 +139,14 @@ fn vertices(
         })?;
     }
     for group in &surface.groups {
-        surface.each(group.matter, |part, _| {
+        surface.each(group.matter, Numbers::NONE, |part, _| {
             let mut lines = part.uvs.iter();
             lines.try_for_each(|[u, v]| writeln!(out, "vt {u} {v}"))
         })?;
     }
     // Five digits are finer than any shading shows and halve the file.
     for group in &surface.groups {
-        surface.each(group.matter, |part, _| {
+        surface.each(group.matter, Numbers::NORMALS, |part, _| {
             let mut lines = part.normals.iter().map(|normal| place.turned(*normal));
             lines.try_for_each(|[x, y, z]| writeln!(out, "vn {x:.5} {y:.5} {z:.5}"))
         })?;
@@ -152,17 +156,18 @@ fn vertices(
 
 fn faces(one: &Standing<'_>, group: &Group, first: &First, out: &mut dyn Write) -> io::Result<()> {
     let has_uvs = group.matter == Matter::Bark;
-    one.surface.each(group.matter, |part, before| {
-        part.indices.chunks_exact(3).try_for_each(|triangle| {
-            let corners = [triangle[0], triangle[1], triangle[2]]
-                .map(|index| u64::from(index) + u64::from(before));
-            let [a, b, c] = corners.map(|corner| corner + first.vertex);
-            if has_uvs {
-                let [u, v, w] = corners.map(|corner| corner + first.coordinate);
-                writeln!(out, "f {a}/{u}/{a} {b}/{v}/{b} {c}/{w}/{c}")
-            } else {
-                writeln!(out, "f {a}//{a} {b}//{b} {c}//{c}")
-            }
+    one.surface
+        .each(group.matter, Numbers::INDICES, |part, before| {
+            part.indices.chunks_exact(3).try_for_each(|triangle| {
+                let corners = [triangle[0], triangle[1], triangle[2]]
+                    .map(|index| u64::from(index) + u64::from(before));
+                let [a, b, c] = corners.map(|corner| corner + first.vertex);
+                if has_uvs {
+                    let [u, v, w] = corners.map(|corner| corner + first.coordinate);
+                    writeln!(out, "f {a}/{u}/{a} {b}/{v}/{b} {c}/{w}/{c}")
+                } else {
+                    writeln!(out, "f {a}//{a} {b}//{b} {c}//{c}")
+                }
+            })
         })
-    })
 }

@@ -9,7 +9,7 @@ use super::surface::{Costs, Matter, standing};
 use super::{ExportParams, Stand, TREE};
 use crate::tree::TreeError;
 use crate::tree::bark::Bark;
-use crate::tree::organs::{Colour, Drawing, bark_colour, from_bytes};
+use crate::tree::organs::{Colour, Drawing, Numbers, bark_colour, from_bytes};
 
 /// Triangles with a colour at each vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,22 +43,24 @@ pub fn painted(drawing: &Drawing, sides: u32) -> Result<PaintedMesh, TreeError> 
         for group in &one.surface.groups {
             let first = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
             // Nothing is written, so nothing fails.
-            let _ = one.surface.each(group.matter, |part, before| {
-                mesh.positions
-                    .extend(part.positions.iter().map(|at| Vec3::from(*at)));
-                let (triangles, _) = part.indices.as_chunks::<3>();
-                let moved = |corner: u32| corner + before + first;
-                mesh.triangles
-                    .extend(triangles.iter().map(|corners| corners.map(moved)));
-                match group.matter {
-                    Matter::Bark => mesh.colours.resize(mesh.positions.len(), bark),
-                    Matter::Painted(_) => {
-                        mesh.colours
-                            .extend(part.colours.iter().map(|of| opaque(*of)));
+            let _ = one
+                .surface
+                .each(group.matter, Numbers::ALL, |part, before| {
+                    mesh.positions
+                        .extend(part.positions.iter().map(|at| Vec3::from(*at)));
+                    let (triangles, _) = part.indices.as_chunks::<3>();
+                    let moved = |corner: u32| corner + before + first;
+                    mesh.triangles
+                        .extend(triangles.iter().map(|corners| corners.map(moved)));
+                    match group.matter {
+                        Matter::Bark => mesh.colours.resize(mesh.positions.len(), bark),
+                        Matter::Painted(_) => {
+                            mesh.colours
+                                .extend(part.colours.iter().map(|of| opaque(*of)));
+                        }
                     }
-                }
-                Ok(())
-            });
+                    Ok(())
+                });
         }
     }
     Ok(mesh)

@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable, cast_slice};
 
 use super::surface::{Costs, Standing, everywhere, standing};
 use super::{ExportParams, Stand, TREE};
-use crate::tree::organs::{Colour, Organs, bark_colour, srgb};
+use crate::tree::organs::{Colour, Numbers, Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
 
 /// Records that are made at a time.
@@ -105,35 +105,37 @@ impl<'a> Ply<'a> {
         let bark = eight_bits(bark_colour());
         let mut made: Vec<Vertex> = Vec::with_capacity(AT_ONCE);
         for (one, place, group) in groups() {
-            one.surface.each(group.matter, |part, _| {
-                let vertex = |at: usize| Vertex {
-                    position: place.placed(part.positions[at]).map(f32::to_le_bytes),
-                    normal: place.turned(part.normals[at]).map(f32::to_le_bytes),
-                    uv: part
-                        .uvs
-                        .get(at)
-                        .copied()
-                        .unwrap_or_default()
-                        .map(f32::to_le_bytes),
-                    colour: part
-                        .colours
-                        .get(at)
-                        .map_or(bark, |colour| eight_bits(*colour)),
-                };
-                in_pieces(part.positions.len(), &mut made, vertex, out)
-            })?;
+            one.surface
+                .each(group.matter, Numbers::VERTICES, |part, _| {
+                    let vertex = |at: usize| Vertex {
+                        position: place.placed(part.positions[at]).map(f32::to_le_bytes),
+                        normal: place.turned(part.normals[at]).map(f32::to_le_bytes),
+                        uv: part
+                            .uvs
+                            .get(at)
+                            .copied()
+                            .unwrap_or_default()
+                            .map(f32::to_le_bytes),
+                        colour: part
+                            .colours
+                            .get(at)
+                            .map_or(bark, |colour| eight_bits(*colour)),
+                    };
+                    in_pieces(part.vertices, &mut made, vertex, out)
+                })?;
         }
         let mut made: Vec<Face> = Vec::with_capacity(AT_ONCE);
         let mut first = 0;
         for (one, _, group) in groups() {
-            one.surface.each(group.matter, |part, before| {
-                let (triangles, _) = part.indices.as_chunks::<3>();
-                let face = |at: usize| Face {
-                    corners: 3,
-                    vertices: triangles[at].map(|index| (index + before + first).to_le_bytes()),
-                };
-                in_pieces(triangles.len(), &mut made, face, out)
-            })?;
+            one.surface
+                .each(group.matter, Numbers::INDICES, |part, before| {
+                    let (triangles, _) = part.indices.as_chunks::<3>();
+                    let face = |at: usize| Face {
+                        corners: 3,
+                        vertices: triangles[at].map(|index| (index + before + first).to_le_bytes()),
+                    };
+                    in_pieces(triangles.len(), &mut made, face, out)
+                })?;
             // `Surface::new` refuses more vertices than fit.
             first += u32::try_from(group.vertices).unwrap_or(u32::MAX);
         }

@@ -14,14 +14,15 @@ use super::wind::Bending;
 use super::{ExportParams, Extras, Individual, MOST_BYTES, PART, Place, Stand};
 use crate::tree::mesh::{SIDES, TubeMesh, mesh, vertices_per_segment};
 use crate::tree::organs::{
-    Colour, LookTable, OrganMesh, Organist, Organs, look_of, paint_segments, refined, refined_len,
+    Colour, LookTable, Numbers, OrganMesh, Organist, Organs, look_of, paint_segments, refined,
+    refined_len,
 };
 use crate::tree::tubes::{self, CAPPED, STARTS, TubeSegment};
 use crate::tree::{Tree, TreeError};
 
-/// Vertices of organs that are in memory at a time.
-const ORGAN_PART: usize = 1 << 16;
-/// Surfaces that may have so many vertices are made once and kept: some forty megabytes, since most segments have half as many as they may.
+/// Vertices of organs that are in memory at a time: so many that they stay near the processor.
+const ORGAN_PART: usize = 1 << 14;
+/// Tubes that may have so many vertices are made once and kept: some forty megabytes, since most segments have half as many as they may.
 const KEPT: u64 = 1 << 20;
 
 /// What a group's triangles are made of.
@@ -43,38 +44,49 @@ pub(super) struct Group {
     pub(super) bounds: [[f32; 3]; 2],
 }
 
-/// Some of a group's triangles.
-#[derive(Debug, Default)]
-pub(super) struct Part {
-    pub(super) positions: Vec<[f32; 3]>,
-    pub(super) normals: Vec<[f32; 3]>,
+/// Some of a group's triangles: what of them was asked for, at least.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part<'a> {
+    pub(super) vertices: usize,
+    pub(super) positions: &'a [[f32; 3]],
+    pub(super) normals: &'a [[f32; 3]],
     /// Of bark only.
-    pub(super) uvs: Vec<[f32; 2]>,
+    pub(super) uvs: &'a [[f32; 2]],
     /// Of painted things only; linear.
-    pub(super) colours: Vec<Colour>,
+    pub(super) colours: &'a [Colour],
     /// From the part's own first vertex on.
-    pub(super) indices: Vec<u32>,
+    pub(super) indices: &'a [u32],
 }
 
-impl Part {
-    fn bark(mesh: TubeMesh) -> Self {
-        Self {
-            positions: mesh.positions,
-            normals: mesh.normals,
-            uvs: mesh.uvs,
-            colours: Vec::new(),
-            indices: mesh.indices,
+/// Tubes of one material.
+#[derive(Debug)]
+struct Tubes {
+    mesh: TubeMesh,
+    /// Of painted ones.
+    colours: Vec<Colour>,
+}
+
+impl Tubes {
+    fn part(&self) -> Part<'_> {
+        Part {
+            vertices: self.mesh.positions.len(),
+            positions: &self.mesh.positions,
+            normals: &self.mesh.normals,
+            uvs: &self.mesh.uvs,
+            colours: &self.colours,
+            indices: &self.mesh.indices,
         }
     }
+}
 
-    fn organs(mesh: OrganMesh) -> Self {
-        Self {
-            positions: mesh.positions,
-            normals: mesh.normals,
-            uvs: Vec::new(),
-            colours: mesh.colours,
-            indices: mesh.indices,
-        }
+fn part_of(mesh: &OrganMesh) -> Part<'_> {
+    Part {
+        vertices: mesh.vertices,
+        positions: &mesh.positions,
+        normals: &mesh.normals,
+        uvs: &[],
+        colours: &mesh.colours,
+        indices: &mesh.indices,
     }
 }
 
@@ -83,7 +95,7 @@ impl Part {
 pub(super) struct Budget {
     /// Of the file.
     bytes: u64,
-    /// Vertices that may be kept in memory.
+    /// Vertices of tubes that may be kept in memory.
     kept: u64,
 }
 
@@ -174,10 +186,10 @@ pub(super) struct Surface<'a> {
     pub(super) runs: Vec<Run>,
     pub(super) bending: Option<Bending>,
     pub(super) unfolding: Option<Unfolding>,
-    /// Vertices that it may have.
-    most: u64,
-    /// All parts where they are kept, with the vertices of their group before them.
-    kept: Vec<(Matter, u32, Part)>,
+    /// Vertices that its tubes may have.
+    tubes: u64,
+    /// All tubes where they are kept.
+    kept: Vec<(Matter, Tubes)>,
     /// In the order in which they are written; none is empty.
     pub(super) groups: Vec<Group>,
 }
@@ -270,59 +282,73 @@ impl<'a> Surface<'a> {
             sides,
             organs,
             looks,
-            most,
+            tubes,
             kept: Vec::new(),
             groups: Vec::new(),
         })
     }
 
-    /// Finds what there is of each group, and keeps what is made for that where there is room.
+    /// Finds what there is of each group, and keeps what tubes are made for that where there is room.
     fn measure(&mut self, budget: &mut Budget) -> Result<(), TreeError> {
-        let left = budget.kept.checked_sub(self.most);
-        budget.kept = left.unwrap_or(budget.kept);
-        let keeps = left.is_some();
-        let mut matters = BTreeSet::new();
-        for record in &self.records {
-            matters.insert(self.matter(record));
+        let matters = self.matters();
+        if let Some(left) = budget.kept.checked_sub(self.tubes) {
+            budget.kept = left;
+            let mut kept = Vec::new();
+            for matter in &matters {
+                // Nothing is written, so nothing can fail.
+                let _ = self.tubes(*matter, |tubes| {
+                    kept.push((*matter, tubes));
+                    Ok(())
+                });
+            }
+            self.kept = kept;
         }
-        let organist = Organist::new(self.organs);
-        for organ in (0..self.loose).filter_map(|index| organist.organ(index)) {
-            matters.insert(Matter::Painted(organ.paint.material));
-        }
-        let (mut groups, mut kept) = (Vec::new(), Vec::new());
+        let numbers = Numbers {
+            indices: true,
+            ..Numbers::POSITIONS
+        };
+        let mut groups = Vec::new();
         for matter in matters {
-            let mut group = Group {
-                matter,
-                vertices: 0,
-                indices: 0,
-                bounds: [[0.0; 3]; 2],
-            };
-            let mut finite = true;
-            let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-            // What is counted is not written, so nothing can fail.
-            let _ = self.make(matter, |part, before| {
-                group.vertices += part.positions.len();
-                group.indices += part.indices.len();
-                for position in part.positions.iter().map(|p| Vec3::from(*p)) {
-                    finite &= position.is_finite();
-                    (low, high) = (low.min(position), high.max(position));
-                }
-                if keeps {
-                    kept.push((matter, before, part));
+            let (mut vertices, mut indices) = (0, 0);
+            let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+            // 0, or no number where one of them is none.
+            let mut none = 0.0;
+            let _ = self.each(matter, numbers, |part, _| {
+                vertices += part.vertices;
+                indices += part.indices.len();
+                for place in part.positions {
+                    for (axis, at) in place.iter().enumerate() {
+                        none += at * 0.0;
+                        low[axis] = low[axis].min(*at);
+                        high[axis] = high[axis].max(*at);
+                    }
                 }
                 Ok(())
             });
-            if !finite {
+            if none != 0.0 {
                 return Err(TreeError::TooWide);
             }
-            group.bounds = [low.to_array(), high.to_array()];
-            if group.indices > 0 {
-                groups.push(group);
+            if indices > 0 {
+                groups.push(Group {
+                    matter,
+                    vertices,
+                    indices,
+                    bounds: [low, high],
+                });
             }
         }
-        self.kept = kept;
         self.groups = groups;
         Ok(())
+    }
+
+    /// All that it is made of, in order.
+    fn matters(&self) -> BTreeSet<Matter> {
+        let records = self.records.iter().map(|record| self.matter(record));
+        let mut matters: BTreeSet<Matter> = records.collect();
+        let organist = Organist::new(self.organs);
+        let organs = (0..self.loose).filter_map(|index| organist.organ(index));
+        matters.extend(organs.map(|organ| Matter::Painted(organ.paint.material)));
+        matters
     }
 
     pub(super) fn matter(&self, record: &TubeSegment) -> Matter {
@@ -331,36 +357,40 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// Shows a group's parts one after the other; each is given with the number of the group's vertices before it.
+    /// Shows a group's parts one after the other; each is given with the number of the group's vertices before it. Of what is not kept the numbers that are not
+    /// asked for are not made.
     pub(super) fn each(
         &self,
         matter: Matter,
-        mut take: impl FnMut(&Part, u32) -> io::Result<()>,
-    ) -> io::Result<()> {
-        if self.kept.is_empty() {
-            return self.make(matter, |part, before| take(&part, before));
-        }
-        let mut own = self.kept.iter().filter(|(of, ..)| *of == matter);
-        own.try_for_each(|(_, before, part)| take(part, *before))
-    }
-
-    /// Makes a group's parts.
-    fn make(
-        &self,
-        matter: Matter,
-        mut take: impl FnMut(Part, u32) -> io::Result<()>,
+        numbers: Numbers,
+        mut take: impl FnMut(Part<'_>, u32) -> io::Result<()>,
     ) -> io::Result<()> {
         let mut before = 0;
-        let mut give = |part: Part| {
+        let mut give = |part: Part<'_>| {
+            take(part, before)?;
             #[allow(
                 clippy::cast_possible_truncation,
                 reason = "`new` refuses more vertices than fit u32"
             )]
-            let vertices = part.positions.len() as u32;
-            take(part, before)?;
+            let vertices = part.vertices as u32;
             before += vertices;
             Ok::<(), io::Error>(())
         };
+        if self.kept.is_empty() {
+            self.tubes(matter, |tubes| give(tubes.part()))?;
+        }
+        for (_, tubes) in self.kept.iter().filter(|(of, _)| *of == matter) {
+            give(tubes.part())?;
+        }
+        self.organs(matter, numbers, give)
+    }
+
+    /// Makes a group's tubes.
+    fn tubes(
+        &self,
+        matter: Matter,
+        mut take: impl FnMut(Tubes) -> io::Result<()>,
+    ) -> io::Result<()> {
         let mut of_matter = self
             .records
             .iter()
@@ -369,17 +399,28 @@ impl<'a> Surface<'a> {
             .peekable();
         while of_matter.peek().is_some() {
             let records: Vec<TubeSegment> = of_matter.by_ref().take(PART).collect();
-            let mut part = Part::bark(mesh(&records, 1.0, self.sides));
+            let mut mesh = mesh(&records, 1.0, self.sides);
+            let mut colours = Vec::new();
             if matter != Matter::Bark {
-                part.uvs = Vec::new();
+                mesh.uvs = Vec::new();
                 for record in &records {
                     let (colour, _) = self.looks.look(look_of(record).unwrap_or(0));
-                    let vertices = part.colours.len() + vertices_of(record, self.sides);
-                    part.colours.resize(vertices, colour);
+                    let vertices = colours.len() + vertices_of(record, self.sides);
+                    colours.resize(vertices, colour);
                 }
             }
-            give(part)?;
+            take(Tubes { mesh, colours })?;
         }
+        Ok(())
+    }
+
+    /// Makes what is asked for of a group's organs.
+    fn organs(
+        &self,
+        matter: Matter,
+        numbers: Numbers,
+        mut give: impl FnMut(Part<'_>) -> io::Result<()>,
+    ) -> io::Result<()> {
         let Matter::Painted(material) = matter else {
             return Ok(());
         };
@@ -387,16 +428,17 @@ impl<'a> Surface<'a> {
         let mut mesh = OrganMesh::default();
         for index in 0..self.loose {
             if organist.organ(index).map(|organ| organ.paint.material) == Some(material) {
-                organist.add(index, &mut mesh);
+                organist.add_only(index, numbers, &mut mesh);
             }
-            if mesh.positions.len() >= ORGAN_PART {
-                give(Part::organs(std::mem::take(&mut mesh)))?;
+            if mesh.vertices >= ORGAN_PART {
+                give(part_of(&mesh))?;
+                mesh.clear();
             }
         }
-        if mesh.positions.is_empty() {
+        if mesh.vertices == 0 {
             return Ok(());
         }
-        give(Part::organs(mesh))
+        give(part_of(&mesh))
     }
 }
 

@@ -14,7 +14,7 @@ use super::surface::{Matter, Surface};
 use crate::tree::axes::axis_children;
 use crate::tree::growth::bases;
 use crate::tree::mesh::mesh;
-use crate::tree::organs::{OrganMesh, Organist, Refined};
+use crate::tree::organs::{Numbers, OrganMesh, Organist, Refined};
 use crate::tree::tubes::{GROWING, TIP, TubeSegment};
 use crate::tree::{NO_PARENT, Tree};
 
@@ -171,7 +171,7 @@ pub(super) fn moved(
         let organ = organ.filter(|organ| matter == Matter::Painted(organ.paint.material));
         let Some(organ) = organ else { continue };
         mesh.clear();
-        organist.add(index, &mut mesh);
+        organist.add_only(index, Numbers::POSITIONS, &mut mesh);
         let node = unfolding.drawn(organ.node);
         for place in &mesh.positions {
             // Organs unfold with what they hang on, as tubes do.

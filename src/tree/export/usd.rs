@@ -13,7 +13,7 @@ use super::names::{identifier, identifiers, name, unlike_identifier};
 use super::surface::{Costs, Group, Matter, Standing, Surface, everywhere, standing};
 use super::{ExportParams, Place, Stand, TREE};
 use crate::tree::bark::Bark;
-use crate::tree::organs::{Organs, bark_colour};
+use crate::tree::organs::{Numbers, Organs, bark_colour};
 use crate::tree::{Tree, TreeError};
 
 mod instancer;
@@ -210,20 +210,20 @@ impl<'a> Usd<'a> {
         }
         list.end(out, "")?;
         let mut list = List::begin(out, inside, "int[] faceVertexIndices")?;
-        surface.each(group.matter, |part, before| {
+        surface.each(group.matter, Numbers::INDICES, |part, before| {
             let mut indices = part.indices.iter();
             indices.try_for_each(|index| list.push(out, format_args!("{}", index + before)))
         })?;
         list.end(out, "")?;
         let mut list = List::begin(out, inside, "point3f[] points")?;
-        surface.each(group.matter, |part, _| {
+        surface.each(group.matter, Numbers::POSITIONS, |part, _| {
             let mut points = part.positions.iter();
             points.try_for_each(|[x, y, z]| list.push(out, format_args!("({x}, {y}, {z})")))
         })?;
         list.end(out, "")?;
         // Five digits are finer than any shading shows.
         let mut list = List::begin(out, inside, "normal3f[] normals")?;
-        surface.each(group.matter, |part, _| {
+        surface.each(group.matter, Numbers::NORMALS, |part, _| {
             let mut normals = part.normals.iter();
             normals
                 .try_for_each(|[x, y, z]| list.push(out, format_args!("({x:.5}, {y:.5}, {z:.5})")))
@@ -231,14 +231,14 @@ impl<'a> Usd<'a> {
         list.end(out, VERTEX)?;
         if group.matter == Matter::Bark {
             let mut list = List::begin(out, inside, "texCoord2f[] primvars:st")?;
-            surface.each(group.matter, |part, _| {
+            surface.each(group.matter, Numbers::NONE, |part, _| {
                 let mut uvs = part.uvs.iter();
                 uvs.try_for_each(|[u, v]| list.push(out, format_args!("({u}, {v})")))
             })?;
             list.end(out, VERTEX)?;
         } else {
             let mut list = List::begin(out, inside, "color3f[] primvars:displayColor")?;
-            surface.each(group.matter, |part, _| {
+            surface.each(group.matter, Numbers::COLOURS, |part, _| {
                 let mut colours = part.colours.iter();
                 colours.try_for_each(|[r, g, b]| {
                     list.push(out, format_args!("({r:.5}, {g:.5}, {b:.5})"))

@@ -14,7 +14,7 @@ use super::instances::length;
 use super::surface::{Matter, Surface, vertices_of};
 use crate::tree::axes::axis_children;
 use crate::tree::draws::Draws;
-use crate::tree::organs::{self, OrganMesh, Organist, Placed, Refined};
+use crate::tree::organs::{self, Numbers, OrganMesh, Organist, Placed, Refined};
 use crate::tree::tubes::CAPPED;
 use crate::tree::{NO_PARENT, Tree};
 
@@ -155,7 +155,7 @@ pub(super) fn each(surface: &Surface<'_>, matter: Matter, mut take: impl FnMut([
         }
     }
     let leaves: Vec<Vec<f32>> = surface.organs.surfaces.iter().map(flutter_of).collect();
-    carried(surface, matter, |node, mesh, placed| {
+    carried(surface, matter, Numbers::POSITIONS, |node, mesh, placed| {
         let leaf = placed.and_then(|placed| leaves.get(usize::from(placed.surface)));
         for (vertex, place) in mesh.positions.iter().enumerate() {
             // A leaf goes with the place where it is held.
@@ -175,19 +175,20 @@ pub(super) fn coordinates(surface: &Surface<'_>, matter: Matter, mut take: impl 
         }
     }
     let leaves: Vec<Vec<[f32; 2]>> = surface.organs.surfaces.iter().map(coordinates_of).collect();
-    carried(surface, matter, |_, mesh, placed| {
+    carried(surface, matter, Numbers::NONE, |_, mesh, placed| {
         let leaf = placed.and_then(|placed| leaves.get(usize::from(placed.surface)));
-        for vertex in 0..mesh.positions.len() {
+        for vertex in 0..mesh.vertices {
             let place = leaf.and_then(|leaf| leaf.get(vertex).copied());
             take(place.unwrap_or([0.0; 2]));
         }
     });
 }
 
-/// Shows the triangles of each organ of a group, the node that it hangs on, and where it is placed if it is.
-pub(super) fn carried(
+/// Shows what is asked for of each organ of a group, the node that it hangs on, and where it is placed if it is.
+fn carried(
     surface: &Surface<'_>,
     matter: Matter,
+    numbers: Numbers,
     mut show: impl FnMut(u32, &OrganMesh, Option<&Placed>),
 ) {
     let organs = surface.organs;
@@ -199,7 +200,7 @@ pub(super) fn carried(
         let organ = organ.filter(|organ| matter == Matter::Painted(organ.paint.material));
         if let Some(organ) = organ {
             mesh.clear();
-            organist.add(index, &mut mesh);
+            organist.add_only(index, numbers, &mut mesh);
             let placed = index
                 .checked_sub(before)
                 .and_then(|at| organs.placed.get(at));

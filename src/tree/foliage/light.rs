@@ -10,7 +10,7 @@ use glam::{UVec3, Vec3};
 const CELLS: f32 = 40.0;
 
 /// Directions: steps to a neighbour's column for each layer up.
-const DIRECTIONS: [[i32; 2]; 9] = [
+const DIRECTIONS: [[isize; 2]; 9] = [
     [0, 0],
     [1, 0],
     [-1, 0],
@@ -94,26 +94,34 @@ impl Light {
     /// Turns depths by cell into light by cell.
     fn sweep(&mut self) {
         let [width, depth] = [self.size.x as usize, self.size.z as usize];
-        let layer = width * depth;
-        let mut above = vec![[0.0_f32; DIRECTIONS.len()]; layer];
-        let mut here = above.clone();
-        let mut own = vec![0.0_f32; layer];
-        for y in (0..self.size.y as usize).rev() {
-            let cells = &mut self.arrives[y * layer..(y + 1) * layer];
-            own.copy_from_slice(cells);
-            for (at, cell) in cells.iter_mut().enumerate() {
-                let (mut light, mut weights) = (0.0, 0.0);
-                for (number, [dx, dz]) in DIRECTIONS.iter().enumerate() {
-                    let way = steps_up(*dx, *dz);
-                    let from = neighbour(at, *dx, *dz, width, depth);
-                    let before = from.map_or(0.0, |from| above[from][number]);
-                    // Half of a cell's own leaves lie over its middle.
-                    let through = before + 0.5 * way * own[at];
-                    here[at][number] = before + way * own[at];
-                    light += (-through).exp() / way;
-                    weights += 1.0 / way;
+        // With nothing all around, so that every cell has eight neighbours.
+        let pitch = width + 2;
+        let layer = || DIRECTIONS.map(|_| vec![0.0_f32; pitch * (depth + 2)]);
+        let (mut above, mut here) = (layer(), layer());
+        let ways = DIRECTIONS.map(|[dx, dz]| steps_up(dx, dz));
+        let weights: f32 = ways.iter().map(|way| 1.0 / way).sum();
+        let mut light = vec![0.0_f32; width];
+        for cells in self.arrives.chunks_exact_mut(width * depth).rev() {
+            for (z, own) in cells.chunks_exact_mut(width).enumerate() {
+                light.fill(0.0);
+                let row = (z + 1) * pitch + 1;
+                for (number, ([dx, dz], way)) in DIRECTIONS.iter().zip(ways).enumerate() {
+                    let aside = dz * pitch.cast_signed() + dx;
+                    let from = &above[number][row.wrapping_add_signed(aside)..][..width];
+                    let into = &mut here[number][row..][..width];
+                    let places = own.iter().zip(from).zip(into).zip(&mut light);
+                    for (((own, before), into), light) in places {
+                        // Half of a cell's own leaves lie over its middle.
+                        let through = before + 0.5 * way * own;
+                        *into = before + way * own;
+                        // Half of the cells have nothing above them.
+                        let arrives = if through > 0.0 { (-through).exp() } else { 1.0 };
+                        *light += arrives / way;
+                    }
                 }
-                *cell = light / weights;
+                for (cell, light) in own.iter_mut().zip(&light) {
+                    *cell = light / weights;
+                }
             }
             std::mem::swap(&mut above, &mut here);
         }
@@ -121,17 +129,10 @@ impl Light {
 }
 
 /// How long the way through one layer is, in cells.
-fn steps_up(dx: i32, dz: i32) -> f32 {
+fn steps_up(dx: isize, dz: isize) -> f32 {
     #[allow(clippy::cast_precision_loss, reason = "1, 2 or 3")]
     let squares = (1 + dx * dx + dz * dz) as f32;
     squares.sqrt()
-}
-
-/// The cell of the same layer that lies so far aside.
-fn neighbour(at: usize, dx: i32, dz: i32, width: usize, depth: usize) -> Option<usize> {
-    let x = (at % width).checked_add_signed(dx as isize)?;
-    let z = (at / width).checked_add_signed(dz as isize)?;
-    (x < width && z < depth).then_some(z * width + x)
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ pub use cylinder::{Refined, refined, refined_len};
 pub use look::{
     Colour, LookTable, Material, Paint, Palette, bark_colour, from_bytes, linear, srgb,
 };
-pub use mesh::{Organ, OrganMesh, Organist};
+pub use mesh::{Numbers, Organ, OrganMesh, Organist};
 pub use paint::{look_of, paint_segments};
 pub use polygon::{MOST_CORNERS, Triangulator};
 pub use surface::{BUILT_IN, Surface, Tone};

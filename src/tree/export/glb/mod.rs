@@ -16,7 +16,7 @@ use bytemuck::{Pod, cast_slice};
 
 use super::surface::{Costs, Matter, Standing, Surface, standing};
 use super::{ExportParams, Stand, TREE, unfold, wind};
-use crate::tree::organs::{Colour, Organs};
+use crate::tree::organs::{Colour, Numbers, Organs};
 use crate::tree::{Tree, TreeError};
 
 mod document;
@@ -193,10 +193,17 @@ impl<'a> Glb<'a> {
         if let Some(written) = write_more(surface, matter, what, out) {
             return written;
         }
-        surface.each(matter, |part, before| match what {
-            What::Positions => out.write_all(cast_slice(&part.positions)),
-            What::Normals => out.write_all(cast_slice(&part.normals)),
-            What::Coordinates => out.write_all(cast_slice(&part.uvs)),
+        let numbers = match what {
+            What::Positions => Numbers::POSITIONS,
+            What::Normals => Numbers::NORMALS,
+            What::Colours => Numbers::COLOURS,
+            What::Indices => Numbers::INDICES,
+            _ => Numbers::NONE,
+        };
+        surface.each(matter, numbers, |part, before| match what {
+            What::Positions => out.write_all(cast_slice(part.positions)),
+            What::Normals => out.write_all(cast_slice(part.normals)),
+            What::Coordinates => out.write_all(cast_slice(part.uvs)),
             What::Colours => {
                 colours.clear();
                 colours.extend(part.colours.iter().map(|colour| short(*colour)));
@@ -262,15 +269,21 @@ fn padded(bytes: &[u8], out: &mut dyn Write) -> io::Result<()> {
 
 /// A linear colour as glTF's vertices hold it.
 fn short([r, g, b]: Colour) -> [u16; 4] {
-    shorts([r, g, b, 1.0])
+    [part_of(r), part_of(g), part_of(b), u16::MAX]
 }
 
 /// Numbers from 0 to 1 as parts of 65535.
-fn shorts<const N: usize>(parts: [f32; N]) -> [u16; N] {
+fn shorts<const N: usize>(numbers: [f32; N]) -> [u16; N] {
+    numbers.map(part_of)
+}
+
+/// The nearest part of 65535. (`round` would be a call on most processors.)
+fn part_of(number: f32) -> u16 {
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "0 to 65535, and `as` saturates"
     )]
-    parts.map(|part| (part * 65535.0).round() as u16)
+    let part = (number * 65535.0 + 0.5) as u16;
+    part
 }
