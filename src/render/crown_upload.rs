@@ -1,6 +1,6 @@
 //! Branches or leaves in levels of detail on their way to the device: records, clusters, and as what these are drawn.
 
-use std::sync::Arc;
+use std::{slice::from_ref, sync::Arc};
 
 use ash::vk;
 use bytemuck::Pod;
@@ -86,7 +86,7 @@ impl CrownChunk {
         let first = part.first().map_or(0, |cluster| cluster.first);
         let runs: Vec<&[u8]> = part
             .iter()
-            .map(|cluster| levels.bytes_of(cluster))
+            .map(|cluster| levels.bytes_of(from_ref(cluster)))
             .collect();
         let clusters: Vec<Cluster> = part
             .iter()
@@ -101,7 +101,7 @@ impl CrownChunk {
             let device = MemoryLocation::GpuOnly;
             Buffer::new(gpu, name, size as u64, storage | copied, device)
         };
-        let size = runs.iter().map(|run| run.len()).sum();
+        let size = levels.bytes_of(part).len();
         let records = Arc::new(there("a crown's records", size)?);
         let table_bytes = size_of_val(clusters.as_slice());
         let cluster_buffer = there("a crown's clusters", table_bytes)?;
@@ -109,8 +109,8 @@ impl CrownChunk {
         let hashes = resident::hashes(&runs);
         making.resident.add(&records, &runs, &hashes);
         let mut parts = resident::parts(&runs, &hashes, records.handle, making.before);
+        let (staging, sent) = staged(gpu, levels.bytes_of(part), &parts, &clusters)?;
         parts.push(Part::staged(&cluster_buffer, table_bytes as u64));
-        let (staging, sent) = staged(gpu, &runs, &parts, &clusters)?;
 
         let bytes = size_of_val(&table) as u64;
         let seen = MemoryLocation::CpuToGpu;
@@ -148,30 +148,27 @@ impl CrownChunk {
     }
 }
 
-/// Staging memory with what is staged of records, and clusters behind it; and how much that is.
+/// Staging memory with what is to be staged of records, and clusters behind it; and how much that is.
 fn staged(
     gpu: &Gpu,
-    runs: &[&[u8]],
+    records: &[u8],
     parts: &[Part],
     clusters: &[Cluster],
 ) -> Result<(Staging, u64), RenderError> {
-    let staged = |part: &&Part| part.from == Source::Staged;
-    let sent = parts.iter().filter(staged).map(|part| part.size).sum();
+    let staged = || parts.iter().filter(|part| part.from == Source::Staged);
+    let new: u64 = staged().map(|part| part.size).sum();
+    let sent = new + size_of_val(clusters) as u64;
     let mut staging = Staging::new(gpu, "a crown on its way", sent)?;
-    let (mut at, mut written) = (0, 0);
-    let mut parts = parts.iter();
-    let mut part = parts.next();
-    for run in runs {
-        while part.is_some_and(|part| at >= part.at + part.size) {
-            part = parts.next();
-        }
-        if part.as_ref().is_some_and(staged) {
-            staging.write(written, run);
-            written += run.len() as u64;
-        }
-        at += run.len() as u64;
+    let mut written = 0;
+    for part in staged() {
+        let own = usize::try_from(part.at)
+            .ok()
+            .zip(usize::try_from(part.size).ok());
+        let own = own.and_then(|(at, size)| records.get(at..)?.get(..size));
+        staging.write(written, own.unwrap_or_default());
+        written += part.size;
     }
-    staging.write(written, clusters);
+    staging.write(new, clusters);
     Ok((staging, sent))
 }
 

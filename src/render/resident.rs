@@ -11,12 +11,9 @@ use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::{
-    memory::Buffer,
+    memory::{ALONE, Buffer},
     staging::{Part, Source},
 };
-
-/// Bytes that are worth hashing by several threads.
-const SHARED: usize = 8 << 20;
 
 /// Clusters on the device, by the hash of their records.
 #[derive(Default)]
@@ -51,7 +48,7 @@ impl Resident {
 /// The hashes of runs of bytes, which follow each other.
 pub(crate) fn hashes(runs: &[&[u8]]) -> Vec<u128> {
     let bytes: usize = runs.iter().map(|run| run.len()).sum();
-    if bytes > SHARED {
+    if bytes > ALONE {
         runs.par_iter().map(|run| xxh3_128(run)).collect()
     } else {
         runs.iter().map(|run| xxh3_128(run)).collect()

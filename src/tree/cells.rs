@@ -97,6 +97,14 @@ impl<T: Pod> Cells<T> {
         self.vector().extend(more);
     }
 
+    /// Leaves out all numbers from this one on.
+    pub fn truncate(&mut self, length: usize) {
+        match &mut self.0 {
+            Heap(own) => own.truncate(length),
+            Mapped(_, own) => *own = length.min(*own),
+        }
+    }
+
     /// Makes it so long, with this value where it is longer than before.
     pub fn resize(&mut self, length: usize, value: T) {
         if self.len() != length {
@@ -259,6 +267,11 @@ mod tests {
             let renewed = cells.clone().renewed(shorter).unwrap();
             assert_eq!(renewed.len(), shorter);
             assert_eq!(cells.clone().renewed(length * 3).unwrap().len(), length * 3);
+            let mut shorter = cells.clone();
+            shorter.truncate(length / 2);
+            assert_eq!(shorter[..], cells[..length / 2]);
+            shorter.truncate(length);
+            assert_eq!(shorter.len(), length / 2);
             cells.extend([1.0, 2.0]);
             assert_eq!(cells.len(), length + 2);
             assert_eq!(cells[length..], [1.0, 2.0]);

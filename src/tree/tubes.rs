@@ -28,6 +28,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
+use rayon::prelude::*;
 
 pub use super::mesh::{TubeMesh, mesh};
 use super::{NO_PARENT, Tree, axes};
@@ -120,9 +121,12 @@ struct Work {
     continues: bool,
 }
 
+/// Trees of up to so many nodes are worked on by the thread that asks: a frame may wait for them, and must not wait for what other threads have taken on.
+const ALONE: usize = 1 << 17;
+
 /// Bytes that the making of segments takes for each node: the segment itself and all that is kept on the way.
 pub const NODE_BYTES: usize =
-    size_of::<TubeSegment>() + size_of::<Work>() + 4 * size_of::<u32>() + size_of::<u8>();
+    size_of::<TubeSegment>() + size_of::<Work>() + 5 * size_of::<u32>() + size_of::<u8>();
 
 /// Makes segments, keeping its scratch memory, so that a warm call allocates nothing.
 #[derive(Clone, Debug, Default)]
@@ -130,6 +134,8 @@ pub struct SegmentBuilder {
     axis: Vec<u32>,
     work: Vec<Work>,
     marks: Vec<u8>,
+    /// The nodes at which segments end.
+    ends: Vec<u32>,
 }
 
 /// Writes the segments of a valid tree into `out` (cleared first), one for each node that has a parent, in the order of nodes.
@@ -161,19 +167,24 @@ impl SegmentBuilder {
         self.work.clear();
         self.work.resize(tree.len(), unborn);
         self.mark(tree, newest);
-        out.clear();
-        out.reserve(tree.len());
-        let before = |node: usize| {
-            radius_before
-                .get(node)
-                .copied()
-                .unwrap_or(tree.radius[node])
-        };
-        let marks = &self.marks;
-        let tapered = |node: usize, mark: u8, radius: f32| match marks[node] & mark {
-            0 => radius * TIP,
-            _ => radius,
-        };
+        self.turn(tree, newest);
+        self.ends.clear();
+        let ends = (0_u32..).zip(&tree.parent);
+        self.ends.extend(
+            ends.filter(|(_, parent)| **parent != NO_PARENT)
+                .map(|(node, _)| node),
+        );
+        let segment = |node: &u32| self.segment(tree, radius_before, *node);
+        if tree.len() > ALONE {
+            self.ends.par_iter().map(segment).collect_into_vec(out);
+        } else {
+            out.clear();
+            out.extend(self.ends.iter().map(segment));
+        }
+    }
+
+    /// Finds from the roots up what each node's tube goes on with.
+    fn turn(&mut self, tree: &Tree, newest: u32) {
         for (node, &parent) in tree.parent.iter().enumerate() {
             #[allow(
                 clippy::cast_possible_truncation,
@@ -190,40 +201,22 @@ impl SegmentBuilder {
             let mut work = self.work[node];
             let whole = tree.birth[node] < newest && under.base == parent;
             work.base = if whole { index } else { under.base };
-            let mut flags = u32::from(tree.letter[node]) << LETTER_SHIFT;
-            if !whole {
-                flags |= GROWING;
-            }
-
-            let mut radii = [
-                tapered(below, BORE, before(below)),
-                tree.radius[below],
-                before(node),
-                tree.radius[node],
-            ];
-            if self.axis[below] != index {
-                radii[0] = radii[0].min(radii[2]);
-                radii[1] = radii[1].min(radii[3]);
-            }
-            let (from_frame, v_from) = if work.continues {
-                (under.ring, under.v)
-            } else {
-                flags |= STARTS;
+            let mut v_from = under.v;
+            if !work.continues {
                 work.direction = direction(from, to).unwrap_or(under.direction);
                 work.frame = (Quat::from_rotation_arc(under.direction, work.direction)
                     * under.frame)
                     .normalize();
-                (pack_frame(work.frame), 0.0)
-            };
+                v_from = 0.0;
+            }
             // Of the radii without their taper, which goes away when the tip grows on.
-            work.v = v_from + circumferences(from.distance(to), radii[1] + radii[3]);
-            radii[2] = tapered(node, BORE, radii[2]);
-            radii[3] = tapered(node, BEARS, radii[3]);
+            let end = tree.radius[node];
+            let start = self.start(index, parent, tree.radius[below], end);
+            work.v = v_from + circumferences(from.distance(to), start + end);
 
             // The ring at the end: half-way into the next segment's direction, where one goes on.
             let next = self.axis[node];
             let mut end_frame = work.frame;
-            flags |= CAPPED;
             if next != NO_PARENT {
                 let onward = direction(to, tree.position[next as usize]).unwrap_or(work.direction);
                 if work.direction.dot(onward) > SHARP_BEND_COSINE {
@@ -233,22 +226,68 @@ impl SegmentBuilder {
                     after.continues = true;
                     after.direction = onward;
                     after.frame = (half * end_frame).normalize();
-                    flags &= !CAPPED;
                 }
             }
             work.ring = pack_frame(end_frame);
             self.work[node] = work;
-            out.push(TubeSegment {
-                from: from.to_array(),
-                v_from,
-                to: to.to_array(),
-                flags,
-                base: tree.position[work.base as usize].to_array(),
-                v_to: work.v,
-                radii,
-                from_frame,
-                to_frame: work.ring,
-            });
+        }
+    }
+
+    /// A segment's radius where it starts: that of the node below it, on a side branch no more than its own.
+    fn start(&self, node: u32, parent: u32, below: f32, own: f32) -> f32 {
+        if self.axis[parent as usize] == node {
+            below
+        } else {
+            below.min(own)
+        }
+    }
+
+    /// The segment that ends at a node.
+    fn segment(&self, tree: &Tree, radius_before: &[f32], index: u32) -> TubeSegment {
+        let node = index as usize;
+        let parent = tree.parent[node];
+        let below = parent as usize;
+        let (work, under) = (&self.work[node], &self.work[below]);
+        let before = |node: usize| {
+            let known = radius_before.get(node);
+            known.copied().unwrap_or(tree.radius[node])
+        };
+        let tapered = |node: usize, mark: u8, radius: f32| match self.marks[node] & mark {
+            0 => radius * TIP,
+            _ => radius,
+        };
+        let [then, now] = [before(node), tree.radius[node]];
+        let start = |radius: f32, own: f32| self.start(index, parent, radius, own);
+        let radii = [
+            start(tapered(below, BORE, before(below)), then),
+            start(tree.radius[below], now),
+            tapered(node, BORE, then),
+            tapered(node, BEARS, now),
+        ];
+        let mut flags = u32::from(tree.letter[node]) << LETTER_SHIFT;
+        if work.base != index {
+            flags |= GROWING;
+        }
+        let (from_frame, v_from) = if work.continues {
+            (under.ring, under.v)
+        } else {
+            flags |= STARTS;
+            (pack_frame(work.frame), 0.0)
+        };
+        let next = self.work.get(self.axis[node] as usize);
+        if !next.is_some_and(|next| next.continues) {
+            flags |= CAPPED;
+        }
+        TubeSegment {
+            from: tree.position[below].to_array(),
+            v_from,
+            to: tree.position[node].to_array(),
+            flags,
+            base: tree.position[work.base as usize].to_array(),
+            v_to: work.v,
+            radii,
+            from_frame,
+            to_frame: work.ring,
         }
     }
 }

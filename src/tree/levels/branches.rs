@@ -46,28 +46,33 @@ impl Record for TubeSegment {
 
     fn halve(run: &mut Vec<(Self, f32)>, most: usize) -> f32 {
         let mut worst = 0.0_f32;
-        let mut steps = Vec::with_capacity(run.len());
+        let mut steps: Vec<Option<Step>> = (0..run.len()).map(|at| Step::of(run, at)).collect();
+        let mut order: Vec<u64> = Vec::with_capacity(run.len());
         let mut touched = vec![false; run.len()];
         while run.len() > most {
             let surplus = (run.len() - most).div_ceil(SHARE);
-            steps.clear();
-            steps.extend((0..run.len()).filter_map(|at| Step::of(run, at)));
-            steps.sort_unstable_by(|a, b| a.off.total_cmp(&b.off).then(a.goes.cmp(&b.goes)));
+            order.clear();
+            let numbered = (0_u32..).zip(&steps);
+            order.extend(numbered.filter_map(|(at, step)| Some(step.as_ref()?.key(at))));
+            order.sort_unstable();
             touched.fill(false);
             let mut gone = 0;
-            for step in &steps {
+            for key in &order {
                 if gone == surplus {
                     break;
                 }
-                if step.apply(run, &mut touched) {
+                // The place is in the lower half.
+                #[allow(clippy::cast_possible_truncation, reason = "the lower half")]
+                let at = *key as u32 as usize;
+                if let Some(step) = steps[at].filter(|step| step.apply(run, at, &mut touched)) {
                     worst = worst.max(step.off);
                     gone += 1;
                 }
             }
-            run.retain(|(record, _)| record.flags != GONE);
             if gone == 0 {
                 break;
             }
+            close_up(run, &mut steps, &mut touched);
         }
         worst
     }
@@ -76,45 +81,100 @@ impl Record for TubeSegment {
 /// Flags that no record has: it was left out.
 const GONE: u32 = u32::MAX;
 
-/// One segment less.
+/// Takes what is gone out of a run, and works out anew what may be done where something changed.
+fn close_up(
+    run: &mut Vec<(TubeSegment, f32)>,
+    steps: &mut Vec<Option<Step>>,
+    touched: &mut Vec<bool>,
+) {
+    let count = run.len();
+    let mut left = 0;
+    let mut changed = [false, touched.first().copied().unwrap_or(false)];
+    for at in 0..count {
+        // What can be done with a segment hangs on its neighbours.
+        let [before, own] = changed;
+        let after = touched.get(at + 1).copied().unwrap_or(false);
+        changed = [own, after];
+        if run[at].0.flags != GONE {
+            run[left] = run[at];
+            steps[left] = steps[at];
+            touched[left] = before || own || after;
+            left += 1;
+        }
+    }
+    run.truncate(left);
+    steps.truncate(left);
+    touched.truncate(left);
+    for at in 0..left {
+        if touched[at] {
+            steps[at] = Step::of(run, at);
+        }
+    }
+}
+
+/// One segment less, at a place of a run.
+#[derive(Clone, Copy)]
 struct Step {
     /// How far what is left is off, metres.
     off: f32,
-    goes: usize,
-    /// Which one stands for it, too.
-    takes: usize,
+    way: Way,
+}
+
+/// What becomes of the segment there.
+#[derive(Clone, Copy)]
+enum Way {
+    /// It takes the next one over, which goes.
+    Joins,
+    /// It goes, and the one before takes its width,
+    Before,
+    /// or the one after.
+    After,
 }
 
 impl Step {
     /// The best way to do without a segment; `None` where its predecessor can take it over as well.
     fn of(run: &[(TubeSegment, f32)], at: usize) -> Option<Self> {
-        let after = run.get(at + 1).filter(|next| goes_on(&run[at].0, &next.0));
-        if let Some(next) = after {
+        let after = run.get(at + 1);
+        if let Some(next) = after.filter(|next| goes_on(&run[at].0, &next.0)) {
             return Some(Self {
                 off: chord_is_off(&run[at].0, &next.0) + run[at].1.max(next.1),
-                goes: at + 1,
-                takes: at,
+                way: Way::Joins,
             });
         }
         let before = at.checked_sub(1).and_then(|before| run.get(before));
         if before.is_some_and(|before| goes_on(&before.0, &run[at].0)) {
             return None;
         }
-        let neighbours = [at.checked_sub(1), Some(at + 1)].into_iter().flatten();
-        let takers = neighbours.filter_map(|taker| {
-            let (segment, off) = run.get(taker)?;
+        let neighbours = [(before, Way::Before), (after, Way::After)];
+        let takers = neighbours.into_iter().filter_map(|(taker, way)| {
+            let (segment, off) = taker?;
             Some(Self {
                 off: widened(segment, &run[at].0).max(*off),
-                goes: at,
-                takes: taker,
+                way,
             })
         });
         takers.min_by(|a, b| a.off.total_cmp(&b.off))
     }
 
+    /// A number that is larger where more is off, and where as much is, farther along the run; its lower half is the place.
+    fn key(&self, at: u32) -> u64 {
+        let bits = self.off.to_bits();
+        // As `total_cmp` orders them.
+        let above = if bits >> 31 == 0 {
+            bits | 1 << 31
+        } else {
+            !bits
+        };
+        u64::from(above) << 32 | u64::from(at)
+    }
+
     /// Does it, unless one of the two has changed in this round.
-    fn apply(&self, run: &mut [(TubeSegment, f32)], touched: &mut [bool]) -> bool {
-        let (goes, takes) = (self.goes, self.takes);
+    fn apply(&self, run: &mut [(TubeSegment, f32)], at: usize, touched: &mut [bool]) -> bool {
+        let (goes, takes) = match self.way {
+            Way::Joins => (at + 1, at),
+            Way::Before => (at, at - 1),
+            Way::After => (at, at + 1),
+        };
         if touched[goes] || touched[takes] {
             return false;
         }

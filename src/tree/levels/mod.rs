@@ -36,6 +36,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
+use super::cells::Cells;
+
 pub use self::leaves::{Leaf, LeafLevels};
 pub use self::order::along_axes;
 use self::runs::stirred;
@@ -50,7 +52,7 @@ const SMALL: usize = 512;
 const ALONE: usize = 1 << 17;
 
 /// A record that clusters are made of: a segment or a leaf.
-pub trait Record: Copy + Default + Send + Sync {
+pub trait Record: Pod + Default + Send + Sync {
     /// The corners of a box around it, at any growth.
     fn corners(&self) -> [Vec3; 2];
 
@@ -114,19 +116,19 @@ impl Cluster {
 
 /// Records in all levels of detail.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Levels<R> {
-    /// Of all levels, cluster by cluster, each filled up to whole batches with records of no size.
-    pub records: Vec<R>,
+pub struct Levels<R: Record> {
+    /// Of all levels, cluster by cluster, each one's last filled up with records of no size.
+    pub batches: Cells<[R; BATCH]>,
     /// Clusters, finest level first.
     pub clusters: Vec<Cluster>,
     /// So many of these are the tree itself.
     pub finest: usize,
 }
 
-impl<R> Default for Levels<R> {
+impl<R: Record> Default for Levels<R> {
     fn default() -> Self {
         Self {
-            records: Vec::new(),
+            batches: Cells::default(),
             clusters: Vec::new(),
             finest: 0,
         }
@@ -137,8 +139,16 @@ impl<R> Default for Levels<R> {
 struct Made<R> {
     /// In the order of neighbours, each with its note.
     run: Vec<(R, f32)>,
-    /// A sphere around it and all that it stands for.
+    /// The numbers of its records in the order in which they are drawn: first those that have ends.
+    drawn: Vec<u16>,
+    /// How many of these have.
+    ends: usize,
+    /// A sphere around what it shows,
+    sphere: Vec4,
+    /// and one around all that it stands for.
     own: Vec4,
+    /// The largest [`Record::size`].
+    size: f32,
     error: f32,
     /// Where it stands among all clusters.
     number: usize,
@@ -177,6 +187,7 @@ impl<R: Record> Levels<R> {
                 runs.iter_mut().for_each(|run| *run = (*run / 2).max(1));
             }
         }
+        levels.batches.truncate(levels.used());
         levels
     }
 
@@ -185,6 +196,7 @@ impl<R: Record> Levels<R> {
     pub fn finest(count: usize, record: impl Fn(usize) -> R + Sync) -> Self {
         let mut levels = Self::with_room(count, 1);
         levels.begin(count, record);
+        levels.batches.truncate(levels.used());
         levels
     }
 
@@ -192,7 +204,7 @@ impl<R: Record> Levels<R> {
         // Each run's last cluster may be small.
         let clusters = times * count.div_ceil(MOST) * 9 / 8 + 1;
         Self {
-            records: Vec::with_capacity(times * count * 33 / 32 + MOST),
+            batches: room(clusters * (MOST / BATCH)),
             clusters: Vec::with_capacity(clusters),
             finest: 0,
         }
@@ -223,27 +235,55 @@ impl<R: Record> Levels<R> {
         (level, runs)
     }
 
-    /// A cluster's records, as the device has them.
+    /// The records of clusters that follow each other.
     #[must_use]
-    pub fn bytes_of(&self, cluster: &Cluster) -> &[u8]
-    where
-        R: Pod,
-    {
-        let run =
-            cluster.first as usize * BATCH..(cluster.first + cluster.batches) as usize * BATCH;
-        bytemuck::cast_slice(self.records.get(run).unwrap_or_default())
+    pub fn records_of(&self, clusters: &[Cluster]) -> &[R] {
+        let first = clusters.first().map_or(0, |cluster| cluster.first);
+        let end = clusters
+            .last()
+            .map_or(0, |cluster| cluster.first + cluster.batches);
+        let own = self.batches.get(first as usize..end as usize);
+        own.unwrap_or_default().as_flattened()
+    }
+
+    /// The same as the device has them.
+    #[must_use]
+    pub fn bytes_of(&self, clusters: &[Cluster]) -> &[u8] {
+        bytemuck::cast_slice(self.records_of(clusters))
+    }
+
+    /// Batches of the clusters that were added.
+    fn used(&self) -> usize {
+        let last = self.clusters.last();
+        last.map_or(0, |last| (last.first + last.batches) as usize)
     }
 
     /// Adds a level's clusters.
     fn add(&mut self, level: &mut [Made<R>]) {
-        for made in level {
+        let used = self.used();
+        // Which cluster each batch is of, and which of that one's it is.
+        let mut places = Vec::with_capacity(level.len() * (MOST / BATCH));
+        for (at, made) in level.iter_mut().enumerate() {
             made.number = self.clusters.len();
-            self.clusters.push(made.cluster(self.records.len() / BATCH));
-            let run = || made.run.iter().map(|(record, _)| *record);
-            self.records.extend(run().filter(R::ends));
-            self.records.extend(run().filter(|record| !record.ends()));
-            let whole = self.records.len().next_multiple_of(BATCH);
-            self.records.resize(whole, R::default());
+            self.clusters.push(made.cluster(used + places.len()));
+            places.extend((0..made.run.len().div_ceil(BATCH)).map(|batch| (at, batch)));
+        }
+        let end = used + places.len();
+        if self.batches.len() < end {
+            let mut larger = room(2 * end);
+            larger[..used].copy_from_slice(&self.batches[..used]);
+            self.batches = larger;
+        }
+        let level = &*level;
+        let write = |(into, place): (&mut [R; BATCH], &(usize, usize))| {
+            *into = level[place.0].batch(place.1);
+        };
+        let into = &mut self.batches[used..end];
+        if into.len() * BATCH > ALONE {
+            // Memory that is touched for the first time takes longer than what is written there.
+            into.par_iter_mut().zip(&places).for_each(write);
+        } else {
+            into.iter_mut().zip(&places).for_each(write);
         }
     }
 
@@ -256,6 +296,12 @@ impl<R: Record> Levels<R> {
             }
         }
     }
+}
+
+/// So many batches that will be written. Memory that is not there ends the program, as with a vector.
+fn room<R: Record>(batches: usize) -> Cells<[R; BATCH]> {
+    let cells = Cells::unwritten(batches);
+    cells.unwrap_or_else(|| vec![[R::default(); BATCH]; batches].into())
 }
 
 /// So many clusters, of a tree of so many records.
@@ -289,11 +335,33 @@ fn pairs<'a, R>(level: &'a [Made<R>], runs: &[usize]) -> Vec<&'a [Made<R>]> {
 
 impl<R: Record> Made<R> {
     fn finest(records: impl Iterator<Item = R>) -> Self {
-        let run: Vec<(R, f32)> = records.map(|record| (record, R::NOTE)).collect();
+        let run = records.map(|record| (record, R::NOTE)).collect();
+        Self::new(run, &[], 0.0)
+    }
+
+    /// What is drawn of a run that stands for what these spheres are around.
+    fn new(run: Vec<(R, f32)>, spheres: &[Vec4], error: f32) -> Self {
+        let sphere = sphere(hull(&run));
+        let order = (0_u16..).zip(&run);
+        let ends = |ends: bool| {
+            let own = order
+                .clone()
+                .filter(move |(_, (record, _))| record.ends() == ends);
+            own.map(|(number, _)| number)
+        };
+        let mut drawn = Vec::with_capacity(run.len());
+        drawn.extend(ends(true));
+        let count = drawn.len();
+        drawn.extend(ends(false));
+        let sizes = run.iter().map(|(record, _)| record.size());
         Self {
-            own: sphere(hull(&run)),
+            own: spheres.iter().copied().fold(sphere, both),
+            size: sizes.fold(0.0, f32::max),
+            sphere,
             run,
-            error: 0.0,
+            drawn,
+            ends: count,
+            error,
             number: 0,
         }
     }
@@ -312,33 +380,42 @@ impl<R: Record> Made<R> {
             error = error.max(child.error);
         }
         error = error.max(R::halve(&mut run, MOST));
-        let new = sphere(hull(&run));
-        let spheres = children.iter().map(|child| child.own);
-        Self {
-            own: spheres.fold(new, both),
-            run,
-            error,
-            number: 0,
-        }
+        let spheres: Vec<Vec4> = children.iter().map(|child| child.own).collect();
+        Self::new(run, &spheres, error)
     }
 
     /// As it is drawn, with its first batch's number.
     fn cluster(&self, first: usize) -> Cluster {
-        let count = |records: usize| u32::try_from(records.div_ceil(BATCH)).unwrap_or(u32::MAX);
-        let ends = self.run.iter().filter(|(record, _)| record.ends()).count();
-        let sizes = self.run.iter().map(|(record, _)| record.size());
+        let whole = |records: usize| number(records.div_ceil(BATCH));
         Cluster {
-            sphere: sphere(hull(&self.run)),
+            sphere: self.sphere,
             own: self.own,
             own_error: self.error,
             parent_error: -1.0,
-            size: sizes.fold(0.0, f32::max),
-            first: u32::try_from(first).unwrap_or(u32::MAX),
-            batches: count(self.run.len()),
-            ends: count(ends),
+            size: self.size,
+            first: number(first),
+            batches: whole(self.run.len()),
+            ends: whole(self.ends),
             ..Cluster::default()
         }
     }
+
+    /// The records of one of its batches.
+    fn batch(&self, batch: usize) -> [R; BATCH] {
+        let mut records = [R::default(); BATCH];
+        let own = self.drawn.iter().skip(batch * BATCH);
+        for (record, at) in records.iter_mut().zip(own) {
+            *record = self
+                .run
+                .get(usize::from(*at))
+                .map_or(*record, |(own, _)| *own);
+        }
+        records
+    }
+}
+
+fn number(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
 }
 
 /// A place as a number, different for most.

@@ -8,6 +8,8 @@
     reason = "tests"
 )]
 
+use std::slice::from_ref;
+
 use glam::{Affine3A, Vec3, Vec4};
 use proptest::prelude::*;
 
@@ -97,7 +99,7 @@ fn standing() -> Standing {
 }
 
 /// For each cluster the numbers of its children's clusters: those that it replaces. Parents come in the order of their children.
-fn children<R>(levels: &Levels<R>) -> Vec<Vec<usize>> {
+fn children<R: Record>(levels: &Levels<R>) -> Vec<Vec<usize>> {
     let clusters = &levels.clusters;
     let mut all = vec![Vec::new(); clusters.len()];
     let mut parent = levels.finest;
@@ -117,7 +119,7 @@ fn children<R>(levels: &Levels<R>) -> Vec<Vec<usize>> {
 }
 
 /// How often each finest cluster is shown, by itself or by what replaces it.
-fn shown<R>(levels: &Levels<R>, is_drawn: impl Fn(&Cluster) -> bool) -> Vec<usize> {
+fn shown<R: Record>(levels: &Levels<R>, is_drawn: impl Fn(&Cluster) -> bool) -> Vec<usize> {
     let children = children(levels);
     let mut times = vec![0; levels.clusters.len()];
     for at in (0..levels.clusters.len()).rev() {
@@ -157,8 +159,7 @@ proptest! {
         };
         prop_assert!(shown(&levels, is_drawn).iter().all(|times| *times == 1));
         for (at, cluster) in levels.clusters.iter().enumerate() {
-            let run = cluster.first as usize * BATCH..(cluster.first + cluster.batches) as usize * BATCH;
-            let records = &levels.records[run];
+            let records = levels.records_of(from_ref(cluster));
             prop_assert!(records.len() <= MOST);
             let ends = records.iter().filter(|record| record.flags & CAPPED != 0).count();
             prop_assert!(records[..ends].iter().all(|record| record.flags & CAPPED != 0));
@@ -184,7 +185,7 @@ proptest! {
         let segments = ordered(&tree(&choices), 9);
         let levels = Levels::new(&segments);
         prop_assert_eq!(levels.clusters.len(), levels.finest);
-        let records = levels.records.iter().filter(|record| **record != TubeSegment::default());
+        let records = levels.batches.as_flattened().iter().filter(|record| **record != TubeSegment::default());
         prop_assert_eq!(records.count(), segments.len());
     }
 }
@@ -207,7 +208,7 @@ proptest! {
         after.splice(at..at, branch);
         let of = |segments: &[TubeSegment]| -> Vec<Vec<u8>> {
             let levels = Levels::new(segments);
-            levels.clusters.iter().map(|cluster| levels.bytes_of(cluster).to_vec()).collect()
+            levels.clusters.iter().map(|cluster| levels.bytes_of(from_ref(cluster)).to_vec()).collect()
         };
         let known: std::collections::HashSet<Vec<u8>> = of(&before).into_iter().collect();
         let after = of(&after);
@@ -258,9 +259,8 @@ fn an_axis_is_nowhere_off_by_more_than_is_said() {
             .collect();
         let cluster = &levels.clusters[at];
         let records = |cluster: &Cluster| {
-            let run =
-                cluster.first as usize * BATCH..(cluster.first + cluster.batches) as usize * BATCH;
-            levels.records[run]
+            levels
+                .records_of(from_ref(cluster))
                 .iter()
                 .filter(|record| record.size() > 0.0)
         };
@@ -288,8 +288,8 @@ fn an_axis_is_nowhere_off_by_more_than_is_said() {
         // It ends in rings that are the tree's own.
         for coarse in records(cluster) {
             let is = |fine: &TubeSegment| fine.to == coarse.to && fine.to_frame == coarse.to_frame;
-            let coarser = levels.clusters[levels.finest].first as usize * BATCH;
-            assert!(levels.records[..coarser].iter().any(is));
+            let coarser = levels.clusters[levels.finest].first as usize;
+            assert!(levels.batches[..coarser].as_flattened().iter().any(is));
         }
     }
     // Worth having: the whole axis in 64 segments is off by a few times its radius at most.
@@ -319,9 +319,7 @@ fn twigs_that_go_leave_their_width_to_others() {
     let levels = Levels::new(&ordered(&tree, 9));
     let shown = |clusters: &[Cluster]| -> f32 {
         let of = |cluster: &Cluster| {
-            let run =
-                cluster.first as usize * BATCH..(cluster.first + cluster.batches) as usize * BATCH;
-            let records = levels.records[run].iter();
+            let records = levels.records_of(from_ref(cluster)).iter();
             records
                 .map(|one| {
                     (one.radii[1] + one.radii[3]) * Vec3::from(one.from).distance(one.to.into())
@@ -354,9 +352,8 @@ fn leaves_that_go_leave_their_area_to_others() {
     let levels = LeafLevels::new(&leaves);
     let area = |clusters: &[Cluster]| -> f32 {
         let of = |cluster: &Cluster| {
-            let run =
-                cluster.first as usize * BATCH..(cluster.first + cluster.batches) as usize * BATCH;
-            levels.records[run]
+            levels
+                .records_of(from_ref(cluster))
                 .iter()
                 .map(|leaf| leaf.scale * leaf.scale)
                 .sum::<f32>()
@@ -457,8 +454,9 @@ fn a_twig_of_no_width_takes_nothing() {
     let levels = Levels::new(&segments);
     assert!(
         levels
-            .records
+            .batches
             .iter()
+            .flatten()
             .all(|one| one.radii.iter().all(|radius| radius.is_finite()))
     );
     let widest = levels.clusters.iter().map(|cluster| cluster.size);
