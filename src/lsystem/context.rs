@@ -13,6 +13,7 @@ use super::column::Narrow;
 use super::grammar::{Grammar, Pattern, Role, Rule, RuleSet};
 use super::names::Symbol;
 use super::neighbours::{NOTHING, Seams, Side, Sides};
+use super::rewrite::TOGETHER;
 use super::string::{arity_of, parameters_of};
 
 /// Modules between two entries of the index of parameters,
@@ -56,7 +57,8 @@ impl Starts {
         };
         let lengths: Vec<usize> = if parallel {
             let starts = within.par_chunks_mut(STRETCH / BLOCK);
-            starts.zip(symbols.par_chunks(STRETCH)).map(fill).collect()
+            let stretches = starts.zip(symbols.par_chunks(STRETCH));
+            stretches.with_max_len(TOGETHER).map(fill).collect()
         } else {
             let starts = within.chunks_mut(STRETCH / BLOCK);
             starts.zip(symbols.chunks(STRETCH)).map(fill).collect()

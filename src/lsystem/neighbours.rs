@@ -23,6 +23,7 @@ use rayon::prelude::*;
 
 use super::column::Narrow;
 use super::grammar::{Grammar, Pattern, Role, Rule};
+use super::rewrite::TOGETHER;
 
 /// No module on that side.
 pub(super) const NOTHING: u32 = u32::MAX;
@@ -184,7 +185,8 @@ impl Seams {
             goes_on.then(|| shown(grammar, symbols, number * chunk, reach))
         };
         let chunks: Option<Vec<(Chunk, Chunk)>> = if parallel {
-            symbols.par_chunks(chunk).enumerate().map(shown).collect()
+            let chunks = symbols.par_chunks(chunk).enumerate();
+            chunks.with_max_len(TOGETHER).map(shown).collect()
         } else {
             symbols.chunks(chunk).enumerate().map(shown).collect()
         };

@@ -29,7 +29,7 @@ use super::string::{ModuleString, parameters_of, string_bytes};
 /// Modules of a chunk.
 const CHUNK: usize = 8192;
 /// Chunks that a thread takes at most at once: with more, one that is slower keeps the others waiting in the end.
-const TOGETHER: usize = 2;
+pub(super) const TOGETHER: usize = 2;
 /// Strings shorter than this are rewritten on the calling thread.
 const PARALLEL_FROM: usize = 2 * CHUNK;
 /// Modules that are looked at together, to see whether they are all alike.
@@ -538,7 +538,11 @@ fn parameter_starts<S: Narrow>(string: &ModuleString, symbols: &[S], parallel: b
     }
     let length = |chunk: &[S]| parameters_of(&string.arity, chunk);
     sums_before(if parallel {
-        symbols.par_chunks(CHUNK).map(length).collect()
+        symbols
+            .par_chunks(CHUNK)
+            .with_max_len(TOGETHER)
+            .map(length)
+            .collect()
     } else {
         symbols.chunks(CHUNK).map(length).collect()
     })

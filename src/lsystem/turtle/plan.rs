@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::super::column::{Cell, for_width};
 use super::super::grammar::Grammar;
-use super::super::rewrite::pays_in_parallel;
+use super::super::rewrite::{TOGETHER, pays_in_parallel};
 use super::super::string::ModuleString;
 use super::TurtleParams;
 use super::action::{Action, actions};
@@ -328,6 +328,7 @@ pub(super) fn each_chunk<S: Cell, R: Send>(
 ) -> Vec<R> {
     if pays_in_parallel(symbols.len()) {
         let chunks = symbols.par_chunks(CHUNK).enumerate();
+        let chunks = chunks.with_max_len(TOGETHER);
         chunks.map(|(number, chunk)| work(number, chunk)).collect()
     } else {
         let chunks = symbols.chunks(CHUNK).enumerate();
