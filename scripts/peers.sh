@@ -126,8 +126,8 @@ grown() { # FILE FOLDER THREADS (0: all)
 }
 
 draw() { # SHEET LABEL=FILE…
-    if ! command -v blender >/dev/null; then
-        echo "$1 is not drawn: there is no Blender (Debian's packages blender and python3-numpy)"
+    if ! command -v blender >/dev/null || ! /usr/bin/python3 -c "import numpy" 2>/dev/null; then
+        echo "$1 is not drawn: there is no Blender, or no numpy for it (Debian's packages blender and python3-numpy)"
         return
     fi
     blender --background --factory-startup --python-exit-code 1 --python "$repository/benches/peers/pictures.py" -- "$1" 640 "${@:2}" >"$1.log"
