@@ -104,17 +104,24 @@ impl Light {
         for cells in self.arrives.chunks_exact_mut(width * depth).rev() {
             for (z, own) in cells.chunks_exact_mut(width).enumerate() {
                 light.fill(0.0);
+                let is_open = |depths: &[f32]| depths.iter().all(|depth| *depth == 0.0);
+                let is_bare = is_open(own);
                 let row = (z + 1) * pitch + 1;
                 for (number, ([dx, dz], way)) in DIRECTIONS.iter().zip(ways).enumerate() {
                     let aside = dz * pitch.cast_signed() + dx;
                     let from = &above[number][row.wrapping_add_signed(aside)..][..width];
                     let into = &mut here[number][row..][..width];
+                    // Half of the rows have nothing above them.
+                    if is_bare && is_open(from) {
+                        into.fill(0.0);
+                        light.iter_mut().for_each(|light| *light += 1.0 / way);
+                        continue;
+                    }
                     let places = own.iter().zip(from).zip(into).zip(&mut light);
                     for (((own, before), into), light) in places {
                         // Half of a cell's own leaves lie over its middle.
                         let through = before + 0.5 * way * own;
                         *into = before + way * own;
-                        // Half of the cells have nothing above them.
                         let arrives = if through > 0.0 { (-through).exp() } else { 1.0 };
                         *light += arrives / way;
                     }
@@ -137,7 +144,17 @@ fn steps_up(dx: isize, dz: isize) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
+    #![allow(
+        clippy::unwrap_used,
+        clippy::missing_assert_message,
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        clippy::cast_precision_loss,
+        clippy::cast_sign_loss,
+        reason = "tests"
+    )]
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
@@ -158,6 +175,38 @@ mod tests {
             "{under} {edge}"
         );
         assert!(light.at(Vec3::new(2.0, 20.0, 2.0)) > light.at(Vec3::new(2.0, 0.9, 2.0)));
+    }
+
+    proptest! {
+        /// What arrives in each cell is what its nine rays to the sky say, one by one.
+        #[test]
+        fn as_each_ray_says(
+            [x, y, z] in prop::array::uniform3(1_u32..6),
+            depths in prop::collection::vec(prop_oneof![Just(0.0_f32), 0.0_f32..2.0], 125),
+        ) {
+            let size = UVec3::new(x, y, z);
+            let count = (x * y * z) as usize;
+            let mut light = Light { low: Vec3::ZERO, cell: 1.0, size, arrives: depths[..count].to_vec() };
+            light.sweep();
+            let depth = |at: [i32; 3]| {
+                let inside = at.iter().zip(size.to_array()).all(|(at, size)| (0..size as i32).contains(at));
+                let [x, y, z] = at.map(|at| at as usize);
+                if inside { depths[(y * size.z as usize + z) * size.x as usize + x] } else { 0.0 }
+            };
+            for at in 0..count {
+                let [across, deep] = [size.x as usize, size.z as usize];
+                let place = [at % across, at / across / deep, at / across % deep].map(|at| at as i32);
+                let (mut sum, mut weights) = (0.0, 0.0);
+                for [dx, dz] in DIRECTIONS.map(|way| way.map(|step| step as i32)) {
+                    let way = ((1 + dx * dx + dz * dz) as f32).sqrt();
+                    let up = |step: i32| depth([place[0] + step * dx, place[1] + step, place[2] + step * dz]);
+                    let through: f32 = 0.5 * up(0) + (1..size.y as i32).map(up).sum::<f32>();
+                    sum += (-way * through).exp() / way;
+                    weights += 1.0 / way;
+                }
+                prop_assert!((light.arrives[at] - sum / weights).abs() < 1e-5);
+            }
+        }
     }
 
     #[test]

@@ -61,8 +61,10 @@ impl Record for TubeSegment {
                 if gone == surplus {
                     break;
                 }
-                // The place is in the lower half.
-                #[allow(clippy::cast_possible_truncation, reason = "the lower half")]
+                #[allow(
+                    clippy::cast_possible_truncation,
+                    reason = "the place is in the lower half"
+                )]
                 let at = *key as u32 as usize;
                 if let Some(step) = steps[at].filter(|step| step.apply(run, at, &mut touched)) {
                     worst = worst.max(step.off);

@@ -408,6 +408,18 @@ pub(super) const SAID: &[(&str, &str)] = &[
         "Die gepflanzten Bäume können nicht wachsen: {}.",
     ),
     (
+        "the planted trees cannot grow: {}",
+        "die gepflanzten Bäume können nicht wachsen: {}",
+    ),
+    (
+        "the planted trees were not written: {}",
+        "die gepflanzten Bäume wurden nicht geschrieben: {}",
+    ),
+    (
+        "a tree cannot be planted there: its place must be finite and within {} m of the stage's middle",
+        "dort lässt sich kein Baum pflanzen: höchstens {} m von der Mitte der Bühne",
+    ),
+    (
         "Written with {} planted trees: {}",
         "Mit {} gepflanzten Bäumen geschrieben: {}",
     ),
