@@ -12,6 +12,11 @@ const MAX_GRAMMAR_BYTES: u64 = 64 << 20;
 /// The text of a grammar file.
 pub(super) fn grammar_text(path: &Path) -> Result<String> {
     let name = path.display().to_string();
+    if path.extension().is_some_and(|ending| ending == "ramus") {
+        bail!(
+            "{name} is a project and no grammar: `ramus export {name}` writes its tree, with `--format lsys` its grammar and with `--sheet` a picture"
+        );
+    }
     let file = File::open(path).map_err(|error| unreadable(&name, &error))?;
     text_of(file, &name)
 }

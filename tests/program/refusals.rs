@@ -62,6 +62,11 @@ fn bad_grammars_and_options_get_one_clear_sentence() {
             &["--steps", "1"],
             &["cannot read"],
         ),
+        (
+            file("oak.ramus", b"{}"),
+            &["--steps", "1"],
+            &["oak.ramus is a project", "ramus export", "--format lsys"],
+        ),
         (file("empty.lsys", b""), &["--steps", "1"], &["empty.lsys"]),
         (
             file("syntax.lsys", b"axiom A\nA -> [B\n"),
