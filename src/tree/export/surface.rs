@@ -187,7 +187,7 @@ pub(super) struct Surface<'a> {
     pub(super) bending: Option<Bending>,
     pub(super) unfolding: Option<Unfolding>,
     /// Vertices that its tubes may have.
-    tubes: u64,
+    tube_vertices: u64,
     /// All tubes where they are kept.
     kept: Vec<(Matter, Tubes)>,
     /// In the order in which they are written; none is empty.
@@ -226,7 +226,8 @@ impl<'a> Surface<'a> {
             return Err(TreeError::Empty(format));
         }
         let nodes = refined_len(tree, organs);
-        let tubes = (nodes - tree.root_count() as u64).saturating_mul(vertices_per_segment(sides));
+        let tube_vertices =
+            (nodes - tree.root_count() as u64).saturating_mul(vertices_per_segment(sides));
         let organist = Organist::new(organs);
         let apart = match extras.instances {
             true => organs.placed.len(),
@@ -234,7 +235,7 @@ impl<'a> Surface<'a> {
         };
         let loose = organs.len() - apart;
         let carried: u64 = (0..loose).map(|index| organist.size(index).0 as u64).sum();
-        let most = tubes.saturating_add(carried);
+        let most = tube_vertices.saturating_add(carried);
         let instances = costs.instance.saturating_mul(apart as u64);
         let bytes = most.saturating_mul(costs.vertex).saturating_add(instances);
         let times = if costs.once {
@@ -282,7 +283,7 @@ impl<'a> Surface<'a> {
             sides,
             organs,
             looks,
-            tubes,
+            tube_vertices,
             kept: Vec::new(),
             groups: Vec::new(),
         })
@@ -291,12 +292,12 @@ impl<'a> Surface<'a> {
     /// Finds what there is of each group, and keeps what tubes are made for that where there is room.
     fn measure(&mut self, budget: &mut Budget) -> Result<(), TreeError> {
         let matters = self.matters();
-        if let Some(left) = budget.kept.checked_sub(self.tubes) {
+        if let Some(left) = budget.kept.checked_sub(self.tube_vertices) {
             budget.kept = left;
             let mut kept = Vec::new();
             for matter in &matters {
                 // Nothing is written, so nothing can fail.
-                let _ = self.tubes(*matter, |tubes| {
+                let _ = self.make_tubes(*matter, |tubes| {
                     kept.push((*matter, tubes));
                     Ok(())
                 });
@@ -311,21 +312,20 @@ impl<'a> Surface<'a> {
         for matter in matters {
             let (mut vertices, mut indices) = (0, 0);
             let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-            // 0, or no number where one of them is none.
-            let mut none = 0.0;
+            let mut is_finite = true;
             let _ = self.each(matter, numbers, |part, _| {
                 vertices += part.vertices;
                 indices += part.indices.len();
                 for place in part.positions {
                     for (axis, at) in place.iter().enumerate() {
-                        none += at * 0.0;
+                        is_finite &= at.is_finite();
                         low[axis] = low[axis].min(*at);
                         high[axis] = high[axis].max(*at);
                     }
                 }
                 Ok(())
             });
-            if none != 0.0 {
+            if !is_finite {
                 return Err(TreeError::TooWide);
             }
             if indices > 0 {
@@ -377,16 +377,16 @@ impl<'a> Surface<'a> {
             Ok::<(), io::Error>(())
         };
         if self.kept.is_empty() {
-            self.tubes(matter, |tubes| give(tubes.part()))?;
+            self.make_tubes(matter, |tubes| give(tubes.part()))?;
         }
         for (_, tubes) in self.kept.iter().filter(|(of, _)| *of == matter) {
             give(tubes.part())?;
         }
-        self.organs(matter, numbers, give)
+        self.make_organs(matter, numbers, give)
     }
 
     /// Makes a group's tubes.
-    fn tubes(
+    fn make_tubes(
         &self,
         matter: Matter,
         mut take: impl FnMut(Tubes) -> io::Result<()>,
@@ -415,7 +415,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Makes what is asked for of a group's organs.
-    fn organs(
+    fn make_organs(
         &self,
         matter: Matter,
         numbers: Numbers,
