@@ -16,13 +16,14 @@
 
 use std::{
     hint::black_box,
-    sync::Arc,
+    sync::{Arc, atomic::AtomicBool},
     time::{Duration, Instant},
 };
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::{Affine3A, Quat, Vec3};
 use ramus::{
+    mesh::{Mesh, display::Display},
     render::{
         Eye, Fov, Gpu, GpuParams, Headless, Offscreen, Renderer, RendererParams, StereoMode,
         TreeState, TreeUpload,
@@ -33,7 +34,7 @@ use ramus::{
         organs::{Paint, Placed},
     },
     world::scene::{
-        Ball, PlacedTree, Rod, Scene,
+        Ball, ModelLook, PlacedModel, PlacedTree, Rod, Scene,
         weather::{Light, Sway, Wind},
     },
 };
@@ -129,6 +130,40 @@ fn moved(scene: &Scene, from: u32) -> Scene {
     }
     placed.tree = Arc::new(tree);
     scene
+}
+
+/// As many trees as can be planted, of eight meshes of 20,000 triangles.
+fn wood() -> Scene {
+    let display = |turn: f32| {
+        let mut mesh = Mesh::default();
+        for leaf in 0..20_000_u32 {
+            let turned = Quat::from_rotation_y(leaf as f32 * 2.4 + turn);
+            let place = turned * Vec3::new((leaf % 97) as f32 * 0.02, leaf as f32 * 2e-4, 0.0);
+            let corners = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|at| place + turned * at * 0.06);
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(corners);
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        Arc::new(Display::new(Arc::new(mesh), None, &AtomicBool::new(false)).unwrap())
+    };
+    let displays: Vec<_> = (0..8_u8).map(|turn| display(f32::from(turn))).collect();
+    let look = ModelLook {
+        shadow: true,
+        ..ModelLook::default()
+    };
+    let models = (0..256_usize).map(|at| {
+        let place = Vec3::new((at % 16) as f32 * 4.0 - 30.0, 0.0, (at / 16) as f32 * -4.0);
+        PlacedModel {
+            display: Arc::clone(&displays[at % 8]),
+            revision: (at % 8) as u64 + 1,
+            world_from_model: Affine3A::from_translation(place),
+            look,
+        }
+    });
+    Scene {
+        models: models.collect(),
+        ..Scene::default()
+    }
 }
 
 /// The most memory that this process has had, where the system tells it.
@@ -239,6 +274,24 @@ fn frame(criterion: &mut Criterion) {
         }
         gpu.wait_idle().unwrap();
     }
+    let wood = wood();
+    let mut renderer = Renderer::new(&gpu, &params).unwrap();
+    let mut draw = || {
+        gpu.wait_idle().unwrap();
+        let start = Instant::now();
+        let report = renderer.draw(&wood, &eyes, &offscreen.target()).unwrap();
+        (start.elapsed(), report)
+    };
+    (0..4).for_each(|_| drop(draw()));
+    let report = draw().1;
+    println!(
+        "a wood: {} draws, {} triangles",
+        report.draws,
+        report.triangles + report.chosen.triangles
+    );
+    group.bench_function("record/a wood", |bencher| {
+        bencher.iter_custom(|rounds| (0..rounds).map(|_| draw().0).sum());
+    });
     group.finish();
 }
 

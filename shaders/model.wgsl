@@ -5,6 +5,8 @@
 
 // In a triangle's alpha: it has a colour of its own, which it has on both sides.
 const OWN = 2.0;
+// How far before a place in a wood something must be to shade it, metres.
+const ON_ITSELF = 0.4;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -53,6 +55,13 @@ fn model_vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u3
     return out;
 }
 
+// As the sun sees it.
+@vertex
+fn model_shadow_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    let number = triangles[list[index / 3u] * 3u + index % 3u];
+    return frame.wood_from_world * vec4f(placed(vertices[number].place), 1.0);
+}
+
 // A surface's colour, seen from this side.
 fn own_color(corner: Corner, front: bool) -> vec3f {
     if (model.flags & PAINTED) != 0u {
@@ -68,7 +77,9 @@ fn shade(corner: Corner, front: bool) -> vec3f {
     if (model.flags & MATTE) != 0u {
         color = own * (ambient(f.normal) * 1.25 + 0.10);
     } else {
-        color = lit(own, f.normal, f.to_eye, sunlight(corner.world, f.normal));
+        // What throws a shadow is a tree. Leaves let light through to those right behind them, and other levels of detail are in the map than are seen.
+        let on_itself = select(0.0, ON_ITSELF, (model.flags & THROWS) != 0u);
+        color = lit(own, f.normal, f.to_eye, sunlight(corner.world + frame.sun.xyz * on_itself, f.normal));
         let half_way = normalize(f.to_eye + frame.sun.xyz);
         color += frame.light.sun.rgb * (pow(max(dot(f.normal, half_way), 0.0), 48.0) * select(0.0, 0.22, front));
     }

@@ -32,8 +32,11 @@ struct Draw {
 
 var<workgroup> firsts: array<u32, 64>;
 
+// It is not drawn in this pass.
+const ABSENT = 2u;
+
 fn mark(cluster: Cluster) -> u32 {
-    if !is_seen(cluster.sphere) {
+    if (item.flags & ABSENT) != 0u || !is_seen(cluster.sphere) {
         return HIDDEN;
     }
     let by_grain = (item.flags & 1u) != 0u;

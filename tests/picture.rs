@@ -29,4 +29,5 @@ mod picture {
     mod trees;
     mod uploads;
     mod wind;
+    mod wood;
 }

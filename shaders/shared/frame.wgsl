@@ -57,6 +57,9 @@ struct Frame {
     wind: vec4f,
     // xyz: where the tree stands.
     root: vec4f,
+    // The same as `shadow_from_world` for the map of models that throw a shadow; x: a texel of it in metres, 0 where there is none.
+    wood_from_world: mat4x4f,
+    wood: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

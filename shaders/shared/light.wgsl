@@ -8,6 +8,10 @@
 @group(0) @binding(5) var shade_map: texture_2d<f32>;
 @group(0) @binding(6) var shade_sampler: sampler;
 
+// The same of models that throw a shadow.
+@group(0) @binding(7) var wood_map: texture_depth_2d;
+@group(0) @binding(8) var wood_shade_map: texture_2d<f32>;
+
 // The sky in a direction; below the horizon it stays the haze that the ground fades into.
 fn sky(direction: vec3f) -> vec3f {
     let d = normalize(direction);

@@ -29,6 +29,7 @@ const WIRE = 2u;
 const COLOURED = 4u;
 const FLAT = 8u;
 const PAINTED = 16u;
+const THROWS = 32u;
 // Width of a line and of a point in pixels.
 const LINE = 1.3;
 const POINT = 3.0;

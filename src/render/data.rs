@@ -38,11 +38,13 @@ pub(crate) struct FrameData {
     pub(crate) light: LightData,
     pub(crate) wind: Vec4,
     pub(crate) root: Vec4,
+    pub(crate) wood_from_world: Mat4,
+    pub(crate) wood: Vec4,
 }
 
 const _: () = assert!(
-    size_of::<FrameData>() == 832,
-    "shaders/shared/frame.wgsl reads 832 bytes"
+    size_of::<FrameData>() == 912,
+    "shaders/shared/frame.wgsl reads 912 bytes"
 );
 
 /// `Rod` of shaders/rod.wgsl.

@@ -59,6 +59,7 @@ const WIRE: u32 = 2;
 const COLOURED: u32 = 4;
 const FLAT: u32 = 8;
 const PAINTED: u32 = 16;
+const THROWS: u32 = 32;
 
 /// How bright a lamp in a hand is: as the sun at this distance squared, square metres.
 const LAMP: f32 = 0.12;
@@ -112,7 +113,8 @@ impl ModelData {
                 | flag(look.wireframe, WIRE)
                 | flag(coloured == Coloured::Triangles, COLOURED)
                 | flag(coloured == Coloured::Vertices, PAINTED)
-                | flag(look.flat, FLAT),
+                | flag(look.flat, FLAT)
+                | flag(look.shadow, THROWS),
             stride,
             pad: [0; 2],
         }

@@ -352,6 +352,7 @@ pub(crate) struct Pipelines {
     pub(crate) wire: Pipeline,
     pub(crate) points: Pipeline,
     pub(crate) x_rays: Pipeline,
+    pub(crate) model_shadow: Pipeline,
     pub(crate) sky: Pipeline,
     pub(crate) ground: Pipeline,
     pub(crate) tubes: Pipeline,
@@ -380,6 +381,8 @@ impl Pipelines {
             Kind::STORAGE_BUFFER,
             Kind::SAMPLED_IMAGE,
             Kind::SAMPLER,
+            Kind::SAMPLED_IMAGE,
+            Kind::SAMPLED_IMAGE,
         ];
         let chunk = [
             Kind::STORAGE_BUFFER,
@@ -524,6 +527,10 @@ impl Pipelines {
                 blend: Some(over),
                 ..faces
             })?,
+            model_shadow: model(cast(PipelineDesc {
+                vertex: shaders::model::MODEL_SHADOW_VERTEX,
+                ..faces
+            }))?,
             model_layout,
             sky: pipeline(plain)?,
             ground: pipeline(PipelineDesc {

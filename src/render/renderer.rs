@@ -36,8 +36,7 @@ use super::{
     pipelines::{Formats, Pipelines},
     resident::Resident,
     selection::{Chosen, OldCrowns, OldRoom, Selection, sun_views},
-    shade::Shade,
-    shadow::{self, Shadow},
+    shadow::{self, Shadow, ShadowKey, Wood},
     target::{Attachments, Target},
     texture::Texture,
     tree_upload::{Detail, Scratch, TreeUpload, upload_size},
@@ -156,7 +155,9 @@ pub struct Renderer {
     attachments: Attachments,
     slots: [Slot; SLOTS],
     shadow: Shadow,
-    shade: Shade,
+    /// What it was drawn for.
+    drawn: Option<ShadowKey>,
+    wood: Wood,
     /// How things move in the next frame.
     sway: Sway,
     /// By slot; the board's is always there.
@@ -202,13 +203,13 @@ impl Renderer {
             count,
             &[
                 (vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, count),
-                (vk::DescriptorType::SAMPLED_IMAGE, 2 * count),
+                (vk::DescriptorType::SAMPLED_IMAGE, 4 * count),
                 (vk::DescriptorType::SAMPLER, 2 * count),
                 (vk::DescriptorType::STORAGE_BUFFER, 2 * count),
             ],
         )?;
         let shadow = Shadow::new(gpu)?;
-        let shade = Shade::new(gpu, &shadow)?;
+        let wood = Wood::new(gpu)?;
         let layout = pipelines
             .tree_layout
             .sets
@@ -217,7 +218,7 @@ impl Renderer {
             .unwrap_or_default();
         let slot = || {
             let slot = Slot::new(gpu, pool.set(layout)?)?;
-            write_set(gpu, &slot, &shadow, &shade);
+            write_set(gpu, &slot, &shadow, &wood);
             Ok::<_, RenderError>(slot)
         };
         let slots = [slot()?, slot()?];
@@ -241,7 +242,8 @@ impl Renderer {
             pipelines,
             slots,
             shadow,
-            shade,
+            drawn: None,
+            wood,
             sway: Sway::default(),
             tree: None,
             coming: None,
@@ -412,11 +414,12 @@ impl Renderer {
             painted |= panel.record(&self.gpu, commands, at, self.frame, done)?;
         }
 
+        self.follow_wood(scene);
         let numbers = self.numbers(scene, eyes, placed);
         let slot = &mut self.slots[at];
         let (rods, solids) = data::room(scene);
         if slot.make_room(&self.gpu, rods, solids)? {
-            write_set(&self.gpu, slot, &self.shadow, &self.shade);
+            write_set(&self.gpu, slot, &self.shadow, &self.wood);
         }
         let mut swapped = numbers;
         swapped.views.swap(0, 1);
@@ -457,7 +460,7 @@ impl Renderer {
             model,
         };
         if let Some(key) = key
-            && self.shadow.drawn != Some(key)
+            && self.drawn != Some(key)
         {
             let texel = numbers.tree.w;
             let sun = sun_views(
@@ -468,7 +471,12 @@ impl Renderer {
             let primitives = self.params.primitives;
             self.selection.record_sun(commands, at, sun, primitives);
             self.record_shadow(&pass, &mut report);
-            self.shadow.drawn = Some(key);
+            self.drawn = Some(key);
+        }
+        if let Some(sun) = self.wood.due() {
+            let primitives = self.params.primitives;
+            self.selection.record_wood(commands, at, sun, primitives);
+            self.record_wood(&pass, &mut report);
         }
         self.selection.record(commands, at, &views, budget);
         match self.params.mode {
@@ -576,6 +584,7 @@ impl Renderer {
             shadow::projection(self.params.sun, &bounds, &world_from_tree, stir)
         });
         let texel = shadow.map_or(0.0, |(_, texel)| texel);
+        let (wood_from_world, wood_texel) = self.wood.now.projection().unwrap_or_default();
         // A tree that waits for its successor stands whole.
         let growth = placed
             .filter(|placed| {
@@ -605,6 +614,8 @@ impl Renderer {
             light: LightData::of(self.params.light),
             wind: Vec4::new(self.sway.strength, self.sway.clock, 0.0, 0.0),
             root: placed.map_or(Vec4::ZERO, |placed| self.root_of(placed).extend(0.0)),
+            wood_from_world,
+            wood: Vec4::X * wood_texel,
         }
     }
 
@@ -643,22 +654,25 @@ fn records<T: bytemuck::Pod>(buffer: &mut Buffer) -> &mut [T] {
 }
 
 /// Writes a slot's set.
-fn write_set(gpu: &Gpu, slot: &Slot, shadow: &Shadow, shade: &Shade) {
+fn write_set(gpu: &Gpu, slot: &Slot, shadow: &Shadow, wood: &Wood) {
     let frame = [vk::DescriptorBufferInfo {
         buffer: slot.frame.handle,
         offset: 0,
         range: size_of::<FrameData>() as u64,
     }];
-    let map = [vk::DescriptorImageInfo {
-        image_view: shadow.view.handle,
-        image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-        sampler: vk::Sampler::null(),
-    }];
+    let [map, wood_map] = [shadow, &wood.shadow].map(|shadow| {
+        [vk::DescriptorImageInfo {
+            image_view: shadow.view.handle,
+            image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+            sampler: vk::Sampler::null(),
+        }]
+    });
     let sampler = [vk::DescriptorImageInfo {
         sampler: shadow.sampler,
         ..Default::default()
     }];
-    let [shade_map, shade_sampler] = shade.described().map(|info| [info]);
+    let [shade_map, shade_sampler] = shadow.shade.described().map(|info| [info]);
+    let [wood_shade, _] = wood.shadow.shade.described().map(|info| [info]);
     let rods = [whole_buffer(slot.rods.handle)];
     let solids = [whole_buffer(slot.solids.handle)];
     let write = |binding, kind| {
@@ -675,6 +689,8 @@ fn write_set(gpu: &Gpu, slot: &Slot, shadow: &Shadow, shade: &Shade) {
         write(4, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&solids),
         write(5, vk::DescriptorType::SAMPLED_IMAGE).image_info(&shade_map),
         write(6, vk::DescriptorType::SAMPLER).image_info(&shade_sampler),
+        write(7, vk::DescriptorType::SAMPLED_IMAGE).image_info(&wood_map),
+        write(8, vk::DescriptorType::SAMPLED_IMAGE).image_info(&wood_shade),
     ];
     // SAFETY: the slot's last frame is done, so the set is free.
     unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };

@@ -56,6 +56,8 @@ const _: () = assert!(
 );
 
 const BY_GRAIN: u32 = 1;
+/// It is not drawn in this pass.
+const ABSENT: u32 = 2;
 
 /// Bytes of `State` of shaders/shared/choice.wgsl.
 const STATE_BYTES: u64 = BINS as u64 * 4 + 4;
@@ -79,6 +81,8 @@ pub(crate) struct Item {
     pub(crate) chunk: usize,
     set: vk::DescriptorSet,
     data: ItemData,
+    /// Whether it is in the sun's map.
+    shadow: bool,
 }
 
 /// What grows with the models.
@@ -90,7 +94,8 @@ struct Room {
     chosen: Buffer,
     /// By slot: what was chosen, where the processor sees it.
     told: [Buffer; SLOTS],
-    sets: [vk::DescriptorSet; SLOTS],
+    /// By slot, for the eyes and for the sun.
+    sets: [[vk::DescriptorSet; 2]; SLOTS],
     _pool: Pool,
 }
 
@@ -105,6 +110,7 @@ pub(crate) struct Selection {
     pub(crate) layout: Layout,
     kernels: [Pipeline; 5],
     views: [Buffer; SLOTS],
+    sun: [Buffer; SLOTS],
     state: Buffer,
     list: Buffer,
     room: Room,
@@ -167,19 +173,20 @@ impl Selection {
                 MemoryLocation::CpuToGpu,
             )
         };
-        let views = [views()?, views()?];
+        let (sun, views) = ([views()?, views()?], [views()?, views()?]);
         let state = buffer(gpu, "the threshold of detail", STATE_BYTES)?;
         let list = buffer(gpu, "the triangles to draw", u64::from(most.max(1)) * 4)?;
         let pool = Pool::new(gpu, 1, &[(Kind::STORAGE_BUFFER, 1)])?;
         let list_set = pool.set(list_layout)?;
         write_set(gpu, list_set, 0, &[&list]);
-        let room = Room::new(gpu, &layout, &views, [&state, &list], [64, 16])?;
+        let room = Room::new(gpu, &layout, [&views, &sun], [&state, &list], [64, 16])?;
         let crowns = Crowns::new(gpu, list_layout, most, &views, &state)?;
         Ok(Self {
             crowns,
             layout,
             kernels,
             views,
+            sun,
             state,
             list,
             room,
@@ -218,6 +225,7 @@ impl Selection {
                 model,
                 chunk,
                 set: part.set,
+                shadow: placed.look.shadow,
                 data: ItemData {
                     rows: rows(&standing.world_from_model),
                     cut: standing.cut,
@@ -246,7 +254,8 @@ impl Selection {
             draws.max(self.room.draws).next_power_of_two(),
         ];
         let shared = [&self.state, &self.list];
-        let room = Room::new(&self.gpu, &self.layout, &self.views, shared, wanted)?;
+        let views = [&self.views, &self.sun];
+        let room = Room::new(&self.gpu, &self.layout, views, shared, wanted)?;
         // The threshold stands in what is new now.
         self.crowns.forget_told();
         self.told = [0; SLOTS];
@@ -274,21 +283,42 @@ impl Selection {
         }
         self.views[slot].write(0, &[*views]);
         self.begin_choice(commands);
-        let [weigh, _, count, place, write] = &self.kernels;
-        self.each(commands, slot, weigh);
+        self.each(commands, slot, For::Eyes, &self.kernels[0]);
         self.crowns.weigh(commands, slot, For::Eyes);
         self.settle(commands, slot, budget);
-        if !self.items.is_empty() {
-            let all = ItemData {
-                groups: self.groups(),
-                ..ItemData::default()
-            };
-            self.each(commands, slot, count);
-            self.once(commands, slot, place, &all);
-            self.each(commands, slot, write);
-        }
+        self.list(commands, slot, For::Eyes);
         self.crowns.list(commands, slot, For::Eyes);
         self.tell(commands, slot);
+    }
+
+    /// Makes list and draws of models, now that the threshold is known.
+    fn list(&self, commands: vk::CommandBuffer, slot: usize, whom: For) {
+        if self.items.is_empty() {
+            return;
+        }
+        let [_, _, count, place, write] = &self.kernels;
+        let all = ItemData {
+            groups: self.groups(),
+            ..ItemData::default()
+        };
+        self.each(commands, slot, whom, count);
+        self.once(commands, slot, place, &all);
+        self.each(commands, slot, whom, write);
+    }
+
+    /// Records the choice of models for the sun's map of them, at most `budget` triangles.
+    pub(crate) fn record_wood(
+        &mut self,
+        commands: vk::CommandBuffer,
+        slot: usize,
+        views: Views,
+        budget: u32,
+    ) {
+        self.sun[slot].write(0, &[views]);
+        self.begin_choice(commands);
+        self.each(commands, slot, For::Sun, &self.kernels[0]);
+        self.settle(commands, slot, budget);
+        self.list(commands, slot, For::Sun);
     }
 
     /// Records the choice of trees for the sun's map, at most `budget` triangles.
@@ -326,12 +356,16 @@ impl Selection {
         self.once(commands, slot, &self.kernels[1], &data);
     }
 
-    fn each(&self, commands: vk::CommandBuffer, slot: usize, kernel: &Pipeline) {
+    fn each(&self, commands: vk::CommandBuffer, slot: usize, whom: For, kernel: &Pipeline) {
         if self.items.is_empty() {
             return;
         }
-        self.bind(commands, slot, kernel);
+        self.bind(commands, slot, whom, kernel);
         for item in &self.items {
+            let mut data = item.data;
+            if whom == For::Sun && !item.shadow {
+                data.flags |= ABSENT;
+            }
             // SAFETY: the set's layout is the second of the pipeline layout; its buffer lives until the frame is done.
             unsafe {
                 self.gpu.device.cmd_bind_descriptor_sets(
@@ -343,31 +377,26 @@ impl Selection {
                     &[],
                 );
             }
-            self.run(commands, &item.data, item.data.groups);
+            self.run(commands, &data, data.groups);
         }
         full_barrier(&self.gpu, commands, &[]);
     }
 
     fn once(&self, commands: vk::CommandBuffer, slot: usize, kernel: &Pipeline, data: &ItemData) {
-        self.bind(commands, slot, kernel);
+        self.bind(commands, slot, For::Eyes, kernel);
         self.run(commands, data, 1);
         full_barrier(&self.gpu, commands, &[]);
     }
 
-    fn bind(&self, commands: vk::CommandBuffer, slot: usize, kernel: &Pipeline) {
+    fn bind(&self, commands: vk::CommandBuffer, slot: usize, whom: For, kernel: &Pipeline) {
         let compute = vk::PipelineBindPoint::COMPUTE;
+        let [eyes, sun] = self.room.sets[slot];
+        let set = if whom == For::Eyes { eyes } else { sun };
         // SAFETY: pipeline and set are of this layout.
         unsafe {
             let device = &self.gpu.device;
             device.cmd_bind_pipeline(commands, compute, kernel.handle);
-            device.cmd_bind_descriptor_sets(
-                commands,
-                compute,
-                self.layout.handle,
-                0,
-                &[self.room.sets[slot]],
-                &[],
-            );
+            device.cmd_bind_descriptor_sets(commands, compute, self.layout.handle, 0, &[set], &[]);
         }
     }
 
@@ -434,7 +463,7 @@ impl Room {
     fn new(
         gpu: &Gpu,
         layout: &Layout,
-        views: &[Buffer; SLOTS],
+        [eyes, sun]: [&[Buffer; SLOTS]; 2],
         [state, list]: [&Buffer; 2],
         [groups, draws]: [u32; 2],
     ) -> Result<Self, RenderError> {
@@ -451,7 +480,7 @@ impl Room {
             )
         };
         let told = [told()?, told()?];
-        let count = u32::try_from(SLOTS).unwrap_or(2);
+        let count = u32::try_from(2 * SLOTS).unwrap_or(4);
         let pool = Pool::new(
             gpu,
             count,
@@ -468,11 +497,13 @@ impl Room {
             write_set(gpu, set, 1, &storage);
             Ok::<_, RenderError>(set)
         };
-        let [one, other] = views;
         Ok(Self {
             groups,
             draws,
-            sets: [set(one)?, set(other)?],
+            sets: [
+                [set(&eyes[0])?, set(&sun[0])?],
+                [set(&eyes[1])?, set(&sun[1])?],
+            ],
             told,
             _marks: marks,
             _sums: sums,

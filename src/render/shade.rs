@@ -23,7 +23,6 @@ use super::{
     memory::{Image, ImageDesc, View},
     pipelines::{Layout, Pipeline, PipelineDesc},
     shaders,
-    shadow::Shadow,
 };
 
 /// Texels along a side of the finest level: a fourth of the map's; shaders/shared/shadow.wgsl knows both.
@@ -59,7 +58,7 @@ pub(crate) struct Shade {
 }
 
 impl Shade {
-    pub(crate) fn new(gpu: &Gpu, shadow: &Shadow) -> Result<Self, RenderError> {
+    pub(crate) fn new(gpu: &Gpu, map: &View) -> Result<Self, RenderError> {
         let color = vk::ImageAspectFlags::COLOR;
         let drawn = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let image = image_of(gpu, [SIDE; 2], LEVELS, drawn)?;
@@ -81,7 +80,7 @@ impl Shade {
             // The first level reads none, but something must stand there.
             let finer = levels.get(level.saturating_sub(1));
             sets.push(pool.set(set)?);
-            write_set(gpu, sets.last().copied(), shadow, finer);
+            write_set(gpu, sets.last().copied(), map, finer);
         }
         let [first, next] = pipelines(gpu, &layout)?;
         let shade = Self {
@@ -303,12 +302,12 @@ fn pipelines(gpu: &Gpu, layout: &Layout) -> Result<[Pipeline; 2], RenderError> {
     ])
 }
 
-fn write_set(gpu: &Gpu, set: Option<vk::DescriptorSet>, shadow: &Shadow, finer: Option<&View>) {
+fn write_set(gpu: &Gpu, set: Option<vk::DescriptorSet>, map: &View, finer: Option<&View>) {
     let (Some(set), Some(finer)) = (set, finer) else {
         return;
     };
     let depths = [vk::DescriptorImageInfo::default()
-        .image_view(shadow.view.handle)
+        .image_view(map.handle)
         .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)];
     let finer = [vk::DescriptorImageInfo::default()
         .image_view(finer.handle)

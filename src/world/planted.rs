@@ -184,6 +184,7 @@ impl Planted {
     pub(super) fn draw(&self, grove: &Grove, scene: &mut Scene) {
         let look = ModelLook {
             surface: Some(SurfaceLook::Shaded),
+            shadow: true,
             ..ModelLook::default()
         };
         for plant in &grove.plants {

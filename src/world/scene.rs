@@ -123,6 +123,8 @@ pub struct ModelLook {
     pub cut: Option<Vec4>,
     /// A light in a hand: where on the stage.
     pub lamp: Option<Vec3>,
+    /// Whether it stands on the ground for good and throws a shadow, on itself, too.
+    pub shadow: bool,
 }
 
 impl Default for ModelLook {
@@ -136,6 +138,7 @@ impl Default for ModelLook {
             color: [0.62, 0.56, 0.47, 1.0],
             cut: None,
             lamp: None,
+            shadow: false,
         }
     }
 }

@@ -44,7 +44,7 @@ pub(crate) fn params(mode: StereoMode, side: u32, light: Light) -> RendererParam
 }
 
 /// A straight pole up from the ground, so thick, held at an end by nothing.
-fn pole(from: f32, to: f32, radius: f32) -> PlacedTree {
+pub(crate) fn pole(from: f32, to: f32, radius: f32) -> PlacedTree {
     let count = 9_u16;
     let tree = Tree {
         parent: (0..u32::from(count))
@@ -69,7 +69,7 @@ fn scene(tree: PlacedTree) -> Scene {
     }
 }
 
-fn luminance(pixel: &image::Rgba<u8>) -> f64 {
+pub(crate) fn luminance(pixel: &image::Rgba<u8>) -> f64 {
     let [red, green, blue, _] = pixel.0.map(f64::from);
     0.2126 * red + 0.7152 * green + 0.0722 * blue
 }

@@ -16,7 +16,7 @@ use super::support::{
 };
 
 /// A ball of `rows` × 2 `rows` quads, wound to be seen from outside.
-fn ball_mesh(rows: u32, radius: f32) -> Mesh {
+pub(crate) fn ball_mesh(rows: u32, radius: f32) -> Mesh {
     let mut mesh = Mesh::default();
     for row in 0..=rows {
         for column in 0..2 * rows {

@@ -193,6 +193,27 @@ impl Renderer {
         });
     }
 
+    /// Follows what of the scene throws a shadow and is on the device.
+    pub(super) fn follow_wood(&mut self, scene: &Scene) {
+        let mut wood = std::mem::take(&mut self.wood.now);
+        let throws = |placed: &&PlacedModel| {
+            self.params.shadows && placed.look.shadow && self.is_chosen(placed).is_some()
+        };
+        wood.follow(self.params.sun, scene.models.iter().filter(throws));
+        self.wood.now = wood;
+    }
+
+    /// Draws the map of what throws a shadow.
+    pub(super) fn record_wood(&self, pass: &Pass<'_>, report: &mut DrawReport) {
+        let pipeline = self.pipelines.model_shadow.handle;
+        self.record_map(pass, &self.wood.shadow, || {
+            self.record_each_model(pass, 0, report, |placed, _| {
+                let draw = (pipeline, Of::Triangles);
+                [placed.look.shadow.then_some(draw), None]
+            });
+        });
+    }
+
     fn record_each_model(
         &self,
         pass: &Pass<'_>,

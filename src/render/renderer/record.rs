@@ -11,6 +11,7 @@ use crate::render::{
     meshes::Run,
     pipelines::Pipeline,
     selection::For,
+    shadow::Shadow,
     target::{Resolved, StereoImage, Target, aspects, discard},
     tree_upload::TreeUpload,
 };
@@ -31,14 +32,24 @@ pub(super) struct Pass<'a> {
 impl Renderer {
     /// Draws the tree's depth as the sun sees it.
     pub(super) fn record_shadow(&self, pass: &Pass<'_>, report: &mut DrawReport) {
+        let pipelines = &self.pipelines;
+        self.record_map(pass, &self.shadow, || {
+            let crowns = [&pipelines.shadow, &pipelines.leaf_shadow];
+            self.record_crowns(pass, For::Sun, crowns, report);
+            self.record_organs(pass, pipelines.organ_shadow.handle, report);
+        });
+    }
+
+    /// Draws depth as the sun sees it, and how soft that makes shadows.
+    pub(super) fn record_map(&self, pass: &Pass<'_>, shadow: &Shadow, draw: impl FnOnce()) {
         let attachment = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
         full_barrier(
             &self.gpu,
             pass.commands,
-            &[self.shadow.barrier(vk::ImageLayout::UNDEFINED, attachment)],
+            &[shadow.barrier(vk::ImageLayout::UNDEFINED, attachment)],
         );
         let depth = vk::RenderingAttachmentInfo::default()
-            .image_view(self.shadow.view.handle)
+            .image_view(shadow.view.handle)
             .image_layout(attachment)
             .load_op(vk::AttachmentLoadOp::CLEAR)
             .store_op(vk::AttachmentStoreOp::STORE)
@@ -46,27 +57,20 @@ impl Renderer {
         let info = vk::RenderingInfo::default()
             .render_area(vk::Rect2D {
                 offset: vk::Offset2D::default(),
-                extent: self.shadow.extent(),
+                extent: shadow.extent(),
             })
             .layer_count(1)
             .depth_attachment(&depth);
-        self.begin(pass, &info, self.shadow.extent(), 0);
-        let pipelines = &self.pipelines;
-        self.record_crowns(
-            pass,
-            For::Sun,
-            [&pipelines.shadow, &pipelines.leaf_shadow],
-            report,
-        );
-        self.record_organs(pass, pipelines.organ_shadow.handle, report);
+        self.begin(pass, &info, shadow.extent(), 0);
+        draw();
         self.end(pass);
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         full_barrier(
             &self.gpu,
             pass.commands,
-            &[self.shadow.barrier(attachment, read)],
+            &[shadow.barrier(attachment, read)],
         );
-        self.shade.record(pass.commands);
+        shadow.shade.record(pass.commands);
     }
 
     /// Both eyes in one pass.
