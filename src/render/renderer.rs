@@ -406,6 +406,7 @@ impl Renderer {
         }
         let (models, model) = self.update_models(scene, commands)?;
         let views = self.views_of(eyes);
+        self.follow_wood(scene);
         let chosen = self.gather(scene, placed, &views, at)?;
         let points = self.points_each(scene);
         let budget = self.budget(scene, points);
@@ -414,7 +415,6 @@ impl Renderer {
             painted |= panel.record(&self.gpu, commands, at, self.frame, done)?;
         }
 
-        self.follow_wood(scene);
         let numbers = self.numbers(scene, eyes, placed);
         let slot = &mut self.slots[at];
         let (rods, solids) = data::room(scene);

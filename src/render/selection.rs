@@ -23,6 +23,7 @@ use super::{
     pipelines::{Layout, Pipeline},
     shaders::select,
 };
+use crate::mesh::display::Display;
 use crate::tree::levels::cut::{BINS, Standing, Views, pixels, side};
 use crate::world::scene::{ModelLook, PlacedModel};
 
@@ -56,6 +57,8 @@ const _: () = assert!(
 );
 
 const BY_GRAIN: u32 = 1;
+/// By how much more than the processor finds something may be seen by the device, which rounds otherwise.
+const SLACK: f32 = 1.001;
 /// It is not drawn in this pass.
 const ABSENT: u32 = 2;
 
@@ -594,6 +597,13 @@ pub(crate) fn standing(placed: &PlacedModel) -> Standing {
     let look = &placed.look;
     let by_grain = look.wireframe || look.flat || placed.display.has_colours();
     Standing::new(placed.world_from_model, cut_of(look), by_grain, NEAR)
+}
+
+/// Whether either eye can see anything of a model.
+pub(crate) fn is_seen(placed: &PlacedModel, views: &Views) -> bool {
+    let Display { low, high, .. } = &*placed.display;
+    let radius = low.distance(*high) * 0.5 * SLACK;
+    standing(placed).is_seen(low.midpoint(*high).extend(radius), views)
 }
 
 /// Both eyes as the choice takes them; pictures are so many pixels wide, and `error_px` of these count as one.

@@ -217,9 +217,14 @@ impl Wood {
         })
     }
 
+    /// Whether the map must be drawn anew.
+    pub(crate) fn is_due(&self) -> bool {
+        self.now != self.drawn
+    }
+
     /// The sun as the choice takes it, where the map must be drawn anew; it is taken to be from then on.
     pub(crate) fn due(&mut self) -> Option<Views> {
-        if self.now == self.drawn {
+        if !self.is_due() {
             return None;
         }
         self.drawn.models.clone_from(&self.now.models);

@@ -159,6 +159,34 @@ fn its_map_is_drawn_when_something_comes_goes_or_moves_and_not_else() {
     silent(&gpu);
 }
 
+#[test]
+fn a_wood_behind_ones_back_costs_no_draws_and_still_throws_its_shadow() {
+    let Some(gpu) = device() else { return };
+    let params = params(mode(&gpu), SIDE, Light::Day);
+    let display = ball();
+    // Behind what looks at where the shadow of the first of them falls.
+    let place = Vec3::new(0.0, 3.0, 0.0);
+    let wood: Vec<PlacedModel> = (0..200_u8)
+        .map(|n| at(&display, place + Vec3::X * f32::from(n), true))
+        .collect();
+    let eyes = above(fallen(&params, place), 3.0);
+    let offscreen = Offscreen::new(&gpu, params.extent).unwrap();
+    let mut renderer = Renderer::new(&gpu, &params).unwrap();
+    let mut draw = |scene: &Scene| {
+        let report = renderer.draw(scene, &eyes, &offscreen.target()).unwrap();
+        let [left, _] = offscreen.read_color().unwrap();
+        (report.draws, left)
+    };
+    let (without, bare) = draw(&Scene::default());
+    let (first, _) = draw(&scene(&wood));
+    let (second, shaded) = draw(&scene(&wood));
+    assert!(first > 200, "{first} draws of the map");
+    assert_eq!(second, without);
+    let (_, area) = dark(&shaded, &bare, 3.0);
+    assert!(area > 0.5, "{area}");
+    silent(&gpu);
+}
+
 /// What stands in the shadow is dark, be it a tree on the platform or another model; a ball in the sun has a side of its own that is not.
 #[test]
 fn it_falls_on_trees_and_models_and_not_on_what_is_in_the_sun() {

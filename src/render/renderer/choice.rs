@@ -6,7 +6,7 @@ use super::{Chosen, Garbage, Renderer, SLOTS};
 use crate::render::{
     error::RenderError,
     eye::{Eye, NEAR},
-    selection::{standing, views},
+    selection::{is_seen, standing, views},
 };
 use crate::tree::levels::cut::{Standing, Views};
 use crate::world::scene::{PlacedModel, PlacedTree, Scene};
@@ -27,7 +27,12 @@ impl Renderer {
         slot: usize,
     ) -> Result<Chosen, RenderError> {
         let chosen = self.selection.begin(slot);
+        let wood_is_due = self.wood.is_due();
         for (number, placed) in scene.models.iter().enumerate() {
+            // A wood is mostly behind one's back, and each tree of it a few calls.
+            if !(wood_is_due && placed.look.shadow || is_seen(placed, views)) {
+                continue;
+            }
             let at = self.is_chosen(placed).and_then(|shape| {
                 let mut shapes = self.shapes.iter();
                 shapes.position(|other| std::ptr::eq(other, shape))

@@ -8,7 +8,7 @@ use ash::vk;
 use glam::{Affine3A, Vec4};
 use gpu_allocator::MemoryLocation;
 
-use super::{GROUP, ItemData, buffer, write_uniform};
+use super::{GROUP, ItemData, SLACK, buffer, write_uniform};
 use crate::render::{
     crown_upload::CrownChunk,
     data::rows,
@@ -32,9 +32,6 @@ const DRAW_BYTES: u64 = size_of::<vk::DrawIndexedIndirectCommand>() as u64;
 
 /// Triangles that a batch has at least: what bounds the list. A leaf may be one.
 const FEWEST: u32 = 8;
-
-/// By how much more than the processor finds something may be seen by the device, which rounds otherwise.
-const SLACK: f32 = 1.001;
 
 /// Who a choice is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
