@@ -6,6 +6,10 @@
 //! 30° of the place does not count (as in Peters and Ledoux 2016). (Letting it shrink the ball by a third, and no more, was tried: on the stairs
 //! of voxels that is a third too much.) Where the surface bends more sharply than the ball anywhere else, as at the ends of an ellipsoid, the ball
 //! is an eighth too large for it.
+//!
+//! *Tried*: gathering the triangles in the ball once steps are small, and searching those; that is as dear as the last searches are. Going through the
+//! hierarchy once, with a ball that shrinks on the way: what is met first is not what is nearest, and bumps that end the
+//! shrinking then let it go on (an ash's tubes fell into pieces).
 
 use glam::{DVec3, Vec3};
 
