@@ -124,13 +124,14 @@ impl History {
             }
             before => {
                 let from = before.as_ref().map(|(last, string)| (*last, &**string));
+                let keeps = shelf.budget > 0;
                 let mut see = |at: u32, string: &ModuleString| {
                     if string.bytes() <= shelf.budget && at < step {
                         shelf.put(at, Kept::of(grammar, Arc::new(string.clone())), step);
                     }
                 };
-                let see: &mut See<'_> = &mut see;
-                derive_on(grammar, from, step, limits, cancel, &mut |_| {}, Some(see))?
+                let see: Option<&mut See<'_>> = if keeps { Some(&mut see) } else { None };
+                derive_on(grammar, from, step, limits, cancel, &mut |_| {}, see)?
             }
         };
         let string = Arc::new(string);

@@ -71,7 +71,12 @@ pub struct Grown {
 /// # Errors
 /// Where the step is too far, the tree would be too large, or `cancel` was set meanwhile.
 pub fn grow(sketch: &Sketch, step: u32, cancel: &AtomicBool) -> Result<Grown, SketchError> {
-    Grower::default().grow(sketch, step, cancel)
+    // Nobody comes back for the strings on the way.
+    let mut once = Grower {
+        kept_bytes: 0,
+        ..Grower::default()
+    };
+    once.grow(sketch, step, cancel)
 }
 
 /// Grows sketches one after the other, with strings kept: for a workshop where each one differs
@@ -80,6 +85,8 @@ pub fn grow(sketch: &Sketch, step: u32, cancel: &AtomicBool) -> Result<Grown, Sk
 pub struct Grower {
     /// The bounds.
     pub params: GrowParams,
+    /// Bytes of strings that are kept.
+    kept_bytes: u64,
     /// What grew last, and its strings.
     last: Option<Last>,
     predictor: Predictor,
@@ -94,9 +101,9 @@ struct Last {
 }
 
 impl Last {
-    fn new(sketch: &Sketch) -> Result<Self, SketchError> {
+    fn new(sketch: &Sketch, kept_bytes: u64) -> Result<Self, SketchError> {
         Ok(Self {
-            history: History::new(parsed(sketch)?, KEPT_BYTES),
+            history: History::new(parsed(sketch)?, kept_bytes),
             dictionary: Dictionary::of(sketch),
             sketch: sketch.clone(),
         })
@@ -135,6 +142,7 @@ impl Grower {
     pub fn new(params: GrowParams) -> Self {
         Self {
             params,
+            kept_bytes: KEPT_BYTES,
             last: None,
             predictor: Predictor::default(),
         }
@@ -168,7 +176,7 @@ impl Grower {
         }
         let history = match &mut self.last {
             Some(last) => last.follow(sketch)?,
-            none => &mut none.insert(Last::new(sketch)?).history,
+            none => &mut none.insert(Last::new(sketch, self.kept_bytes)?).history,
         };
         let limits = limits(sketch, segments);
         let string = history.at(step - 1, &limits, cancel).map_err(refused)?;
