@@ -37,6 +37,15 @@ impl Places {
         self.offset.clear();
     }
 
+    /// Makes room for a whole batch, where there is none yet.
+    #[inline]
+    fn make_room(&mut self) {
+        if self.at.capacity() == 0 {
+            self.at.reserve_exact(LANES);
+            self.offset.reserve_exact(LANES);
+        }
+    }
+
     #[inline]
     fn push(&mut self, at: usize, offset: usize) {
         self.at.push(at);
@@ -267,6 +276,10 @@ impl<'r, 'a, 's, S: Narrow> Choosing<'r, 'a, 's, S> {
             let count = row.len().min(LANES.saturating_sub(waiting.choices.len()));
             let own;
             (own, row) = row.split_at_mut(count);
+            waiting.places.make_room();
+            if waiting.choices.capacity() == 0 {
+                waiting.choices.reserve_exact(LANES);
+            }
             waiting.places.at.extend(at..at + count);
             let offsets = (0..count).map(|number| offset + number * arity);
             waiting.places.offset.extend(offsets);
@@ -507,6 +520,7 @@ impl<'r, 'a, 's, S: Narrow, B: Cell> Filling<'r, 'a, 's, S, B> {
         loop {
             let room = LANES - waiting.places.len().min(LANES);
             let count = source.births.len().min(room);
+            waiting.places.make_room();
             for number in 0..count {
                 waiting
                     .places

@@ -309,6 +309,9 @@ pub(super) fn decomposed_watched(
             limits,
             cancel,
         };
+        if !rules.may_rewrite(&string.symbols) {
+            break;
+        }
         if number > grammar.decompose_depth {
             let Some(rule) = round.first_applied(&string)? else {
                 return Ok(string);

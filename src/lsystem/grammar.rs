@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::chances::{Bound, Chances, bounds};
 use super::code::Expression;
+use super::column::{Cell, Column, for_width};
 use super::derive::{self, Limits};
 use super::dialect::Remark;
 use super::error::{DeriveError, GrammarErrors};
@@ -17,6 +18,7 @@ use super::names::{Names, Symbol};
 use super::output::Spare;
 use super::parse;
 use super::record::{self, Recorded};
+use super::rests::Rests;
 use super::shape::{Shape, Wrap};
 use super::string::ModuleString;
 use super::unwritten::Unwritten;
@@ -257,6 +259,8 @@ pub(crate) struct RuleSet {
     made: Vec<(u32, u32)>,
     /// Slots and depth that its expressions need in columns; none where they are not worth it.
     pub(crate) columns: Option<(usize, usize)>,
+    /// Which modules may be rewritten, by what stands next to them.
+    pub(crate) rests: Rests,
 }
 
 fn table(plans: &[Plan], near: &[Vec<Near>]) -> Option<NearTable> {
@@ -352,6 +356,13 @@ fn columns(rules: &[Rule]) -> Option<(usize, usize)> {
     Values::fits(slots, depth).then_some((slots, depth))
 }
 
+/// Whether there is one of these symbols among others. They are looked at a few at a time, without an end in between.
+fn has<S: Cell>(symbols: &[S], these: &[bool]) -> bool {
+    let is = |symbol: &S| these.get(symbol.index()) == Some(&true);
+    let mut groups = symbols.chunks(64);
+    groups.any(|group| group.iter().fold(false, |any, symbol| any | is(symbol)))
+}
+
 impl RuleSet {
     pub(crate) fn new(rules: Vec<Rule>, symbols: usize, order: Order) -> Self {
         let mut by_symbol: Vec<Vec<u16>> = vec![Vec::new(); symbols];
@@ -409,6 +420,7 @@ impl RuleSet {
         let table = table(&plans, &near);
         let chances = chances(&plans, &weighted);
         let columns = columns(&rules);
+        let rests = Rests::new(&plans, &by_symbol, &rules);
         let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let size = |rule: &Rule| (number(rule.successor.len()), number(rule.arguments.len()));
         let made = std::iter::once((1, 0)).chain(rules.iter().map(size));
@@ -416,6 +428,7 @@ impl RuleSet {
             table,
             made: made.collect(),
             columns,
+            rests,
             rules,
             by_symbol,
             plans,
@@ -432,6 +445,12 @@ impl RuleSet {
     pub(crate) fn plan(&self, symbol: Symbol) -> Plan {
         let plan = self.plans.get(usize::from(symbol));
         plan.copied().unwrap_or(Plan::Stay)
+    }
+
+    /// Whether there is a production for any of the symbols.
+    pub(crate) fn may_rewrite(&self, symbols: &Column) -> bool {
+        let is: Vec<bool> = self.plans.iter().map(|plan| *plan != Plan::Stay).collect();
+        for_width!(symbols, symbols => has(symbols, &is))
     }
 
     /// How many modules and parameters a choice makes.

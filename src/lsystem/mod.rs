@@ -13,7 +13,7 @@
 //! ```
 //!
 //! The language is described in `docs/src/language.md`. Data flow: `source` cuts the text into statements, `parse` and `rules` read them into
-//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` and `neighbours` (`rewrite` and `fill` all of it, with `choice` for each module, `chances` where no more than a draw decides, or `batch` and `lanes` for many at once, `blocks` what is alike once, `active` what may change; `record` keeps which production did it, `explain` tells it; `history` keeps the strings, `edit` says which of them an edit changes),
+//! a [`Grammar`] (names in `names`, expressions in `expression`), `derive` rewrites a [`ModuleString`] with the help of `context` and `neighbours` (`rewrite` and `fill` all of it, with `choice` for each module, `chances` where no more than a draw decides, or `batch` and `lanes` for many at once, `blocks` what is alike once, `active` what may change, `rests` what cannot; `record` keeps which production did it, `explain` tells it; `history` keeps the strings, `edit` says which of them an edit changes),
 //! `turtle` draws it and answers what `query` asks, `report` says what `ramus derive` prints, `format` lays the text out.
 
 mod active;
@@ -51,6 +51,7 @@ mod query;
 mod random;
 mod record;
 pub mod report;
+mod rests;
 mod rewrite;
 mod rules;
 mod shape;

@@ -373,9 +373,20 @@ impl<'a> Round<'a> {
         let (mut at, mut offset) = (from, parameters_from);
         let end = from + choices.len();
         let symbols = indexed.symbols.get(from..end).unwrap_or(&[]);
+        let plain = indexed.index.seams.is_none() && !self.rules.looks.into_branches;
         // Neighbours of one symbol are worked on together.
         let (mut rest, mut places) = (symbols, &mut *choices);
         while let Some(&cell) = rest.first() {
+            let following = indexed.symbols.get(at..).unwrap_or(&[]);
+            let resting = self.rules.rests.resting(following, rest.len(), plain);
+            if resting > 0 {
+                let (row, own);
+                (row, places) = places.split_at_mut(resting);
+                (own, rest) = rest.split_at(resting);
+                row.fill(S::of(u32::from(STAYS)));
+                (at, offset) = (at + resting, offset + parameters_of(indexed.arity, own));
+                continue;
+            }
             let alike = rest.iter().take_while(|other| **other == cell).count();
             let row;
             (row, places) = places.split_at_mut(alike);
@@ -408,21 +419,31 @@ impl<'a> Round<'a> {
         if let Some(choosing) = choosing {
             choosing.finish()?;
         }
+        Ok(self.made(indexed, symbols, choices, offset - parameters_from))
+    }
+
+    /// Sizes of what a chunk becomes that has so many parameters, when all is chosen.
+    fn made<S: Narrow>(
+        &self,
+        indexed: &Indexed<'_, S>,
+        symbols: &[S],
+        choices: &[S],
+        parameters: usize,
+    ) -> Size {
         let mut size = Size::default();
-        for (cell, choice) in symbols.iter().zip(choices.iter()) {
-            let choice: u16 = (*choice).into();
-            let is_rewritten = choice != STAYS;
-            let (modules, parameters) = self.rules.made(choice);
-            let own = if is_rewritten {
-                0
-            } else {
-                indexed.arity(*cell)
-            };
-            size.rewritten += usize::from(is_rewritten);
+        let mut replaced = 0;
+        let stays = S::of(u32::from(STAYS));
+        let rewritten = symbols.iter().zip(choices);
+        for (cell, choice) in rewritten.filter(|(_, choice)| **choice != stays) {
+            let (modules, parameters) = self.rules.made((*choice).into());
+            size.rewritten += 1;
             size.modules += u64::from(modules);
-            size.parameters += u64::from(parameters) + own as u64;
+            size.parameters += u64::from(parameters);
+            replaced += indexed.arity(*cell);
         }
-        Ok(size)
+        size.modules += (symbols.len() - size.rewritten) as u64;
+        size.parameters += (parameters - replaced) as u64;
+        size
     }
 
     /// [`Self::count`] where each module's symbol and, at most, a draw decide.
@@ -531,9 +552,9 @@ impl<'a> Round<'a> {
     }
 }
 
-/// Where the parameters of each chunk begin; empty where there are none.
+/// Where the parameters of each chunk begin; empty where there are none, or one chunk alone.
 fn parameter_starts<S: Narrow>(string: &ModuleString, symbols: &[S], parallel: bool) -> Vec<usize> {
-    if string.parameters.is_empty() {
+    if string.parameters.is_empty() || symbols.len() <= CHUNK {
         return Vec::new();
     }
     let length = |chunk: &[S]| parameters_of(&string.arity, chunk);
