@@ -2,7 +2,8 @@
 //!
 //! Leaf area per cell is optical depth (a random leaf stops half of the light that its area meets: Monsi and Saeki 1953, G = 1/2). One sweep from the
 //! top layer down adds it up along each of nine directions, straight up and towards eight neighbours of the layer above; what arrives is
-//! the mean of exp(−depth), weighted as a level ground would be lit. Cells times nine, whatever the number of leaves.
+//! the mean of exp(−depth), weighted as a level ground would be lit. Cells times nine, whatever the number of leaves. Who asks at the leaves themselves
+//! ([`Light::on_each`]) is spared the exponentials of all cells without any: they take longer than the sweep, and most of a crown's cells are empty.
 
 use glam::{UVec3, Vec3};
 
@@ -36,6 +37,30 @@ impl Light {
     /// The light among leaves: where they are, and the area of each in square metres. None where there are none.
     #[must_use]
     pub fn among(leaves: &[(Vec3, f32)]) -> Option<Self> {
+        let mut light = Self::depths(leaves)?;
+        let all = vec![true; light.arrives.len()];
+        light.sweep(&all);
+        Some(light)
+    }
+
+    /// What of the sky's light reaches each of the leaves among which it is, 0 to 1: what [`Self::at`] says of them.
+    #[must_use]
+    pub fn on_each(leaves: &[(Vec3, f32)]) -> Vec<f32> {
+        let Some(mut light) = Self::depths(leaves) else {
+            return vec![1.0; leaves.len()];
+        };
+        let mut asked = vec![false; light.arrives.len()];
+        for (place, _) in leaves {
+            if let Some(cell) = asked.get_mut(light.cell_of(*place)) {
+                *cell = true;
+            }
+        }
+        light.sweep(&asked);
+        leaves.iter().map(|(place, _)| light.at(*place)).collect()
+    }
+
+    /// The grid with each cell's own depth, through which no light has come yet.
+    fn depths(leaves: &[(Vec3, f32)]) -> Option<Self> {
         let (low, high) = leaves.iter().filter(|(place, _)| place.is_finite()).fold(
             (Vec3::INFINITY, Vec3::NEG_INFINITY),
             |(low, high), (place, _)| (low.min(*place), high.max(*place)),
@@ -63,7 +88,6 @@ impl Light {
                 *depth += 0.5 * area.max(0.0) / (cell * cell);
             }
         }
-        light.sweep();
         Some(light)
     }
 
@@ -84,53 +108,95 @@ impl Light {
     /// The cell of a place, the nearest one where it lies outside.
     fn cell_of(&self, place: Vec3) -> usize {
         let last = (self.size - UVec3::ONE).as_vec3();
-        let at = ((place - self.low) / self.cell)
-            .floor()
-            .clamp(Vec3::ZERO, last);
+        // What is left of the point is cut off.
+        let at = ((place - self.low) / self.cell).clamp(Vec3::ZERO, last);
         let at = at.as_uvec3();
         ((at.y * self.size.z + at.z) * self.size.x + at.x) as usize
     }
 
-    /// Turns depths by cell into light by cell.
-    fn sweep(&mut self) {
+    /// Turns depths by cell into light by cell, in those cells that are asked for.
+    fn sweep(&mut self, asked: &[bool]) {
         let [width, depth] = [self.size.x as usize, self.size.z as usize];
-        // With nothing all around, so that every cell has eight neighbours.
-        let pitch = width + 2;
-        let layer = || DIRECTIONS.map(|_| vec![0.0_f32; pitch * (depth + 2)]);
+        let layer = || DIRECTIONS.map(|_| Layer::new(width, depth));
         let (mut above, mut here) = (layer(), layer());
         let ways = DIRECTIONS.map(|[dx, dz]| steps_up(dx, dz));
         let weights: f32 = ways.iter().map(|way| 1.0 / way).sum();
         let mut light = vec![0.0_f32; width];
-        for cells in self.arrives.chunks_exact_mut(width * depth).rev() {
-            for (z, own) in cells.chunks_exact_mut(width).enumerate() {
+        // Those of a row that are asked for.
+        let mut wanted: Vec<usize> = Vec::with_capacity(width);
+        let layers = self.arrives.chunks_exact_mut(width * depth);
+        for (cells, asked) in layers.zip(asked.chunks_exact(width * depth)).rev() {
+            let rows = cells.chunks_exact_mut(width).zip(asked.chunks_exact(width));
+            for (z, (own, asked)) in rows.enumerate() {
                 light.fill(0.0);
-                let is_open = |depths: &[f32]| depths.iter().all(|depth| *depth == 0.0);
-                let is_bare = is_open(own);
-                let row = (z + 1) * pitch + 1;
-                for (number, ([dx, dz], way)) in DIRECTIONS.iter().zip(ways).enumerate() {
-                    let aside = dz * pitch.cast_signed() + dx;
-                    let from = &above[number][row.wrapping_add_signed(aside)..][..width];
-                    let into = &mut here[number][row..][..width];
+                wanted.clear();
+                if asked.iter().fold(false, |any, asked| any | asked) {
+                    wanted.extend((0..width).filter(|x| asked[*x]));
+                }
+                // All of the row, which is several cells at once: an early end is guessed wrong.
+                let is_bare = own.iter().fold(true, |all, d| all & (*d == 0.0));
+                let ways = DIRECTIONS.iter().zip(ways);
+                for (([dx, dz], way), (above, here)) in ways.zip(above.iter().zip(&mut here)) {
+                    let row = z.wrapping_add_signed(*dz).wrapping_add(1);
                     // Half of the rows have nothing above them.
-                    if is_bare && is_open(from) {
-                        into.fill(0.0);
-                        light.iter_mut().for_each(|light| *light += 1.0 / way);
+                    if is_bare && above.is_clear[row] {
+                        here.clear(z + 1);
+                        if !wanted.is_empty() {
+                            light.iter_mut().for_each(|light| *light += 1.0 / way);
+                        }
                         continue;
                     }
-                    let places = own.iter().zip(from).zip(into).zip(&mut light);
-                    for (((own, before), into), light) in places {
-                        // Half of a cell's own leaves lie over its middle.
-                        let through = before + 0.5 * way * own;
+                    let from = above.row(row, *dx);
+                    here.is_clear[z + 1] = false;
+                    for ((own, before), into) in own.iter().zip(from).zip(here.own_row(z + 1)) {
                         *into = before + way * own;
+                    }
+                    for &x in &wanted {
+                        // Half of a cell's own leaves lie over its middle.
+                        let through = from[x] + 0.5 * way * own[x];
                         let arrives = if through > 0.0 { (-through).exp() } else { 1.0 };
-                        *light += arrives / way;
+                        light[x] += arrives / way;
                     }
                 }
-                for (cell, light) in own.iter_mut().zip(&light) {
-                    *cell = light / weights;
+                for &x in &wanted {
+                    own[x] = light[x] / weights;
                 }
             }
             std::mem::swap(&mut above, &mut here);
+        }
+    }
+}
+
+/// Depths along one direction in the cells of a layer, with nothing all around, so that every cell has eight neighbours.
+struct Layer {
+    width: usize,
+    depths: Vec<f32>,
+    /// Of each row whether it is known that all in it is 0.
+    is_clear: Vec<bool>,
+}
+
+impl Layer {
+    fn new(width: usize, depth: usize) -> Self {
+        Self {
+            width,
+            depths: vec![0.0; (width + 2) * (depth + 2)],
+            is_clear: vec![true; depth + 2],
+        }
+    }
+
+    /// The cells of a row, so many beside its own.
+    fn row(&self, row: usize, aside: isize) -> &[f32] {
+        let first = row * (self.width + 2) + 1;
+        &self.depths[first.wrapping_add_signed(aside)..][..self.width]
+    }
+
+    fn own_row(&mut self, row: usize) -> &mut [f32] {
+        &mut self.depths[row * (self.width + 2) + 1..][..self.width]
+    }
+
+    fn clear(&mut self, row: usize) {
+        if !std::mem::replace(&mut self.is_clear[row], true) {
+            self.own_row(row).fill(0.0);
         }
     }
 }
@@ -187,7 +253,7 @@ mod tests {
             let size = UVec3::new(x, y, z);
             let count = (x * y * z) as usize;
             let mut light = Light { low: Vec3::ZERO, cell: 1.0, size, arrives: depths[..count].to_vec() };
-            light.sweep();
+            light.sweep(&vec![true; count]);
             let depth = |at: [i32; 3]| {
                 let inside = at.iter().zip(size.to_array()).all(|(at, size)| (0..size as i32).contains(at));
                 let [x, y, z] = at.map(|at| at as usize);
@@ -206,6 +272,20 @@ mod tests {
                 }
                 prop_assert!((light.arrives[at] - sum / weights).abs() < 1e-5);
             }
+        }
+    }
+
+    proptest! {
+        /// Who asks at the leaves alone is told the same, bit for bit.
+        #[test]
+        fn on_each_leaf_as_in_its_cell(
+            places in prop::collection::vec(prop::array::uniform3(-3.0_f32..3.0), 0..60),
+            areas in prop::collection::vec(prop_oneof![Just(0.0_f32), 0.0_f32..0.1], 60),
+        ) {
+            let leaves: Vec<_> = places.into_iter().map(Vec3::from).zip(areas).collect();
+            let light = Light::among(&leaves);
+            let at = |(place, _): &(Vec3, f32)| light.as_ref().map_or(1.0, |light| light.at(*place));
+            prop_assert_eq!(Light::on_each(&leaves), leaves.iter().map(at).collect::<Vec<_>>());
         }
     }
 
