@@ -17,7 +17,7 @@ use super::error::{DeriveError, DeriveProblem, Limit};
 use super::grammar::{Grammar, Role, Rule, RuleSet};
 use super::names::Symbol;
 use super::output::Spare;
-use super::query::answered;
+use super::query::{Memory, answered};
 use super::rewrite::{Births, Round};
 use super::string::{ModuleString, string_bytes};
 
@@ -59,6 +59,7 @@ pub(crate) fn derive(
 /// The string of step 0.
 fn start(
     grammar: &Grammar,
+    spare: &mut Spare,
     limits: &Limits,
     cancel: &AtomicBool,
 ) -> Result<ModuleString, DeriveError> {
@@ -67,7 +68,7 @@ fn start(
         return Err(problem.into());
     }
     let string = cut_owned(grammar, decomposed(grammar, string, 0, limits, cancel)?);
-    answered(grammar, string, limits, cancel)
+    answered(grammar, string, &mut spare.answers, limits, cancel)
 }
 
 /// Where a list becomes a string before the last step, to be shown: the last few.
@@ -86,11 +87,14 @@ pub(super) fn derive_on(
     progress: &mut dyn FnMut(u32),
     mut see: Option<&mut See<'_>>,
 ) -> Result<ModuleString, DeriveError> {
+    let mut spare = Spare {
+        answers: Memory::of_several(),
+        ..Spare::default()
+    };
     let (first, mut string) = match from {
         Some((step, string)) => (step, string.clone()),
-        None => (0, start(grammar, limits, cancel)?),
+        None => (0, start(grammar, &mut spare, limits, cancel)?),
     };
-    let mut spare = Spare::default();
     if steps > first
         && let Ok(graph) = Blocks::new(grammar, steps, limits, cancel, |step, size| {
             past(grammar, size, step, limits).is_some()
@@ -241,7 +245,8 @@ pub(crate) fn next(
         None => string.clone(),
     };
     let following = decomposed(grammar, following, step, limits, cancel)?;
-    answered(grammar, cut_owned(grammar, following), limits, cancel)
+    let following = cut_owned(grammar, following);
+    answered(grammar, following, &mut spare.answers, limits, cancel)
 }
 
 /// The round of the productions.
@@ -356,6 +361,25 @@ fn too_large(round: &Round<'_>, choices: &Choices, error: DeriveError) -> Derive
     }
 }
 
+/// The round of the interpretation, which draws from a stream of its own.
+pub(super) fn interpretation<'a>(
+    grammar: &'a Grammar,
+    step: u32,
+    limits: &'a Limits,
+    cancel: &'a AtomicBool,
+) -> Option<Round<'a>> {
+    Some(Round {
+        grammar,
+        rules: grammar.interpret.as_ref()?,
+        step,
+        stream: u32::MAX,
+        number: 1,
+        births: Births::Inherit,
+        limits,
+        cancel,
+    })
+}
+
 /// What the turtle is shown: the interpretation productions applied, the string itself unchanged (`None`: it is shown as it is).
 pub(crate) fn interpreted(
     grammar: &Grammar,
@@ -363,23 +387,13 @@ pub(crate) fn interpreted(
     limits: &Limits,
     cancel: &AtomicBool,
 ) -> Result<Option<ModuleString>, DeriveError> {
-    let Some(rules) = &grammar.interpret else {
+    let step = string.births().max().unwrap_or(0);
+    let Some(mut round) = interpretation(grammar, step, limits, cancel) else {
         return Ok(None);
     };
-    let step = string.births().max().unwrap_or(0);
     let mut shown: Option<ModuleString> = None;
     for number in 1..=grammar.interpret_depth {
-        // Interpretation draws from a stream of its own.
-        let round = Round {
-            grammar,
-            rules,
-            step,
-            stream: u32::MAX,
-            number,
-            births: Births::Inherit,
-            limits,
-            cancel,
-        };
+        round.number = number;
         match round.apply(shown.as_ref().unwrap_or(string), &mut Spare::default())? {
             Some(following) => shown = Some(following),
             None => break,

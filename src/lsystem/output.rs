@@ -4,6 +4,7 @@ use super::choices::Choices;
 use super::column::Cell;
 use super::grammar::Rule;
 use super::names::Symbol;
+use super::query::Memory;
 use super::rewrite::Round;
 use super::string::ModuleString;
 
@@ -78,4 +79,6 @@ pub(super) struct Spare {
     pub(super) choices: Choices,
     /// Modules that the last round rewrote.
     pub(super) rewritten: usize,
+    /// What the answers to queries leave for those of the next step.
+    pub(super) answers: Memory,
 }

@@ -109,7 +109,7 @@ pub(crate) fn recorded(
     }
     let string = derive::cut_owned(grammar, following);
     Ok(Recorded {
-        string: answered(grammar, string, limits, cancel)?,
+        string: answered(grammar, string, &mut spare.answers, limits, cancel)?,
         choices,
         starts: places,
         decomposed,

@@ -41,7 +41,8 @@ impl<const N: usize> Nearest<N> {
     ) -> Option<DVec3> {
         let mut best: Option<(f64, u32, DVec3)> = None;
         let all = |_: usize| true;
-        self.walk(to, f64::INFINITY, all, |piece, corners| {
+        let (most, open) = (f64::INFINITY, &mut Vec::new());
+        self.walk(to, most, all, open, |piece, corners| {
             let point = on(corners, to);
             let distance = point.distance_squared(to);
             let is_better = |(far, other, _): (f64, u32, DVec3)| (distance, piece) < (far, other);
@@ -54,15 +55,17 @@ impl<const N: usize> Nearest<N> {
     }
 
     /// Shows the pieces that may be no farther than `most`, squared, nearer boxes first; `see` says what that is from then on. `counts`: whether a box, by its
-    /// number, has what matters.
+    /// number, has what matters. `open` is memory for boxes that are yet to be looked at.
     fn walk(
         &self,
         to: DVec3,
         mut most: f64,
         counts: impl Fn(usize) -> bool,
+        open: &mut Vec<(f64, u32)>,
         mut see: impl FnMut(u32, [DVec3; N]) -> f64,
     ) {
-        let mut open = vec![(0.0, 0_u32)];
+        open.clear();
+        open.push((self.away(0, to), 0));
         while let Some((least, number)) = open.pop() {
             let Some(node) = self.bvh.nodes.get(number as usize) else {
                 continue;
@@ -137,30 +140,26 @@ impl<const N: usize> NearestLine<N> {
         }
     }
 
-    /// How far the nearest piece is that is of none of these lines, at most `within`; `squared` gives the squared distance of a piece. Boxes of nothing else are
-    /// passed over, so a long line is in nobody's way.
-    pub(crate) fn distance(
+    /// How far the nearest piece is that is of none of these lines, squared, at most `most`; `squared` gives that of one piece. Boxes of nothing else are
+    /// passed over, so a long line is in nobody's way. `open` is memory that is used again.
+    pub(crate) fn squared(
         &self,
         to: DVec3,
-        within: f64,
+        most: f64,
         without: [u32; 2],
+        open: &mut Vec<(f64, u32)>,
         squared: impl Fn([DVec3; N]) -> f64,
     ) -> f64 {
-        let mut best = within * within;
+        let mut best = most;
         let counts = |line: Option<u32>| line.is_none_or(|line| !without.contains(&line));
         let boxes = |number: usize| counts(self.lines.get(number).copied().flatten());
-        self.nearest.walk(to, best, boxes, |piece, corners| {
+        self.nearest.walk(to, best, boxes, open, |piece, corners| {
             if counts(self.line_of.get(piece as usize).copied()) {
                 best = best.min(squared(corners));
             }
             best
         });
-        // The root of a square is not always the number itself.
-        if best < within * within {
-            best.sqrt()
-        } else {
-            within
-        }
+        best
     }
 }
 
@@ -187,16 +186,17 @@ mod tests {
         }
         let lines = NearestLine::new(pieces, line_of);
         let to = DVec3::new(5000.0, 0.0, 0.0);
+        let open = &mut Vec::new();
         let squared = |ends: [DVec3; 2]| ends[0].distance_squared(to);
-        let found = lines.distance(to, 1e6, [7, u32::MAX], squared);
+        let found = lines.squared(to, 1e12, [7, u32::MAX], open, squared).sqrt();
         assert!((found - 2000.0_f64.hypot(1.0)).abs() < 1e-3, "{found}");
         let mut seen = 0;
         let other = |number: usize| lines.lines[number] != Some(7);
-        lines.nearest.walk(to, f64::INFINITY, other, |_, _| {
+        lines.nearest.walk(to, f64::INFINITY, other, open, |_, _| {
             seen += 1;
             f64::INFINITY
         });
         assert!((2..60).contains(&seen), "{seen} of 10,000");
-        assert_eq!(lines.distance(to, 3.0, [7, 8], squared), 3.0);
+        assert_eq!(lines.squared(to, 9.0, [7, 8], open, squared), 9.0);
     }
 }

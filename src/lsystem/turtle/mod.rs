@@ -5,7 +5,7 @@
 //!                                                                                                   Extent ─▶ counts and bounds
 //! ```
 //!
-//! What a symbol does is in `action`, where the turtle stands and how it turns in `pen`, the reading in `walk`. A tree is counted first (`plan`, simpler `spans`) and drawn in parts beside each other (`parts`). What is nowhere written down is drawn as it comes (`stream`). The turtle
+//! What a symbol does is in `action`, where the turtle stands and how it turns in `pen`, the reading in `walk`. A tree is counted first (`plan`, simpler `spans`) and drawn in parts beside each other (`parts`). What is nowhere written down is drawn as it comes (`stream`). Who goes over the strings of one step after the other need not read again what stays (`trail`). The turtle
 //! itself holds a pen for each open bracket and the vertices of open outlines, whatever the length of the string; the stack is on the heap.
 //! `docs/src/language.md` lists each symbol.
 
@@ -27,6 +27,7 @@ mod pen;
 mod plan;
 mod spans;
 mod stream;
+mod trail;
 mod tree;
 mod walk;
 
@@ -37,6 +38,7 @@ pub(super) use grown::{Grown, is_index, length_of};
 pub use pen::{Cylinder, Pen};
 pub(in crate::lsystem) use plan::{Lines, lines_of};
 pub use stream::{stream_on, streams};
+pub(super) use trail::{Again, Trail};
 pub use tree::TreeCanvas;
 pub use walk::Turtle;
 
