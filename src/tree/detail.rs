@@ -98,6 +98,12 @@ pub fn size(tree: &Tree) -> f32 {
 /// Triangles of a drawing whose tubes have so many sides.
 #[must_use]
 pub fn triangles_of(drawing: &Drawing, sides: u32) -> u64 {
+    segments_and_triangles(drawing, sides).1
+}
+
+/// Segments that a drawing's branches are drawn as, and triangles of all of it where tubes have so many sides.
+#[must_use]
+pub fn segments_and_triangles(drawing: &Drawing, sides: u32) -> (usize, u64) {
     let fine = refined(&drawing.tree, &drawing.organs, &[]);
     let tree = fine.as_ref().map_or(&drawing.tree, |fine| &fine.tree);
     let mut records = Vec::new();
@@ -106,7 +112,8 @@ pub fn triangles_of(drawing: &Drawing, sides: u32) -> u64 {
     let tubes: u64 = records.iter().map(|record| of(record.flags)).sum();
     let organist = Organist::new(&drawing.organs);
     let organs = (0..drawing.organs.len()).map(|index| organist.size(index).1 as u64 / 3);
-    u64::from(sides) * tubes + organs.sum::<u64>()
+    let triangles = u64::from(sides) * tubes + organs.sum::<u64>();
+    (records.len(), triangles)
 }
 
 /// The drawing with fewer segments, whose surface is nowhere off by more than `within`, metres; 0 leaves all.

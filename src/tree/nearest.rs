@@ -23,7 +23,7 @@ impl<const N: usize> Nearest<N> {
         let boxes: Vec<Aabb> = pieces.iter().map(around).collect();
         let indices = (0_u32..).take(boxes.len()).collect();
         let bvh = PlocBuilder::with_capacity(boxes.len()).build(
-            PlocSearchDistance::Low,
+            PlocSearchDistance::VeryLow,
             &boxes,
             indices,
             SortPrecision::U64,

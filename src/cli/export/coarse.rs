@@ -6,8 +6,7 @@ use anyhow::{Result, anyhow};
 
 use super::Args;
 use crate::tree::Drawing;
-use crate::tree::detail::{Detail, coarser, triangles_of};
-use crate::tree::organs::refined_len;
+use crate::tree::detail::{Detail, coarser, segments_and_triangles};
 
 /// A level of detail of an individual.
 pub(super) struct Coarse {
@@ -19,24 +18,30 @@ pub(super) struct Coarse {
 }
 
 /// A level of detail, or what a number of triangles allows.
-pub(super) fn coarse(args: &Args, drawing: &Drawing, level: Option<u32>) -> Result<Coarse> {
+pub(super) fn coarse(args: &Args, drawing: &Arc<Drawing>, level: Option<u32>) -> Result<Coarse> {
     let name = args.file.display();
     let (detail, coarse) = match args.triangles {
-        Some(budget) => Detail::of_budget(drawing, budget).ok_or_else(|| {
-            anyhow!("{name}: no tree has so few triangles as {budget}: give a larger --triangles")
-        })?,
-        None => {
-            let detail = Detail::level(&drawing.tree, level.unwrap_or(0));
-            (detail, coarser(drawing, detail.within))
+        Some(budget) => {
+            let (detail, coarse) = Detail::of_budget(drawing, budget).ok_or_else(|| {
+                anyhow!(
+                    "{name}: no tree has so few triangles as {budget}: give a larger --triangles"
+                )
+            })?;
+            (detail, Arc::new(coarse))
         }
+        None => match Detail::level(&drawing.tree, level.unwrap_or(0)) {
+            // Most files are of the tree as it is.
+            detail if detail.within <= 0.0 => (detail, Arc::clone(drawing)),
+            detail => (detail, Arc::new(coarser(drawing, detail.within))),
+        },
     };
     let thickest = drawing.tree.radius.iter().copied().fold(0.0, f32::max);
-    let nodes = usize::try_from(refined_len(&coarse.tree, &coarse.organs)).unwrap_or(usize::MAX);
+    let (segments, triangles) = segments_and_triangles(&coarse, detail.sides);
     Ok(Coarse {
         sides: detail.sides,
-        segments: nodes.saturating_sub(coarse.tree.root_count()),
-        triangles: triangles_of(&coarse, detail.sides),
+        segments,
+        triangles,
         bound: detail.bound(thickest),
-        drawing: Arc::new(coarse),
+        drawing: coarse,
     })
 }

@@ -19,6 +19,9 @@ use crate::tree::Drawing;
 use crate::tree::export::{ExportParams, Stand, Swc};
 use crate::tree::file::write_atomically;
 
+/// Individuals of each thread that are in memory at a time.
+const A_FEW: usize = 4;
+
 /// Writes the files of each individual.
 pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
     let args = plan.args;
@@ -30,9 +33,10 @@ pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
     };
     let mut progress = Progress::new("exporting");
     let mut count = 0;
-    // As many at a time as there are threads, so that memory is bounded and the numbers come in order, before the files.
-    let threads = rayon::current_num_threads();
-    for (shoots, files) in plan.shoots.chunks(threads).zip(files.chunks(threads)) {
+    // A few at a time for each thread, so that memory is bounded, the numbers come in order, before the files, and no thread waits long for another's last one.
+    // (Writing these while the next ones grow was tried: what is long begins last then, and one thread waits for it.)
+    let some = A_FEW * rayon::current_num_threads();
+    for (shoots, files) in plan.shoots.chunks(some).zip(files.chunks(some)) {
         let made: Vec<(Arc<Drawing>, String)> = shoots
             .par_iter()
             .map(|shoot| grown(plan, *shoot))
