@@ -14,7 +14,10 @@ use serde::{Deserialize, Serialize};
 
 use super::TreeError;
 
+mod noise;
 mod smaller;
+
+use self::noise::{Lattice, plates, smooth};
 
 /// Kinds of bark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -421,117 +424,11 @@ impl BarkParams {
     }
 }
 
-/// How far a place lies from the border of its plate, in cells: 0 on the border. Plates are the regions nearest to one random
-/// point in each lattice cell (Worley's F2 − F1: SIGGRAPH 1996, "A Cellular Texture Basis Function"), periodic like [`Lattice`].
-fn plates(cells: [u32; 2], seed: u32, u: f32, v: f32) -> f32 {
-    let points = [seed, seed ^ 0x5bd1_e995].map(|seed| Lattice { cells, seed });
-    let [x, y] = [(u, cells[0]), (v, cells[1])].map(|(place, cells)| {
-        #[allow(clippy::cast_precision_loss, reason = "a few cells")]
-        let place = place * cells as f32;
-        (place.floor(), place - place.floor())
-    });
-    let (mut nearest, mut second) = (f32::MAX, f32::MAX);
-    for down in [-2.0_f32, -1.0, 0.0, 1.0, 2.0] {
-        for right in [-2.0_f32, -1.0, 0.0, 1.0, 2.0] {
-            let [column, row] = [(x.0 + right, cells[0]), (y.0 + down, cells[1])]
-                .map(|(cell, cells)| wrap(cell, cells));
-            let dx = right + points[0].value(column, row) - x.1;
-            let dy = down + points[1].value(column, row) - y.1;
-            let distance = (dx * dx + dy * dy).sqrt();
-            second = second.min(nearest.max(distance));
-            nearest = nearest.min(distance);
-        }
-    }
-    second - nearest
-}
-
-/// A cell's number, brought into the tile.
-fn wrap(cell: f32, cells: u32) -> u32 {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "a place in or near the tile"
-    )]
-    let index = cell as i32;
-    index.rem_euclid(cells.cast_signed()).cast_unsigned()
-}
-
-/// Value noise that repeats after `cells` lattice cells in each direction of the unit tile.
-#[derive(Clone, Copy)]
-struct Lattice {
-    cells: [u32; 2],
-    seed: u32,
-}
-
-impl Lattice {
-    /// Octaves of halving size and weight, 0 to 1 with mean 1/2.
-    fn octaves(self, u: f32, v: f32, octaves: u32) -> f32 {
-        let (mut sum, mut weights, mut weight) = (0.0, 0.0, 1.0);
-        let mut layer = self;
-        for _ in 0..octaves {
-            sum += weight * layer.at(u, v);
-            weights += weight;
-            weight *= 0.5;
-            layer = Self {
-                cells: layer.cells.map(|cells| cells * 2),
-                seed: layer.seed.wrapping_mul(31).wrapping_add(17),
-            };
-        }
-        sum / weights
-    }
-
-    /// One octave, 0 to 1.
-    fn at(self, u: f32, v: f32) -> f32 {
-        let [(x, right), (y, down)] =
-            [(u, self.cells[0]), (v, self.cells[1])].map(|(place, cells)| {
-                #[allow(clippy::cast_precision_loss, reason = "a few hundred cells")]
-                let place = place * cells as f32;
-                let cell = wrap(place.floor(), cells);
-                ((cell, (cell + 1) % cells), smooth(place - place.floor()))
-            });
-        let top = blend(self.value(x.0, y.0), self.value(x.1, y.0), right);
-        let bottom = blend(self.value(x.0, y.1), self.value(x.1, y.1), right);
-        blend(top, bottom, down)
-    }
-
-    /// The random value of a lattice point, 0 to 1: a hash of seed and place (rounds of xor-shift and multiply).
-    fn value(self, x: u32, y: u32) -> f32 {
-        let mut bits = self.seed ^ x.wrapping_mul(0x9E37_79B9) ^ y.wrapping_mul(0x85EB_CA6B);
-        for factor in [0x7FEB_352D_u32, 0x846C_A68B] {
-            bits = (bits ^ (bits >> 16)).wrapping_mul(factor);
-        }
-        #[allow(clippy::cast_precision_loss, reason = "24 bits fit f32 exactly")]
-        let value = (bits >> 8) as f32 / 16_777_216.0;
-        value
-    }
-}
-
-fn blend(a: f32, b: f32, t: f32) -> f32 {
-    a + t * (b - a)
-}
-
-/// 0 to 1 with level ends in slope and curvature.
-fn smooth(t: f32) -> f32 {
-    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
 
     use super::*;
-
-    #[test]
-    fn noise_repeats_at_the_edges_of_the_tile() {
-        let lattice = Lattice {
-            cells: [5, 3],
-            seed: 11,
-        };
-        for i in 0..=32 {
-            let t = i as f32 / 32.0;
-            assert!((lattice.octaves(0.0, t, 4) - lattice.octaves(1.0, t, 4)).abs() < 1e-4);
-            assert!((lattice.octaves(t, 0.0, 4) - lattice.octaves(t, 1.0, 4)).abs() < 1e-4);
-        }
-    }
 
     /// The step from the last column (row) to the first is no larger than steps inside: no seam.
     #[test]
