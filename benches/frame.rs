@@ -282,7 +282,7 @@ fn frame(criterion: &mut Criterion) {
         let report = renderer.draw(&wood, &eyes, &offscreen.target()).unwrap();
         (start.elapsed(), report)
     };
-    (0..4).for_each(|_| drop(draw()));
+    (0..4).for_each(|_| _ = draw());
     let report = draw().1;
     println!(
         "a wood: {} draws, {} triangles",

@@ -311,29 +311,20 @@ impl<'a> Surface<'a> {
         let mut groups = Vec::new();
         for matter in matters {
             let (mut vertices, mut indices) = (0, 0);
-            let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-            let mut is_finite = true;
+            let mut extent = Extent::new();
             let _ = self.each(matter, numbers, |part, _| {
                 vertices += part.vertices;
                 indices += part.indices.len();
-                for place in part.positions {
-                    for (axis, at) in place.iter().enumerate() {
-                        is_finite &= at.is_finite();
-                        low[axis] = low[axis].min(*at);
-                        high[axis] = high[axis].max(*at);
-                    }
-                }
+                extent.take(part.positions);
                 Ok(())
             });
-            if !is_finite {
-                return Err(TreeError::TooWide);
-            }
+            let bounds = extent.bounds().ok_or(TreeError::TooWide)?;
             if indices > 0 {
                 groups.push(Group {
                     matter,
                     vertices,
                     indices,
-                    bounds: [low, high],
+                    bounds,
                 });
             }
         }
@@ -442,6 +433,67 @@ impl<'a> Surface<'a> {
     }
 }
 
+/// Smallest and largest coordinates, of four places side by side.
+struct Extent {
+    low: [f32; 12],
+    high: [f32; 12],
+    /// 0 as long as all is finite.
+    nought: [f32; 12],
+}
+
+impl Extent {
+    fn new() -> Self {
+        Self {
+            low: [f32::INFINITY; 12],
+            high: [f32::NEG_INFINITY; 12],
+            nought: [0.0; 12],
+        }
+    }
+
+    fn take(&mut self, places: &[[f32; 3]]) {
+        let (fours, rest) = places.as_flattened().as_chunks::<12>();
+        for four in fours {
+            self.add(four);
+        }
+        for place in rest.as_chunks::<3>().0 {
+            let [x, y, z] = *place;
+            self.add(&[x, y, z, x, y, z, x, y, z, x, y, z]);
+        }
+    }
+
+    #[inline]
+    fn add(&mut self, four: &[f32; 12]) {
+        for (lane, at) in four.iter().enumerate() {
+            self.low[lane] = if *at < self.low[lane] {
+                *at
+            } else {
+                self.low[lane]
+            };
+            self.high[lane] = if *at > self.high[lane] {
+                *at
+            } else {
+                self.high[lane]
+            };
+            // What is infinite, or no number, times 0 is no number.
+            self.nought[lane] += *at * 0.0;
+        }
+    }
+
+    /// None where a coordinate was not finite.
+    fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+        let of = |lanes: &[f32; 12], least: fn(f32, f32) -> f32| {
+            let axis = |axis| {
+                [3, 6, 9]
+                    .iter()
+                    .fold(lanes[axis], |all, more| least(all, lanes[axis + more]))
+            };
+            [axis(0), axis(1), axis(2)]
+        };
+        let is_finite = self.nought.iter().all(|nought| *nought == 0.0);
+        is_finite.then(|| [of(&self.low, f32::min), of(&self.high, f32::max)])
+    }
+}
+
 /// Vertices that a segment's mesh has.
 pub(super) fn vertices_of(record: &TubeSegment, sides: u32) -> usize {
     let sides = sides as usize;
@@ -453,4 +505,34 @@ pub(super) fn vertices_of(record: &TubeSegment, sides: u32) -> usize {
         }
     };
     2 * (sides + 1) + has(CAPPED, sides) + has(STARTS, sides + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::missing_assert_message, reason = "tests")]
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn an_extent_is_that_of_each_coordinate(places in prop::collection::vec(prop::array::uniform3(-9.0_f32..9.0), 1..40), cut in 0_usize..40, wrong in 0_usize..80) {
+            let mut places = places;
+            let wrong_value = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][wrong % 3];
+            let is_wrong = wrong < places.len();
+            if is_wrong {
+                places[wrong][wrong % 3] = wrong_value;
+            }
+            let mut extent = Extent::new();
+            let (one, other) = places.split_at(cut.min(places.len()));
+            extent.take(one);
+            extent.take(other);
+            let all = |axis: usize| places.iter().map(move |place| place[axis]);
+            let bounds = [0, 1, 2].map(|axis| {
+                (all(axis).fold(f32::INFINITY, f32::min), all(axis).fold(f32::NEG_INFINITY, f32::max))
+            });
+            let expected = [bounds.map(|(low, _)| low), bounds.map(|(_, high)| high)];
+            prop_assert_eq!(extent.bounds(), (!is_wrong).then_some(expected));
+        }
+    }
 }
