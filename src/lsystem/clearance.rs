@@ -4,7 +4,8 @@
 //! A *line* is what is drawn within one pair of brackets. Other wood is all segments but those of the asker's own line and of the one that it grows from,
 //! which are always near: an end stands at its own last segment, and a bud on its parent. Distances are to the segments' middle lines, since how thick they are is
 //! known when the tree stands. A hierarchy of boxes finds the nearest: n ends among n segments take n log n, whatever their lengths; boxes that hold nothing but
-//! the asker's own line are passed over. What was found is kept while the wood grows ([`Found`]). A grid of cells would be as fast where all segments are of one length, and not bounded where they are not.
+//! the asker's own line are passed over. What was found is kept while the wood grows ([`Found`]). A grid of cells would be as fast where all segments are of one
+//! length, and not bounded where they are not.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -183,8 +184,9 @@ impl Wood {
 /// An asker's place, kin and how far it looks.
 type Asker = ([u64; 3], Kin, u64);
 
-/// What was found in the step before. While nothing falls, no more than the new wood can come nearer to whoever asked before, and hierarchies of old wood stay: they are
-/// put together when the next one is half as large, so that a piece is sorted anew as often as its wood doubles, and not in each step. *Tried*: putting them together sooner and later takes as long.
+/// What was found in the step before. While nothing falls, no more than the new wood can come nearer to whoever asked before, and hierarchies of old wood stay:
+/// they are put together when the next one is half as large, so that a piece is sorted anew as often as its wood doubles, and not in each step. *Tried*: putting
+/// them together sooner and later takes as long.
 #[derive(Default)]
 struct Found {
     /// Over pieces one after the other, which stand at these places.

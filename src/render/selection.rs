@@ -57,10 +57,11 @@ const _: () = assert!(
 );
 
 const BY_GRAIN: u32 = 1;
-/// By how much more than the processor finds something may be seen by the device, which rounds otherwise.
-const SLACK: f32 = 1.001;
 /// It is not drawn in this pass.
 const ABSENT: u32 = 2;
+
+/// By how much more than the processor finds something may be seen by the device, which rounds otherwise.
+const SLACK: f32 = 1.001;
 
 /// Bytes of `State` of shaders/shared/choice.wgsl.
 const STATE_BYTES: u64 = BINS as u64 * 4 + 4;
