@@ -184,6 +184,10 @@ impl Wood {
 /// An asker's place, kin and how far it looks.
 type Asker = ([u64; 3], Kin, u64);
 
+/// The square of 0.01 mm: what is nearer touches, at distance 0. Where branches lie over each other in their hundreds, rounding parts them by less, and which one
+/// is the nearest is no question; the first one answers it.
+const TOUCHING: f64 = 1e-10;
+
 /// What was found in the step before. While nothing falls, no more than the new wood can come nearer to whoever asked before, and hierarchies of old wood stay:
 /// they are put together when the next one is half as large, so that a piece is sorted anew as often as its wood doubles, and not in each step. *Tried*: putting
 /// them together sooner and later takes as long.
@@ -240,7 +244,10 @@ impl Found {
         best: f64,
         open: &mut Vec<(f64, u32)>,
     ) -> f64 {
-        let squared = |ends| on_segment(ends, place).distance_squared(place);
+        let squared = |ends| {
+            let far = on_segment(ends, place).distance_squared(place);
+            if far < TOUCHING { 0.0 } else { far }
+        };
         let groves = self.groves.iter().skip(from);
         groves.fold(best, |best, (_, nearest)| {
             nearest.squared(place, best, kin, open, squared)
@@ -357,7 +364,7 @@ mod tests {
                     let others = all.filter(|piece| !kin.contains(&wood.line_of[*piece]));
                     let ends = others.map(|piece| wood.pieces[piece].map(|end| end.as_dvec3()));
                     let far = ends.map(|ends| on_segment(ends, *place).distance(*place));
-                    far.fold(*within, f64::min)
+                    far.map(|far| if far < 1e-5 { 0.0 } else { far }).fold(*within, f64::min)
                 };
                 let expected: Vec<f64> = asked.iter().map(brute).collect();
                 let told = wood.clearances(asked, &AtomicBool::new(false)).unwrap();

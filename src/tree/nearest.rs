@@ -153,11 +153,13 @@ impl<const N: usize> NearestLine<N> {
         let mut best = most;
         let counts = |line: Option<u32>| line.is_none_or(|line| !without.contains(&line));
         let boxes = |number: usize| counts(self.lines.get(number).copied().flatten());
-        self.nearest.walk(to, best, boxes, open, |piece, corners| {
+        // What is just as far is no nearer: a thousand pieces in one place are looked at once.
+        let most = best.next_down();
+        self.nearest.walk(to, most, boxes, open, |piece, corners| {
             if counts(self.line_of.get(piece as usize).copied()) {
                 best = best.min(squared(corners));
             }
-            best
+            best.next_down()
         });
         best
     }
@@ -198,5 +200,22 @@ mod tests {
         });
         assert!((2..60).contains(&seen), "{seen} of 10,000");
         assert_eq!(lines.squared(to, 9.0, [7, 8], open, squared), 9.0);
+    }
+
+    /// As where a grammar draws branch over branch.
+    #[test]
+    fn a_pile_in_one_place_is_looked_at_once() {
+        let (pieces, line_of) = (vec![[Vec3::ONE]; 10_000], (0..10_000).collect());
+        let lines = NearestLine::new(pieces, line_of);
+        for (to, expected) in [(DVec3::ONE, 0.0), (DVec3::ZERO, 3.0)] {
+            let seen = std::cell::Cell::new(0);
+            let squared = |[end]: [DVec3; 1]| {
+                seen.set(seen.get() + 1);
+                end.distance_squared(to)
+            };
+            let found = lines.squared(to, 9.0, [0, 1], &mut Vec::new(), squared);
+            assert_eq!(found, expected);
+            assert!(seen.get() < 10, "{} of 10,000", seen.get());
+        }
     }
 }
