@@ -2,7 +2,7 @@
 //!
 //! `record` is the time that `Renderer::draw` takes to hand over a frame of a scene with so many segments, the driver's
 //! share of recording included but the drawing itself not: the picture is 16 pixels wide and the device has finished before the
-//! clock starts. With `leaves`, one in five segments bears one. `edit` is the same for a frame that brings a new tree: building its segments and levels of
+//! clock starts. With `leaves`, one in five segments bears one. `a wood` is as many trees as can be planted. `edit` is the same for a frame that brings a new tree: building its segments and levels of
 //! detail, staging memory, copies; nothing of it is as it was, or with `a hundredth` all but that. `ready` is all our own time from a tree that is new to one that is drawn: the same on a worker, then the frames that copy it.
 //! `whole` is a frame of 256 pixels an eye with all that the device does for it, in each light and with wind; on a software device that is nearly all.
 //! Wall-clock numbers of a shared machine are pessimistic; compare runs, not machines.
