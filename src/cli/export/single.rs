@@ -19,8 +19,13 @@ use crate::tree::Drawing;
 use crate::tree::export::{ExportParams, Stand, Swc};
 use crate::tree::file::write_atomically;
 
-/// Individuals of each thread that are in memory at a time.
+/// Individuals of each thread that are in memory at a time, where they are small: of no more nodes and leaves than this, some thirty megabytes.
 const A_FEW: usize = 4;
+const SMALL: usize = 1 << 19;
+
+fn is_small(drawing: &Drawing) -> bool {
+    drawing.tree.len() + drawing.organs.len() <= SMALL
+}
 
 /// Writes the files of each individual.
 pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
@@ -33,14 +38,21 @@ pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
     };
     let mut progress = Progress::new("exporting");
     let mut count = 0;
-    // A few at a time for each thread, so that memory is bounded, the numbers come in order, before the files, and no thread waits long for another's last one.
-    // (Writing these while the next ones grow was tried: what is long begins last then, and one thread waits for it.)
-    let some = A_FEW * rayon::current_num_threads();
-    for (shoots, files) in plan.shoots.chunks(some).zip(files.chunks(some)) {
+    // As many at a time as there are threads, so that memory is bounded and the numbers come in order, before the files; of small ones a few for each thread,
+    // so that none waits long for another's last one. (Writing these while the next ones grow was tried: what is long begins last then, and one thread waits.)
+    let threads = rayon::current_num_threads();
+    let mut rest = (plan.shoots, files);
+    let mut some = threads;
+    while !(rest.0.is_empty() || rest.1.is_empty()) {
+        let (shoots, files);
+        (shoots, rest.0) = rest.0.split_at(some.min(rest.0.len()));
+        (files, rest.1) = rest.1.split_at(some.min(rest.1.len()));
         let made: Vec<(Arc<Drawing>, String)> = shoots
             .par_iter()
             .map(|shoot| grown(plan, *shoot))
             .collect::<Result<_>>()?;
+        let are_small = made.iter().all(|(one, _)| is_small(one));
+        some = if are_small { A_FEW * threads } else { threads };
         // Bark is painted by all threads, so it must not be painted first where one of them may come upon another tree that waits for it.
         for format in &args.format {
             for (drawing, _) in &made {
