@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use image::{Rgba, RgbaImage};
 use ramus::mesh::display::Display;
-use ramus::render::{Eye, Fov, Offscreen, Pose, Renderer, RendererParams};
+use ramus::render::{Eye, Fov, Gpu, Offscreen, Pose, Renderer, RendererParams};
 use ramus::world::scene::{ModelLook, PlacedModel, Scene, new_revision, weather::Light};
 
 use super::lights::{luminance, params, pole};
@@ -86,6 +86,21 @@ fn dark(with: &RgbaImage, without: &RgbaImage, across: f32) -> (Vec2, f32) {
     )
 }
 
+/// Draws frames one after the other: with how many draws, and the left eye's picture.
+fn frames(
+    gpu: &Gpu,
+    params: &RendererParams,
+    eyes: [Eye; 2],
+) -> impl FnMut(&Scene) -> (u32, RgbaImage) {
+    let offscreen = Offscreen::new(gpu, params.extent).unwrap();
+    let mut renderer = Renderer::new(gpu, params).unwrap();
+    move |scene| {
+        let report = renderer.draw(scene, &eyes, &offscreen.target()).unwrap();
+        let [left, _] = offscreen.read_color().unwrap();
+        (report.draws, left)
+    }
+}
+
 #[test]
 fn a_ball_that_stands_for_good_darkens_an_ellipse_where_the_sun_says() {
     let Some(gpu) = device() else { return };
@@ -124,13 +139,7 @@ fn its_map_is_drawn_when_something_comes_goes_or_moves_and_not_else() {
     let (here, there) = (Vec3::new(0.0, 3.0, 0.0), Vec3::new(1.0, 3.0, 0.3));
     let across = 3.0;
     let eyes = above(fallen(&params, here), across);
-    let offscreen = Offscreen::new(&gpu, params.extent).unwrap();
-    let mut renderer = Renderer::new(&gpu, &params).unwrap();
-    let mut draw = |scene: &Scene| {
-        let report = renderer.draw(scene, &eyes, &offscreen.target()).unwrap();
-        let [left, _] = offscreen.read_color().unwrap();
-        (report.draws, left)
-    };
+    let mut draw = frames(&gpu, &params, eyes);
     let one = scene(&[at(&display, here, true)]);
     let (first, with_one) = draw(&one);
     let (second, again) = draw(&one);
@@ -170,13 +179,7 @@ fn a_wood_behind_ones_back_costs_no_draws_and_still_throws_its_shadow() {
         .map(|n| at(&display, place + Vec3::X * f32::from(n), true))
         .collect();
     let eyes = above(fallen(&params, place), 3.0);
-    let offscreen = Offscreen::new(&gpu, params.extent).unwrap();
-    let mut renderer = Renderer::new(&gpu, &params).unwrap();
-    let mut draw = |scene: &Scene| {
-        let report = renderer.draw(scene, &eyes, &offscreen.target()).unwrap();
-        let [left, _] = offscreen.read_color().unwrap();
-        (report.draws, left)
-    };
+    let mut draw = frames(&gpu, &params, eyes);
     let (without, bare) = draw(&Scene::default());
     let (first, _) = draw(&scene(&wood));
     let (second, shaded) = draw(&scene(&wood));
