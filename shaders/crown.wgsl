@@ -39,7 +39,7 @@ const WORDS = 5u;
 // A list's entry: a batch's number, and the kind in the bits above.
 const KIND_SHIFT = 28u;
 
-@group(0) @binding(5) var<storage, read_write> draws: array<u32>;
+@group(0) @binding(6) var<storage, read_write> draws: array<u32>;
 @group(1) @binding(0) var<storage, read> clusters: array<Cluster>;
 @group(1) @binding(1) var<storage, read> kinds: array<Kind, 8>;
 
@@ -47,18 +47,19 @@ const KIND_SHIFT = 28u;
 var<workgroup> runs: array<vec4u, 64>;
 
 fn mark(cluster: Cluster) -> u32 {
-    if !is_seen(cluster.sphere) {
+    let s = standings[item.standing];
+    if !is_seen(s, cluster.sphere) {
         return HIDDEN;
     }
-    let replaced = select(bin(pixels(cluster.parent, cluster.parent_error)), NEVER, cluster.parent_error < 0.0);
-    let size = pixels(cluster.sphere, cluster.size);
+    let replaced = select(bin(pixels(s, cluster.parent, cluster.parent_error)), NEVER, cluster.parent_error < 0.0);
+    let size = pixels(s, cluster.sphere, cluster.size);
     var kind = 0u;
     for (var finer = 1u; finer < KINDS; finer += 1u) {
         if size < kinds[finer].below {
             kind = finer;
         }
     }
-    return bin(pixels(cluster.own, cluster.own_error)) | (replaced << 8u) | (kind << 16u);
+    return bin(pixels(s, cluster.own, cluster.own_error)) | (replaced << 8u) | (kind << 16u);
 }
 
 fn triangles(cluster: Cluster, kind: u32) -> u32 {

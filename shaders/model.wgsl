@@ -1,5 +1,5 @@
-// Scanned models: faces, edges, vertices, what is seen through, what is cut away. One draw a chunk, of the triangles that select.wgsl listed; a vertex
-// for each corner of each triangle, so that a pixel knows how far it is from its triangle's edges.
+// Scanned models: faces, edges, vertices, what is seen through, what is cut away. One draw a chunk and look, of the triangles that select.wgsl listed of all
+// models that have both; a vertex for each corner of each triangle, so that a pixel knows how far it is from its triangle's edges.
 // Twin: src/render/model_upload.rs.
 #include "shared/model.wgsl"
 
@@ -38,16 +38,22 @@ fn tint_of(vertex: u32) -> vec4f {
 }
 
 @vertex
-fn model_vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u32) -> Corner {
-    let triangle = list[index / 3u];
+fn model_vertex(
+    @builtin(vertex_index) index: u32,
+    @builtin(instance_index) first: u32,
+    @builtin(view_index) view: u32,
+) -> Corner {
+    let entry = list[index / 3u];
+    let triangle = triangle_of(entry);
+    let standing = standings[first + model_of(entry)];
     let corner = index % 3u;
     let number = triangles[triangle * 3u + corner];
     let vertex = vertices[number];
     let v = frame.views[view];
     var out: Corner;
-    out.world = placed(vertex.place);
+    out.world = placed(standing, vertex.place);
     out.position = v.clip_from_world * vec4f(out.world, 1.0);
-    out.normal = turned(unfolded(vertex.normal));
+    out.normal = turned(standing, unfolded(vertex.normal));
     out.near = vec3f(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
     out.color = color_of(triangle);
     out.eye = v.eye.xyz;
@@ -57,9 +63,14 @@ fn model_vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u3
 
 // As the sun sees it.
 @vertex
-fn model_shadow_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    let number = triangles[list[index / 3u] * 3u + index % 3u];
-    return frame.wood_from_world * vec4f(placed(vertices[number].place), 1.0);
+fn model_shadow_vertex(
+    @builtin(vertex_index) index: u32,
+    @builtin(instance_index) first: u32,
+) -> @builtin(position) vec4f {
+    let entry = list[index / 3u];
+    let number = triangles[triangle_of(entry) * 3u + index % 3u];
+    let standing = standings[first + model_of(entry)];
+    return frame.wood_from_world * vec4f(placed(standing, vertices[number].place), 1.0);
 }
 
 // A surface's colour, seen from this side.
@@ -133,14 +144,18 @@ struct Point {
 
 // A square of so many pixels that faces the eye.
 @vertex
-fn point_vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u32) -> Point {
+fn point_vertex(
+    @builtin(vertex_index) index: u32,
+    @builtin(instance_index) number: u32,
+    @builtin(view_index) view: u32,
+) -> Point {
     let vertex = vertices[index / 6u * model.stride];
     let v = frame.views[view];
     let corner = index % 6u;
     // Two triangles: 0 1 2, 2 1 3.
     let which = select(corner - select(0u, 2u, corner == 3u), select(1u, 3u, corner == 5u), corner > 3u);
     let at = vec2f(select(-1.0, 1.0, (which & 1u) != 0u), select(-1.0, 1.0, (which & 2u) != 0u));
-    let world = placed(vertex.place);
+    let world = placed(standings[number], vertex.place);
     let far = max(dot(world - v.eye.xyz, normalize(v.ray.xyz)), 0.0);
     let size = far * v.eye.w * POINT * 0.5;
     // A little nearer than the surface that it lies on.

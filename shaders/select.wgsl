@@ -1,4 +1,5 @@
 // Which clusters of models are drawn: five steps a frame, each over all models, then a list of triangles and a draw for each chunk.
+// Models of one mesh and one look are one dispatch and one draw: groups have the model as their second number.
 //   weigh   projects each cluster's errors, and counts at which threshold it would be drawn
 //   settle  takes the smallest threshold that fits the budget
 //   count   counts the triangles of each group of clusters at that threshold
@@ -27,23 +28,25 @@ struct Draw {
     first_instance: u32,
 }
 
-@group(0) @binding(5) var<storage, read_write> draws: array<Draw>;
+@group(0) @binding(6) var<storage, read_write> draws: array<Draw>;
 @group(1) @binding(0) var<storage, read> clusters: array<Cluster>;
 
 var<workgroup> firsts: array<u32, 64>;
 
-// It is not drawn in this pass.
-const ABSENT = 2u;
+// Each model of a chunk has groups of its own.
+fn group_of(group: vec3u) -> u32 {
+    return item.first_group + group.y * item.groups + group.x;
+}
 
-fn mark(cluster: Cluster) -> u32 {
-    if (item.flags & ABSENT) != 0u || !is_seen(cluster.sphere) {
+fn mark(s: Standing, cluster: Cluster) -> u32 {
+    if item.absent != 0u || !is_seen(s, cluster.sphere) {
         return HIDDEN;
     }
-    let by_grain = (item.flags & 1u) != 0u;
+    let by_grain = s.by_grain != 0u;
     let own = select(cluster.errors.x, cluster.errors.y, by_grain);
     let parent = select(cluster.errors.z, cluster.errors.w, by_grain);
-    let replaced = select(bin(pixels(cluster.parent, parent)), NEVER, parent < 0.0);
-    return bin(pixels(cluster.own, own)) | (replaced << 8u);
+    let replaced = select(bin(pixels(s, cluster.parent, parent)), NEVER, parent < 0.0);
+    return bin(pixels(s, cluster.own, own)) | (replaced << 8u);
 }
 
 @compute @workgroup_size(64)
@@ -54,8 +57,8 @@ fn weigh(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     let number = group.x * 64u + lane;
     if number < item.clusters {
         let cluster = clusters[number];
-        let found = mark(cluster);
-        marks[item.first_group * 64u + number] = found;
+        let found = mark(standings[item.standing + group.y], cluster);
+        marks[group_of(group) * 64u + lane] = found;
         if found != HIDDEN {
             change(found & 255u, found >> 8u, cluster.count);
         }
@@ -78,11 +81,12 @@ fn settle() {
 }
 
 // Triangles of a cluster that are drawn.
-fn drawn(number: u32) -> u32 {
+fn drawn(group: vec3u, lane: u32) -> u32 {
+    let number = group.x * 64u + lane;
     if number >= item.clusters {
         return 0u;
     }
-    let found = marks[item.first_group * 64u + number];
+    let found = marks[group_of(group) * 64u + lane];
     let own = found & 255u;
     let parent = (found >> 8u) & 255u;
     let is = found != HIDDEN && own <= state.threshold && state.threshold < parent;
@@ -91,9 +95,9 @@ fn drawn(number: u32) -> u32 {
 
 @compute @workgroup_size(64)
 fn count(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    line_up(lane, drawn(group.x * 64u + lane));
+    line_up(lane, drawn(group, lane));
     if lane == 63u {
-        sums[item.first_group + group.x] = ends[63];
+        sums[group_of(group)] = ends[63];
     }
 }
 
@@ -101,13 +105,13 @@ fn count(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
 fn write(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let room = arrayLength(&list);
     let number = group.x * 64u + lane;
-    let mine = drawn(number);
+    let mine = drawn(group, lane);
     firsts[lane] = 0u;
     if mine > 0u {
         firsts[lane] = clusters[number].first;
     }
     line_up(lane, mine);
-    let start = sums[item.first_group + group.x];
+    let start = sums[group_of(group)];
     // All lanes write side by side; each finds whose triangle it has.
     for (var at = lane; at < ends[63]; at += 64u) {
         var low = 0u;
@@ -125,12 +129,12 @@ fn write(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
             before = ends[high - 1u];
         }
         if start + at < room {
-            list[start + at] = firsts[high] + at - before;
+            list[start + at] = (firsts[high] + at - before) | (group.y << MODEL_SHIFT);
         }
     }
-    if group.x == 0u && lane == 0u {
+    if group.x == 0u && group.y == 0u && lane == 0u {
         let begin = min(sums[item.first_group], room);
-        let end = min(sums[item.first_group + item.groups], room);
-        draws[item.draw] = Draw((end - begin) * 3u, 1u, begin * 3u, 0u);
+        let end = min(sums[item.first_group + item.groups * item.models], room);
+        draws[item.draw] = Draw((end - begin) * 3u, 1u, begin * 3u, item.standing);
     }
 }

@@ -52,17 +52,23 @@ fn vertex_word(vertex: u32, which: u32) -> u32 {
 }
 
 @vertex
-fn textured_vertex(@builtin(vertex_index) index: u32, @builtin(view_index) view: u32) -> Painted {
-    let triangle = list[index / 3u];
+fn textured_vertex(
+    @builtin(vertex_index) index: u32,
+    @builtin(instance_index) first: u32,
+    @builtin(view_index) view: u32,
+) -> Painted {
+    let entry = list[index / 3u];
+    let triangle = triangle_of(entry);
+    let standing = standings[first + model_of(entry)];
     let corner = index % 3u;
     let number = triangles[triangle * 3u + corner];
     let vertex = vertices[number];
     let v = frame.views[view];
     let color = vertex_word(number, 2u);
     var out: Painted;
-    out.world = placed(vertex.place);
+    out.world = placed(standing, vertex.place);
     out.position = v.clip_from_world * vec4f(out.world, 1.0);
-    out.normal = turned(unfolded(vertex.normal));
+    out.normal = turned(standing, unfolded(vertex.normal));
     out.near = vec3f(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
     out.material = colours[colours[0] + triangle];
     out.eye = v.eye.xyz;

@@ -23,6 +23,7 @@ mod picture {
     mod older;
     mod organs;
     mod parts;
+    mod runs;
     mod snapshots;
     mod support;
     mod textured;

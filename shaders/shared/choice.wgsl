@@ -1,5 +1,6 @@
 // What the choice of models' clusters (select.wgsl) and of trees' (crown.wgsl) have in common: who sees a sphere, how large something looks there, and
 // the steps that need to know nothing else. Twin: src/tree/levels/cut.rs.
+#include "shared/standing.wgsl"
 
 struct Views {
     // Of each eye, the planes at its picture's edges: normals inwards and distances.
@@ -8,23 +9,20 @@ struct Views {
     eyes: array<vec4f, 2>,
 }
 
+// What a dispatch looks at: a chunk of a tree, or a chunk of some models of one mesh, one after the other.
 struct Item {
-    // Rows of the similarity to the world.
-    rows: array<vec4f, 3>,
-    // What lies in front of this plane is cut away; no normal: nothing is.
-    cut: vec4f,
-    scale: f32,
-    // Nothing is nearer.
-    near: f32,
-    // 1: each triangle has its own look, so the grain counts.
-    flags: u32,
     clusters: u32,
-    // Its first group of 64 clusters among all, and how many it has; for place: how many sums there are.
+    // Its first group of 64 clusters among all, and how many each of the models has; for place: how many sums there are.
     first_group: u32,
     groups: u32,
+    models: u32,
+    // The first of the models among all that stand.
+    standing: u32,
     draw: u32,
     // Triangles that all may have.
     budget: u32,
+    // 1: it is not drawn in this pass.
+    absent: u32,
     // What the wind may move it by, metres.
     sway: f32,
 }
@@ -52,14 +50,10 @@ var<immediate> item: Item;
 // By group (and kind): what it draws, then where that begins; one more at the end.
 @group(0) @binding(3) var<storage, read_write> sums: array<u32>;
 @group(0) @binding(4) var<storage, read_write> list: array<u32>;
+@group(0) @binding(5) var<storage, read> standings: array<Standing>;
 
 var<workgroup> changes: array<atomic<i32>, 128>;
 var<workgroup> ends: array<u32, 64>;
-
-fn placed(place: vec3f) -> vec3f {
-    let p = vec4f(place, 1.0);
-    return vec3f(dot(item.rows[0], p), dot(item.rows[1], p), dot(item.rows[2], p));
-}
 
 // What is no number has the highest bits.
 fn bin(size: f32) -> u32 {
@@ -68,22 +62,22 @@ fn bin(size: f32) -> u32 {
     return min(above / EIGHTH + select(0u, 1u, above % EIGHTH != 0u), COARSEST);
 }
 
-fn pixels(sphere: vec4f, error: f32) -> f32 {
-    let middle = placed(sphere.xyz);
-    let radius = sphere.w * item.scale;
+fn pixels(s: Standing, sphere: vec4f, error: f32) -> f32 {
+    let middle = placed(s, sphere.xyz);
+    let radius = sphere.w * s.scale;
     var most = 0.0;
     for (var eye = 0; eye < 2; eye += 1) {
         let at = views.eyes[eye];
-        let far = max(distance(middle, at.xyz) - radius, item.near);
-        most = max(most, error * item.scale * at.w / far);
+        let far = max(distance(middle, at.xyz) - radius, s.near);
+        most = max(most, error * s.scale * at.w / far);
     }
     return most;
 }
 
-fn is_seen(sphere: vec4f) -> bool {
-    let middle = placed(sphere.xyz);
-    let radius = sphere.w * item.scale + item.sway;
-    if dot(item.cut.xyz, middle) - item.cut.w > radius * length(item.cut.xyz) {
+fn is_seen(s: Standing, sphere: vec4f) -> bool {
+    let middle = placed(s, sphere.xyz);
+    let radius = sphere.w * s.scale + item.sway;
+    if dot(s.cut.xyz, middle) - s.cut.w > radius * length(s.cut.xyz) {
         return false;
     }
     var seen = false;

@@ -1,7 +1,8 @@
-// What every look of scanned models has: a draw's immediates, a chunk's buffers, what is cut away, edges, the light in a hand.
+// What every look of scanned models has: a draw's immediates, where its models stand, a chunk's buffers, what is cut away, edges, the light in a hand.
 // Twin: src/render/model_upload.rs.
 #include "shared/light.wgsl"
 #include "shared/octahedral.wgsl"
+#include "shared/standing.wgsl"
 
 struct Vertex {
     place: vec3f,
@@ -10,8 +11,6 @@ struct Vertex {
 }
 
 struct Model {
-    // Rows of the similarity to the world.
-    rows: array<vec4f, 3>,
     // Linear.
     color: vec4f,
     // What lies in front of this plane of the world is cut away: normal and distance; no normal: nothing is.
@@ -46,19 +45,8 @@ var<immediate> model: Model;
 @group(1) @binding(2) var<storage, read> colours: array<u32>;
 // Which triangles are drawn, chunk after chunk.
 @group(2) @binding(0) var<storage, read> list: array<u32>;
-
-fn placed(place: vec3f) -> vec3f {
-    let p = vec4f(place, 1.0);
-    return vec3f(dot(model.rows[0], p), dot(model.rows[1], p), dot(model.rows[2], p));
-}
-
-fn turned(normal: vec3f) -> vec3f {
-    return vec3f(
-        dot(model.rows[0].xyz, normal),
-        dot(model.rows[1].xyz, normal),
-        dot(model.rows[2].xyz, normal),
-    );
-}
+// Where the models stand; a draw's instance is the first of its own.
+@group(2) @binding(1) var<storage, read> standings: array<Standing>;
 
 fn linear_from_srgb(packed: u32) -> vec3f {
     let c = unpack4x8unorm(packed).rgb;

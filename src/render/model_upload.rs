@@ -12,13 +12,12 @@ use std::sync::{Arc, Weak};
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec4};
+use glam::Vec4;
 use gpu_allocator::MemoryLocation;
 
 use self::cutter::{Cutter, Vertex};
 use self::skin::Skin;
 use super::{
-    data::rows,
     error::RenderError,
     frame::Pool,
     gpu::Gpu,
@@ -39,7 +38,6 @@ use crate::{
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct ModelData {
-    rows: [Vec4; 3],
     color: [f32; 4],
     cut: Vec4,
     lamp: Vec4,
@@ -50,8 +48,8 @@ pub(crate) struct ModelData {
 
 /// Every device takes 128 bytes of immediates.
 const _: () = assert!(
-    size_of::<ModelData>() == 112,
-    "shaders/model.wgsl reads 112 bytes"
+    size_of::<ModelData>() == 64,
+    "shaders/model.wgsl reads 64 bytes"
 );
 
 const MATTE: u32 = 1;
@@ -94,15 +92,9 @@ pub(crate) fn cut_of(look: &ModelLook) -> Vec4 {
 
 impl ModelData {
     /// What the shader is told of a model; each how many vertices one is shown.
-    pub(crate) fn new(
-        world_from_model: &Affine3A,
-        look: &ModelLook,
-        coloured: Coloured,
-        stride: u32,
-    ) -> Self {
+    pub(crate) fn new(look: &ModelLook, coloured: Coloured, stride: u32) -> Self {
         let flag = |on: bool, bit: u32| if on { bit } else { 0 };
         Self {
-            rows: rows(world_from_model),
             color: look.color,
             cut: cut_of(look),
             lamp: look

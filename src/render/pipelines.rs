@@ -344,7 +344,7 @@ pub(crate) struct Pipelines {
     pub(crate) tree_layout: Layout,
     /// Set 0: the frame. Set 1: the panel's picture.
     pub(crate) board_layout: Layout,
-    /// Set 0: the frame. Set 1: a chunk of a model. Set 2: the triangles to draw. Set 3: its materials and images, where it is drawn with them.
+    /// Set 0: the frame. Set 1: a chunk of a model. Set 2: the triangles to draw, and where models stand. Set 3: its materials and images, where it is drawn with them.
     pub(crate) model_layout: Layout,
     pub(crate) image_samplers: ImageSamplers,
     pub(crate) faces: Pipeline,
@@ -400,7 +400,7 @@ impl Pipelines {
             &[
                 &frame,
                 &[Kind::STORAGE_BUFFER; 3],
-                &[Kind::STORAGE_BUFFER],
+                &[Kind::STORAGE_BUFFER; 2],
                 &[
                     Kind::SAMPLED_IMAGE,
                     Kind::SAMPLER,

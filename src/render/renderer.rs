@@ -222,9 +222,10 @@ impl Renderer {
             Ok::<_, RenderError>(slot)
         };
         let slots = [slot()?, slot()?];
-        let list = pipelines.model_layout.sets.get(2).copied();
+        let lists = [&pipelines.model_layout, &pipelines.tree_layout]
+            .map(|layout| layout.sets.get(2).copied().unwrap_or_default());
         let most = params.primitives;
-        let selection = Selection::new(gpu, list.unwrap_or_default(), most)?;
+        let selection = Selection::new(gpu, lists, most)?;
         Ok(Self {
             meshes: Meshes::new(gpu)?,
             attachments: Attachments::new(
@@ -439,6 +440,7 @@ impl Renderer {
             commands,
             counts,
             set: self.slots[at].set,
+            list_set: self.selection.list_set(at),
             hidden: HiddenEyes::new(eyes),
             tree: self.tree.as_ref().filter(|_| placed.is_some()),
             models: &scene.models,

@@ -1,25 +1,32 @@
 //! Which triangles of models and which clusters of trees are drawn in a frame: worked out on the device by shaders/select.wgsl and crown.wgsl, before the
 //! stage is drawn, at one threshold for all.
 //!
-//! Everything stays on the device: a list of triangles, and for each chunk of each model a draw that says which part of the list is its own. The
-//! processor hands over a few numbers a chunk and asks nothing back; what was chosen is told two frames later, when the slot's fence says that it is
-//! there anyway.
+//! Everything stays on the device: a list of triangles, and for each chunk of a model a draw that says which part of the list is its own. Models of one
+//! mesh and one look that follow each other, a wood's trees, are a run: one dispatch a step, and one draw, whose entries of the list say which of them
+//! a triangle is of. The processor hands over where each model stands and a few numbers a chunk, and asks nothing back; what was chosen is told two
+//! frames later, when the slot's fence says that it is there anyway.
 
 mod crowns;
+mod room;
+mod standings;
+
+use std::ops::Range;
 
 use ash::vk;
-use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 use gpu_allocator::MemoryLocation;
 
+use self::{
+    room::{Room, Shared, Size},
+    standings::{ItemData, StandingData},
+};
 use super::{
-    data::rows,
     error::RenderError,
     eye::{Eye, NEAR},
-    frame::{Pool, SLOTS, full_barrier, run_now},
+    frame::{SLOTS, full_barrier, run_now},
     gpu::Gpu,
     memory::Buffer,
-    model_upload::{Geometry, cut_of, write_set},
+    model_upload::{Geometry, cut_of},
     pipelines::{Layout, Pipeline},
     shaders::select,
 };
@@ -32,36 +39,24 @@ pub(crate) use self::crowns::{Crowns, For, OldCrowns};
 /// Clusters that a workgroup looks at.
 const GROUP: u32 = 64;
 
-/// `Item` of shaders/shared/choice.wgsl: a dispatch's immediates.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-struct ItemData {
-    rows: [Vec4; 3],
-    cut: Vec4,
-    scale: f32,
-    near: f32,
-    flags: u32,
-    clusters: u32,
-    first_group: u32,
-    groups: u32,
-    draw: u32,
-    budget: u32,
-    /// What the wind may move it by, metres.
-    sway: f32,
-    pad: [u32; 3],
-}
-
-const _: () = assert!(
-    size_of::<ItemData>() == 112,
-    "shaders/shared/choice.wgsl reads 112 bytes"
-);
-
-const BY_GRAIN: u32 = 1;
-/// It is not drawn in this pass.
-const ABSENT: u32 = 2;
-
 /// By how much more than the processor finds something may be seen by the device, which rounds otherwise.
 const SLACK: f32 = 1.001;
+
+/// An entry of the list has a triangle's number in its lower bits, and above them whose of the draw's models it is: `MODEL_SHIFT` of
+/// shaders/shared/standing.wgsl.
+const MODEL_SHIFT: u32 = 24;
+/// Models that one draw shows.
+pub(crate) const MODELS_MOST: usize = 1 << (u32::BITS - MODEL_SHIFT);
+/// Triangles that a chunk of a model may have, in all levels.
+pub(crate) const TRIANGLES_MOST: usize = 1 << MODEL_SHIFT;
+
+/// Whose of a draw's models an entry of the list is, and its triangle in the chunk.
+pub(crate) fn entry_parts(entry: u32) -> (usize, u32) {
+    (
+        (entry >> MODEL_SHIFT) as usize,
+        entry & ((1 << MODEL_SHIFT) - 1),
+    )
+}
 
 /// Bytes of `State` of shaders/shared/choice.wgsl.
 const STATE_BYTES: u64 = BINS as u64 * 4 + 4;
@@ -77,11 +72,19 @@ pub struct Chosen {
     pub error_px: f32,
 }
 
-/// A chunk of a model that is drawn in this frame.
+/// Models of one mesh and one look that are drawn as one.
+#[derive(Clone, Debug)]
+pub(crate) struct Run {
+    /// Their numbers among all that stand.
+    pub(crate) standings: Range<usize>,
+    /// Their chunks among the items.
+    pub(crate) items: Range<usize>,
+}
+
+/// A chunk of a run's mesh.
 #[derive(Clone, Copy)]
 pub(crate) struct Item {
-    /// The model's number in the scene, and the chunk's in the model.
-    pub(crate) model: usize,
+    /// Its number in the mesh.
     pub(crate) chunk: usize,
     set: vk::DescriptorSet,
     data: ItemData,
@@ -89,18 +92,12 @@ pub(crate) struct Item {
     shadow: bool,
 }
 
-/// What grows with the models.
-struct Room {
-    groups: u32,
-    draws: u32,
-    _marks: Buffer,
-    _sums: Buffer,
-    chosen: Buffer,
-    /// By slot: what was chosen, where the processor sees it.
-    told: [Buffer; SLOTS],
-    /// By slot, for the eyes and for the sun.
-    sets: [[vk::DescriptorSet; 2]; SLOTS],
-    _pool: Pool,
+/// A draw of a frame, as it was told: whose it is, and its part of the list.
+pub(crate) struct Listed {
+    /// By the models that it draws: their numbers in the scene.
+    pub(crate) models: Vec<usize>,
+    pub(crate) chunk: usize,
+    pub(crate) entries: Vec<u32>,
 }
 
 /// What must live until the frames before are done.
@@ -112,15 +109,17 @@ pub(crate) type OldRooms = (Option<OldRoom>, Option<OldCrowns>);
 pub(crate) struct Selection {
     /// Set 0: everything; set 1: a chunk's clusters.
     pub(crate) layout: Layout,
+    list_layout: vk::DescriptorSetLayout,
     kernels: [Pipeline; 5],
     views: [Buffer; SLOTS],
     sun: [Buffer; SLOTS],
     state: Buffer,
     list: Buffer,
     room: Room,
-    /// The list for whoever draws from it.
-    pub(crate) list_set: vk::DescriptorSet,
-    _pool: Pool,
+    /// By standing: the model's number in the scene.
+    pub(crate) models: Vec<usize>,
+    standings: Vec<StandingData>,
+    pub(crate) runs: Vec<Run>,
     pub(crate) items: Vec<Item>,
     /// By slot: how many draws were told of.
     told: [usize; SLOTS],
@@ -129,29 +128,16 @@ pub(crate) struct Selection {
 }
 
 impl Selection {
-    /// `list_layout`: of one storage buffer, for a list; `most`: triangles of all models and trees.
+    /// `list_layouts`: of two storage buffers, for the list and the standings of models, and of one, for the list of trees; `most`: triangles of all
+    /// models and trees.
     pub(crate) fn new(
         gpu: &Gpu,
-        list_layout: vk::DescriptorSetLayout,
+        [list_layout, crowns_layout]: [vk::DescriptorSetLayout; 2],
         most: u32,
     ) -> Result<Self, RenderError> {
         use vk::DescriptorType as Kind;
         let most = most.min(gpu.limits.max_storage_buffer_range / 4);
-        let first = [
-            Kind::UNIFORM_BUFFER,
-            Kind::STORAGE_BUFFER,
-            Kind::STORAGE_BUFFER,
-            Kind::STORAGE_BUFFER,
-            Kind::STORAGE_BUFFER,
-            Kind::STORAGE_BUFFER,
-        ];
-        let immediates = u32::try_from(size_of::<ItemData>()).unwrap_or(0);
-        let layout = Layout::staged(
-            gpu,
-            &[&first, &[Kind::STORAGE_BUFFER]],
-            immediates,
-            vk::ShaderStageFlags::COMPUTE,
-        )?;
+        let layout = choice_layout(gpu, &[Kind::STORAGE_BUFFER])?;
         let kernel = |entry| {
             Pipeline::compute(
                 gpu,
@@ -180,22 +166,28 @@ impl Selection {
         let (sun, views) = ([views()?, views()?], [views()?, views()?]);
         let state = buffer(gpu, "the threshold of detail", STATE_BYTES)?;
         let list = buffer(gpu, "the triangles to draw", u64::from(most.max(1)) * 4)?;
-        let pool = Pool::new(gpu, 1, &[(Kind::STORAGE_BUFFER, 1)])?;
-        let list_set = pool.set(list_layout)?;
-        write_set(gpu, list_set, 0, &[&list]);
-        let room = Room::new(gpu, &layout, [&views, &sun], [&state, &list], [64, 16])?;
-        let crowns = Crowns::new(gpu, list_layout, most, &views, &state)?;
+        let shared = Shared {
+            layout: &layout,
+            list_layout,
+            views: [&views, &sun],
+            state: &state,
+            list: &list,
+        };
+        let room = Room::new(gpu, &shared, Size::default())?;
+        let crowns = Crowns::new(gpu, crowns_layout, most, &views, &state)?;
         Ok(Self {
             crowns,
             layout,
+            list_layout,
             kernels,
             views,
             sun,
             state,
             list,
             room,
-            list_set,
-            _pool: pool,
+            models: Vec::with_capacity(16),
+            standings: Vec::with_capacity(16),
+            runs: Vec::with_capacity(16),
             items: Vec::with_capacity(16),
             told: [0; SLOTS],
             gpu: gpu.clone(),
@@ -204,6 +196,9 @@ impl Selection {
 
     /// Begins a frame's list of chunks; of what the slot's last frame chose.
     pub(crate) fn begin(&mut self, slot: usize) -> Chosen {
+        self.models.clear();
+        self.standings.clear();
+        self.runs.clear();
         self.items.clear();
         let of_trees = self.crowns.begin(slot);
         self.chosen_with(slot, of_trees)
@@ -219,57 +214,95 @@ impl Selection {
         chosen
     }
 
-    /// Adds a model.
-    pub(crate) fn add(&mut self, model: usize, placed: &PlacedModel, geometry: &Geometry) {
-        let standing = standing(placed);
-        for (chunk, part) in geometry.chunks.iter().enumerate() {
-            let last = self.items.last().map(|item| item.data);
-            let first_group = last.map_or(0, |data| data.first_group + data.groups);
+    /// Says where the models stand that are due.
+    pub(crate) fn stand(&mut self, scene: &[PlacedModel], is_due: impl Fn(&PlacedModel) -> bool) {
+        for (number, placed) in scene
+            .iter()
+            .enumerate()
+            .filter(|(_, placed)| is_due(placed))
+        {
+            self.models.push(number);
+            let standing = standing(placed);
+            self.standings.push(StandingData::from(&standing));
+        }
+    }
+
+    /// Those of them from a number on that are of one mesh and one look, as many as one draw shows, and the first of these.
+    pub(crate) fn run_from<'a>(
+        &self,
+        first: usize,
+        scene: &'a [PlacedModel],
+    ) -> Option<(Range<usize>, &'a PlacedModel)> {
+        let left = self.models.get(first..)?.iter();
+        let mut left = left
+            .filter_map(|number| scene.get(*number))
+            .take(MODELS_MOST);
+        let placed = left.next()?;
+        let more = left.take_while(|other| other.is_drawn_as(placed)).count();
+        Some((first..first + 1 + more, placed))
+    }
+
+    /// Adds a run that [stands](Self::run_from) like this.
+    pub(crate) fn add(&mut self, run: Range<usize>, look: &ModelLook, geometry: &Geometry) {
+        let first = self.items.len();
+        let drawn = has_faces(look);
+        for (chunk, part) in geometry.chunks.iter().enumerate().filter(|_| drawn) {
             self.items.push(Item {
-                model,
                 chunk,
                 set: part.set,
-                shadow: placed.look.shadow,
+                shadow: look.shadow,
                 data: ItemData {
-                    rows: rows(&standing.world_from_model),
-                    cut: standing.cut,
-                    scale: standing.scale,
-                    near: standing.near,
-                    flags: if standing.by_grain { BY_GRAIN } else { 0 },
                     clusters: part.clusters,
-                    first_group,
+                    first_group: self.groups(),
                     groups: part.clusters.div_ceil(GROUP),
-                    draw: u32::try_from(self.items.len()).unwrap_or(u32::MAX),
+                    models: number(run.len()),
+                    standing: number(run.start),
+                    draw: number(self.items.len()),
                     ..ItemData::default()
                 },
             });
         }
+        self.runs.push(Run {
+            standings: run,
+            items: first..self.items.len(),
+        });
     }
 
-    /// Makes room for what was added; what held it before, where that had to change.
-    pub(crate) fn make_room(&mut self) -> Result<OldRooms, RenderError> {
+    /// Makes room for what was added, and says where it stands; what held it before, where that had to change.
+    pub(crate) fn make_room(&mut self, slot: usize) -> Result<OldRooms, RenderError> {
         let crowns = self.crowns.make_room(&self.views, &self.state)?;
-        let draws = u32::try_from(self.items.len()).unwrap_or(u32::MAX);
-        if self.groups() <= self.room.groups && draws <= self.room.draws {
-            return Ok((None, crowns));
+        let wanted = Size {
+            groups: self.groups(),
+            draws: number(self.items.len()),
+            standings: number(self.standings.len()),
+        };
+        let mut old = None;
+        if let Some(size) = self.room.size.growing_to(wanted) {
+            let shared = Shared {
+                layout: &self.layout,
+                list_layout: self.list_layout,
+                views: [&self.views, &self.sun],
+                state: &self.state,
+                list: &self.list,
+            };
+            let room = Room::new(&self.gpu, &shared, size)?;
+            // The threshold stands in what is new now.
+            self.crowns.forget_told();
+            self.told = [0; SLOTS];
+            let before = std::mem::replace(&mut self.room, room);
+            old = Some(OldRoom(Box::new(before)));
         }
-        let wanted = [
-            self.groups().max(self.room.groups).next_power_of_two(),
-            draws.max(self.room.draws).next_power_of_two(),
-        ];
-        let shared = [&self.state, &self.list];
-        let views = [&self.views, &self.sun];
-        let room = Room::new(&self.gpu, &self.layout, views, shared, wanted)?;
-        // The threshold stands in what is new now.
-        self.crowns.forget_told();
-        self.told = [0; SLOTS];
-        let old = std::mem::replace(&mut self.room, room);
-        Ok((Some(OldRoom(Box::new(old))), crowns))
+        self.room.standings[slot].write(0, &self.standings);
+        Ok((old, crowns))
+    }
+
+    /// The list of triangles and where models stand, for whoever draws them.
+    pub(crate) fn list_set(&self, slot: usize) -> vk::DescriptorSet {
+        self.room.list_sets[slot]
     }
 
     fn groups(&self) -> u32 {
-        let last = self.items.last().map(|item| item.data);
-        last.map_or(0, |data| data.first_group + data.groups)
+        self.items.last().map_or(0, |item| item.data.end())
     }
 
     /// Records the choice of at most `budget` triangles as these eyes see them.
@@ -367,9 +400,7 @@ impl Selection {
         self.bind(commands, slot, whom, kernel);
         for item in &self.items {
             let mut data = item.data;
-            if whom == For::Sun && !item.shadow {
-                data.flags |= ABSENT;
-            }
+            data.absent = u32::from(whom == For::Sun && !item.shadow);
             // SAFETY: the set's layout is the second of the pipeline layout; its buffer lives until the frame is done.
             unsafe {
                 self.gpu.device.cmd_bind_descriptor_sets(
@@ -381,14 +412,14 @@ impl Selection {
                     &[],
                 );
             }
-            self.run(commands, &data, data.groups);
+            self.run(commands, &data, [data.groups, data.models]);
         }
         full_barrier(&self.gpu, commands, &[]);
     }
 
     fn once(&self, commands: vk::CommandBuffer, slot: usize, kernel: &Pipeline, data: &ItemData) {
         self.bind(commands, slot, For::Eyes, kernel);
-        self.run(commands, data, 1);
+        self.run(commands, data, [1, 1]);
         full_barrier(&self.gpu, commands, &[]);
     }
 
@@ -404,7 +435,7 @@ impl Selection {
         }
     }
 
-    fn run(&self, commands: vk::CommandBuffer, data: &ItemData, groups: u32) {
+    fn run(&self, commands: vk::CommandBuffer, data: &ItemData, groups: [u32; 2]) {
         run(&self.gpu, commands, &self.layout, data, groups);
     }
 
@@ -450,71 +481,39 @@ impl Selection {
         self.chosen_with(slot, of_trees)
     }
 
-    /// The last frame's list for each item: triangles by their numbers in the chunk. Only when all frames are done.
-    pub(crate) fn read(&mut self, slot: usize) -> Result<Vec<Vec<u32>>, RenderError> {
+    /// The last frame's draws and what each has of the list: [entries](entry_parts). Only when all frames are done.
+    pub(crate) fn read(&mut self, slot: usize) -> Result<Vec<Listed>, RenderError> {
         let list = read(&self.gpu, &self.list)?;
-        let count = self.told[slot];
-        let draws: Vec<[u32; 4]> = draws(self.room.told[slot].bytes(), count).collect();
-        let part = |[vertices, _, first, _]: [u32; 4]| {
+        let told = draws(self.room.told[slot].bytes(), self.told[slot]);
+        let listed = self.items.iter().zip(told);
+        let part = |(item, [vertices, _, first, _]): (&Item, [u32; 4])| {
             let run = first as usize / 3..(first + vertices) as usize / 3;
-            list.get(run).unwrap_or_default().to_vec()
+            let begin = item.data.standing as usize;
+            Listed {
+                models: self
+                    .models
+                    .get(begin..begin + item.data.models as usize)
+                    .unwrap_or_default()
+                    .to_vec(),
+                chunk: item.chunk,
+                entries: list.get(run).unwrap_or_default().to_vec(),
+            }
         };
-        Ok(draws.into_iter().map(part).collect())
+        Ok(listed.map(part).collect())
     }
 }
 
-impl Room {
-    fn new(
-        gpu: &Gpu,
-        layout: &Layout,
-        [eyes, sun]: [&[Buffer; SLOTS]; 2],
-        [state, list]: [&Buffer; 2],
-        [groups, draws]: [u32; 2],
-    ) -> Result<Self, RenderError> {
-        let marks = buffer(gpu, "the clusters' marks", u64::from(groups * GROUP) * 4)?;
-        let sums = buffer(gpu, "the groups' triangles", u64::from(groups + 1) * 4)?;
-        let chosen = buffer(gpu, "the models' draws", u64::from(draws) * DRAW_BYTES)?;
-        let told = || {
-            Buffer::new(
-                gpu,
-                "what was chosen",
-                (u64::from(draws) + 1) * DRAW_BYTES,
-                vk::BufferUsageFlags::TRANSFER_DST,
-                MemoryLocation::GpuToCpu,
-            )
-        };
-        let told = [told()?, told()?];
-        let count = u32::try_from(2 * SLOTS).unwrap_or(4);
-        let pool = Pool::new(
-            gpu,
-            count,
-            &[
-                (vk::DescriptorType::UNIFORM_BUFFER, count),
-                (vk::DescriptorType::STORAGE_BUFFER, 5 * count),
-            ],
-        )?;
-        let first = layout.sets.first().copied().unwrap_or_default();
-        let set = |views: &Buffer| {
-            let set = pool.set(first)?;
-            write_uniform(gpu, set, views);
-            let storage = [state, &marks, &sums, list, &chosen];
-            write_set(gpu, set, 1, &storage);
-            Ok::<_, RenderError>(set)
-        };
-        Ok(Self {
-            groups,
-            draws,
-            sets: [
-                [set(&eyes[0])?, set(&sun[0])?],
-                [set(&eyes[1])?, set(&sun[1])?],
-            ],
-            told,
-            _marks: marks,
-            _sums: sums,
-            chosen,
-            _pool: pool,
-        })
-    }
+/// The layout of a choice: set 0 is everything, set 1 what a chunk has.
+fn choice_layout(gpu: &Gpu, chunk: &[vk::DescriptorType]) -> Result<Layout, RenderError> {
+    let mut first = [vk::DescriptorType::STORAGE_BUFFER; 7];
+    first[0] = vk::DescriptorType::UNIFORM_BUFFER;
+    let immediates = u32::try_from(size_of::<ItemData>()).unwrap_or(0);
+    let stage = vk::ShaderStageFlags::COMPUTE;
+    Layout::staged(gpu, &[&first, chunk], immediates, stage)
+}
+
+fn number(n: usize) -> u32 {
+    u32::try_from(n).unwrap_or(u32::MAX)
 }
 
 /// What is in a buffer; only when all frames are done.
@@ -540,7 +539,13 @@ fn read(gpu: &Gpu, from: &Buffer) -> Result<Vec<u32>, RenderError> {
 }
 
 /// Runs a kernel that is bound, with its set.
-fn run(gpu: &Gpu, commands: vk::CommandBuffer, layout: &Layout, data: &ItemData, groups: u32) {
+fn run(
+    gpu: &Gpu,
+    commands: vk::CommandBuffer,
+    layout: &Layout,
+    data: &ItemData,
+    [across, down]: [u32; 2],
+) {
     // SAFETY: the layout takes immediates of this size; there was room made for these groups.
     unsafe {
         gpu.device.cmd_push_constants(
@@ -550,7 +555,7 @@ fn run(gpu: &Gpu, commands: vk::CommandBuffer, layout: &Layout, data: &ItemData,
             0,
             bytemuck::bytes_of(data),
         );
-        gpu.device.cmd_dispatch(commands, groups, 1, 1);
+        gpu.device.cmd_dispatch(commands, across, down, 1);
     }
 }
 

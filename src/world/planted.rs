@@ -77,6 +77,8 @@ impl Stock {
 pub(super) struct Planted {
     /// That of the tree on the platform, then those that the grove keeps; empty where nothing is planted.
     stocks: Vec<Stock>,
+    /// The plants' numbers in the grove, those of one mesh one after the other: these are drawn as one.
+    order: Vec<usize>,
     /// What they are for.
     of: Option<(Arc<Grove>, Arc<Sketch>, u32)>,
 }
@@ -97,6 +99,9 @@ impl Planted {
             return;
         }
         self.of = Some((Arc::clone(grove), Arc::clone(sketch), *step));
+        self.order = (0..grove.plants.len()).collect();
+        self.order
+            .sort_by_key(|number| grove.plants.get(*number).map(mesh));
         let mut before = std::mem::take(&mut self.stocks);
         if grove.is_empty() {
             return;
@@ -187,7 +192,8 @@ impl Planted {
             shadow: true,
             ..ModelLook::default()
         };
-        for plant in &grove.plants {
+        let plants = self.order.iter();
+        for plant in plants.filter_map(|number| grove.plants.get(*number)) {
             let Some((display, revision)) = self.display(plant) else {
                 continue;
             };
@@ -219,7 +225,84 @@ impl World {
     }
 }
 
+/// Where a plant's mesh is: its stock, and which of its individuals.
+fn mesh(plant: &Plant) -> (usize, u8) {
+    (place(plant), plant.individual)
+}
+
 /// Where a plant's stock is.
 fn place(plant: &Plant) -> usize {
     plant.kind.map_or(0, |kind| usize::from(kind) + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::missing_assert_message, reason = "tests")]
+    use glam::{Affine3A, Vec2, Vec3};
+
+    use super::*;
+    use crate::sketch::NodeRef;
+
+    /// As many trees of as many kinds as there may be, planted one kind after the other.
+    fn mixed() -> Document {
+        let sketch = |height: f32| {
+            let drawn = Sketch::default().add_segment(NodeRef::ROOT, Vec3::Y * height);
+            Arc::new(drawn.unwrap().0)
+        };
+        let mut document = Document {
+            step: 3,
+            ..Document::default()
+        };
+        let mut grove = Grove::default();
+        for (kind, trees) in (0_u8..).zip([43, 43, 43, 43, 42, 42]) {
+            document.sketch = sketch(0.1 + 0.1 * f32::from(kind));
+            let trees: Vec<Plant> = (0..trees)
+                .map(|number| Plant {
+                    at: Vec2::new(f32::from(number), f32::from(kind)),
+                    yaw_deg: 0.0,
+                    size: 1.0,
+                    individual: number * 5 % INDIVIDUALS,
+                    kind: None,
+                })
+                .collect();
+            grove = grove.with(&trees).unwrap();
+            if kind < 5 {
+                grove = grove.kept(&document.sketch, document.step);
+            }
+        }
+        document.grove = Arc::new(grove);
+        document
+    }
+
+    #[test]
+    fn trees_of_one_mesh_follow_each_other_so_that_a_wood_has_as_many_draws_as_meshes() {
+        let document = mixed();
+        let mut planted = Planted::default();
+        planted.follow(&document);
+        let mut meshes = 0;
+        while let Some(request) = planted.request() {
+            planted.give(&request, Some(Arc::default()));
+            meshes += 1;
+        }
+        assert_eq!(meshes, 48);
+        let mut scene = Scene::default();
+        planted.draw(&document.grove, &mut scene);
+        let foot = |at: Affine3A| (at.translation.x, at.translation.z);
+        let mut stand: Vec<_> = scene
+            .models
+            .iter()
+            .map(|placed| foot(placed.world_from_model))
+            .collect();
+        stand.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        let mut expected: Vec<_> = document
+            .grove
+            .plants
+            .iter()
+            .map(|plant| (plant.at.x, plant.at.y))
+            .collect();
+        expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        assert_eq!(stand, expected);
+        let runs = scene.models.chunk_by(PlacedModel::is_drawn_as).count();
+        assert_eq!(runs, meshes);
+    }
 }

@@ -157,6 +157,16 @@ pub struct PlacedModel {
     pub look: ModelLook,
 }
 
+impl PlacedModel {
+    /// Whether it differs from another one in its place alone.
+    #[must_use]
+    pub fn is_drawn_as(&self, other: &Self) -> bool {
+        self.revision == other.revision
+            && Arc::ptr_eq(&self.display, &other.display)
+            && self.look == other.look
+    }
+}
+
 /// What a board says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardContent {

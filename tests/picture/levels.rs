@@ -285,7 +285,13 @@ fn the_device_chooses_what_its_twin_chooses() {
         glam::Quat::from_rotation_y(1.0),
         Vec3::new(0.5, 0.1, -1.0),
     );
-    let shown = scene([placed(small(), cut_open), edged]);
+    // Of one mesh and one look, farther away: one draw shows both.
+    let open = placed(small(), cut_open);
+    let behind = PlacedModel {
+        world_from_model: Affine3A::from_translation(Vec3::new(-0.6, 0.2, -3.0)),
+        ..open.clone()
+    };
+    let shown = scene([open, behind, edged]);
     for distance in [0.35, 0.9, 6.0] {
         let eyes = ahead(distance);
         let (chosen, _) = stage.draw(&shown, &eyes);

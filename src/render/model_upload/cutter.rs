@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::mesh::display::Display;
 use crate::mesh::levels::Cluster;
 use crate::mesh::textured::Textured;
-use crate::render::gpu::Gpu;
+use crate::render::{gpu::Gpu, selection::TRIANGLES_MOST};
 
 /// `Vertex` of shaders/model.wgsl.
 #[repr(C)]
@@ -87,8 +87,12 @@ impl<'a> Cutter<'a> {
     /// Whether a cluster fits, be all its vertices new; the first one always does.
     fn has_room(&self, cluster: &Cluster) -> bool {
         let count = cluster.count as usize;
+        let triangles = self.triangles.len() + count;
+        if triangles > TRIANGLES_MOST {
+            return self.clusters.is_empty();
+        }
         let vertices = (self.names.len() + 3 * count) * size_of::<Vertex>();
-        let triangles = (self.triangles.len() + count) * size_of::<[u32; 3]>();
+        let triangles = triangles * size_of::<[u32; 3]>();
         let clusters = (self.clusters.len() + 1) * size_of::<Cluster>();
         // What shaders/textured.wgsl reads has 12 bytes a vertex and 4 a triangle: no more than both of these.
         self.clusters.is_empty() || (vertices + triangles).max(clusters) <= self.range

@@ -6,7 +6,7 @@ use super::{Chosen, Garbage, Renderer, SLOTS};
 use crate::render::{
     error::RenderError,
     eye::{Eye, NEAR},
-    selection::{is_seen, standing, views},
+    selection::{entry_parts, is_seen, standing, views},
 };
 use crate::tree::levels::cut::{Standing, Views};
 use crate::world::scene::{PlacedModel, PlacedTree, Scene};
@@ -27,20 +27,7 @@ impl Renderer {
         slot: usize,
     ) -> Result<Chosen, RenderError> {
         let chosen = self.selection.begin(slot);
-        let wood_is_due = self.wood.is_due();
-        for (number, placed) in scene.models.iter().enumerate() {
-            // A wood is mostly behind one's back, and each tree of it a few calls.
-            if !(wood_is_due && placed.look.shadow || is_seen(placed, views)) {
-                continue;
-            }
-            let at = self.is_chosen(placed).and_then(|shape| {
-                let mut shapes = self.shapes.iter();
-                shapes.position(|other| std::ptr::eq(other, shape))
-            });
-            if let Some(shape) = at.and_then(|at| self.shapes.get(at)) {
-                self.selection.add(number, placed, shape);
-            }
-        }
+        self.gather_models(scene, views);
         if let (Some(upload), Some(placed)) = (&self.tree, tree) {
             let place = placed.world_from_tree;
             let place = if place.is_finite() {
@@ -48,20 +35,44 @@ impl Renderer {
             } else {
                 Affine3A::default()
             };
-            let sway = self.sway_of(placed);
+            let standing = Standing {
+                sway: self.sway_of(placed),
+                ..Standing::new(place, Vec4::ZERO, false, NEAR)
+            };
             let branches = upload.chunks.iter().map(|chunk| (chunk, 0.0));
             let flutter = self.sway.flutter();
             let leaves = upload.leaves.iter().map(|chunk| (&chunk.crown, flutter));
-            for (chunk, flutter) in branches.chain(leaves) {
-                let crowns = &mut self.selection.crowns;
-                crowns.add(chunk, place, views, [sway, flutter]);
-            }
+            let crowns = &mut self.selection.crowns;
+            crowns.add(slot, standing, views, branches.chain(leaves));
         }
-        let (models, crowns) = self.selection.make_room()?;
+        let (models, crowns) = self.selection.make_room(slot)?;
         let old = models.map(Garbage::Room).into_iter();
         let old = old.chain(crowns.map(Garbage::Crowns));
         self.garbage.extend(old.map(|old| (self.frame, old)));
         Ok(chosen)
+    }
+
+    /// Lists what of the models is in sight, and what throws a shadow that must be drawn.
+    fn gather_models(&mut self, scene: &Scene, views: &Views) {
+        let wood_is_due = self.wood.is_due();
+        let is_due = |placed: &PlacedModel| {
+            // A wood is mostly behind one's back.
+            placed.world_from_model.is_finite()
+                && (wood_is_due && placed.look.shadow || is_seen(placed, views))
+        };
+        self.selection.stand(&scene.models, is_due);
+        let mut first = 0;
+        while let Some((run, placed)) = self.selection.run_from(first, &scene.models) {
+            first = run.end;
+            let shape = self.shown(placed).map(|(shape, _)| shape);
+            let at = shape.and_then(|shape| {
+                let mut shapes = self.shapes.iter();
+                shapes.position(|other| std::ptr::eq(other, shape))
+            });
+            if let Some(shape) = at.and_then(|at| self.shapes.get(at)) {
+                self.selection.add(run, &placed.look, shape);
+            }
+        }
     }
 
     /// Of so many vertices one is shown.
@@ -113,15 +124,20 @@ impl Renderer {
     pub fn chosen_triangles(&mut self, scene: &Scene) -> Result<Vec<Vec<u32>>, RenderError> {
         self.wait()?;
         let slot = self.last_slot();
-        let lists = self.selection.read(slot)?;
         let mut all = vec![Vec::new(); scene.models.len()];
-        for (item, list) in self.selection.items.iter().zip(lists) {
-            let placed = scene.models.get(item.model);
-            let shape = placed.and_then(|placed| self.is_chosen(placed));
-            let chunk = shape.and_then(|shape| shape.chunks.get(item.chunk));
-            let first = chunk.map_or(0, |chunk| chunk.first_triangle);
-            if let Some(model) = all.get_mut(item.model) {
-                model.extend(list.iter().map(|number| first + number));
+        for listed in self.selection.read(slot)? {
+            for entry in listed.entries {
+                let (which, triangle) = entry_parts(entry);
+                let Some(number) = listed.models.get(which).copied() else {
+                    continue;
+                };
+                let placed = scene.models.get(number);
+                let shape = placed.and_then(|placed| self.is_chosen(placed));
+                let chunk = shape.and_then(|shape| shape.chunks.get(listed.chunk));
+                let first = chunk.map_or(0, |chunk| chunk.first_triangle);
+                if let Some(model) = all.get_mut(number) {
+                    model.push(first + triangle);
+                }
             }
         }
         Ok(all)

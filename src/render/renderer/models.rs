@@ -9,7 +9,7 @@ use crate::render::{
     error::RenderError,
     memory::Buffer,
     model_upload::{Colours, Geometry, ModelData, ModelUpload},
-    selection::{DRAW_BYTES, has_faces},
+    selection::{DRAW_BYTES, Run, has_faces},
     tree_upload::COPY_BYTES,
 };
 use crate::world::scene::{PlacedModel, Scene, SurfaceLook};
@@ -223,23 +223,19 @@ impl Renderer {
     ) {
         let layout = self.pipelines.model_layout.handle;
         let mut bound = false;
-        for (number, placed) in pass.models.iter().enumerate() {
-            let Some((shape, colours)) = self.shown(placed) else {
+        for run in &self.selection.runs {
+            let first = self.selection.models.get(run.standings.start);
+            let placed = first.and_then(|number| pass.models.get(*number));
+            let Some((placed, (shape, colours))) =
+                placed.and_then(|placed| Some((placed, self.shown(placed)?)))
+            else {
                 continue;
             };
-            if !placed.world_from_model.is_finite() {
-                continue;
-            }
-            let data = ModelData::new(
-                &placed.world_from_model,
-                &placed.look,
-                colours.coloured,
-                pass.points,
-            );
+            let data = ModelData::new(&placed.look, colours.coloured, pass.points);
             for (pipeline, of) in draws(placed, colours).into_iter().flatten() {
                 if !bound {
                     self.bind_frame(pass, layout, block);
-                    self.bind_model(pass, 2, self.selection.list_set);
+                    self.bind_model(pass, 2, pass.list_set);
                     bound = true;
                 }
                 if let Some(skin) = colours.skin_set() {
@@ -248,8 +244,8 @@ impl Renderer {
                 self.bind(pass, pipeline);
                 self.tell(pass, &data);
                 match of {
-                    Of::Triangles => self.draw_faces(pass, number, colours, report),
-                    Of::Vertices => self.draw_points(pass, shape, colours, report),
+                    Of::Triangles => self.draw_faces(pass, run, colours, report),
+                    Of::Vertices => self.draw_points(pass, run, shape, colours, report),
                 }
             }
         }
@@ -285,23 +281,17 @@ impl Renderer {
         }
     }
 
-    /// The triangles that were chosen of a model.
-    fn draw_faces(
-        &self,
-        pass: &Pass<'_>,
-        number: usize,
-        colours: &Colours,
-        report: &mut DrawReport,
-    ) {
+    /// The triangles that were chosen of a run's models.
+    fn draw_faces(&self, pass: &Pass<'_>, run: &Run, colours: &Colours, report: &mut DrawReport) {
         let draws = self.selection.draws();
-        for (item, offset) in self.selection.items.iter().zip((0..).step_by(DRAW)) {
-            let Some(set) = colours.sets.get(item.chunk).copied() else {
+        for number in run.items.clone() {
+            let item = self.selection.items.get(number);
+            let set = item.and_then(|item| colours.sets.get(item.chunk));
+            let Some(set) = set.copied() else {
                 continue;
             };
-            if item.model != number {
-                continue;
-            }
             self.bind_model(pass, 1, set);
+            let offset = number as u64 * DRAW_BYTES;
             // SAFETY: the choice wrote this draw, whose triangles are in the list.
             unsafe {
                 self.gpu
@@ -312,14 +302,17 @@ impl Renderer {
         }
     }
 
-    /// Of a model's vertices as many as a frame has room for.
+    /// Of the vertices of a run's models as many as a frame has room for.
     fn draw_points(
         &self,
         pass: &Pass<'_>,
+        run: &Run,
         shape: &Geometry,
         colours: &Colours,
         report: &mut DrawReport,
     ) {
+        let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let (first, models) = (number(run.standings.start), number(run.standings.len()));
         for (chunk, set) in shape.chunks.iter().zip(&colours.sets) {
             let points = chunk.points / pass.points.max(1);
             if points == 0 {
@@ -327,12 +320,14 @@ impl Renderer {
             }
             self.bind_model(pass, 1, *set);
             let corners = points.saturating_mul(6);
-            // SAFETY: the chunk has these vertices.
+            // SAFETY: the chunk has these vertices, and the models stand where the list says.
             unsafe {
-                self.gpu.device.cmd_draw(pass.commands, corners, 1, 0, 0);
+                self.gpu
+                    .device
+                    .cmd_draw(pass.commands, corners, models, 0, first);
             }
             report.draws += 1;
-            report.triangles += 2 * u64::from(points);
+            report.triangles += 2 * u64::from(points) * u64::from(models);
         }
     }
 
@@ -345,10 +340,6 @@ impl Renderer {
 
 /// Bytes of images that are as much work as a triangle.
 const TEXELS_EACH: usize = 64;
-
-/// From one draw to the next.
-#[expect(clippy::cast_possible_truncation, reason = "16 bytes")]
-const DRAW: usize = DRAW_BYTES as usize;
 
 /// What a draw makes of a model.
 #[derive(Clone, Copy)]

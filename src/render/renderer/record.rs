@@ -22,6 +22,8 @@ pub(super) struct Pass<'a> {
     pub(super) commands: vk::CommandBuffer,
     pub(super) counts: Counts,
     pub(super) set: vk::DescriptorSet,
+    /// The list of models' triangles, and where models stand.
+    pub(super) list_set: vk::DescriptorSet,
     pub(super) hidden: HiddenEyes,
     pub(super) tree: Option<&'a TreeUpload>,
     pub(super) models: &'a [PlacedModel],

@@ -5,15 +5,16 @@
 use std::ops::Range;
 
 use ash::vk;
-use glam::{Affine3A, Vec4};
 use gpu_allocator::MemoryLocation;
 
-use super::{GROUP, ItemData, SLACK, buffer, write_uniform};
+use super::{
+    GROUP, SLACK, buffer, choice_layout, number,
+    standings::{ItemData, StandingData},
+    write_uniform,
+};
 use crate::render::{
     crown_upload::CrownChunk,
-    data::rows,
     error::RenderError,
-    eye::NEAR,
     frame::{Pool, SLOTS, full_barrier},
     gpu::Gpu,
     memory::Buffer,
@@ -75,6 +76,8 @@ pub(crate) struct Crowns {
     /// Weigh, count, place, write.
     kernels: [Pipeline; 4],
     sun: [Buffer; SLOTS],
+    /// By slot: where the tree stands.
+    standings: [Buffer; SLOTS],
     list: Buffer,
     room: Room,
     /// The list for whoever draws from it.
@@ -96,15 +99,7 @@ impl Crowns {
         state: &Buffer,
     ) -> Result<Self, RenderError> {
         use vk::DescriptorType as Kind;
-        let mut first = [Kind::STORAGE_BUFFER; 6];
-        first[0] = Kind::UNIFORM_BUFFER;
-        let immediates = u32::try_from(size_of::<ItemData>()).unwrap_or(0);
-        let layout = Layout::staged(
-            gpu,
-            &[&first, &[Kind::STORAGE_BUFFER; 2]],
-            immediates,
-            vk::ShaderStageFlags::COMPUTE,
-        )?;
+        let layout = choice_layout(gpu, &[Kind::STORAGE_BUFFER; 2])?;
         let kernel = |entry| {
             let name = "choosing levels of detail of trees";
             Pipeline::compute(gpu, &layout, name, crown::SPIRV, entry)
@@ -118,15 +113,17 @@ impl Crowns {
         let views = || {
             let bytes = size_of::<Views>() as u64;
             let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
-            Buffer::new(
-                gpu,
-                "where the sun is",
-                bytes,
-                usage,
-                MemoryLocation::CpuToGpu,
-            )
+            let place = MemoryLocation::CpuToGpu;
+            Buffer::new(gpu, "where the sun is", bytes, usage, place)
+        };
+        let standing = || {
+            let bytes = size_of::<StandingData>() as u64;
+            let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+            let place = MemoryLocation::CpuToGpu;
+            Buffer::new(gpu, "where the tree stands", bytes, usage, place)
         };
         let sun = [views()?, views()?];
+        let standings = [standing()?, standing()?];
         let batches = u64::from(most / FEWEST).max(u64::from(GROUP));
         let list = buffer(gpu, "the batches to draw", batches * 4)?;
         let pool = Pool::new(gpu, 1, &[(Kind::STORAGE_BUFFER, 1)])?;
@@ -136,6 +133,7 @@ impl Crowns {
             layout: &layout,
             eyes,
             sun: &sun,
+            standings: &standings,
             state,
             list: &list,
         };
@@ -144,6 +142,7 @@ impl Crowns {
             layout,
             kernels,
             sun,
+            standings,
             list,
             room,
             list_set,
@@ -190,19 +189,22 @@ impl Crowns {
         self.items.is_empty()
     }
 
-    /// Adds a chunk of a tree that stands like this, seen by these eyes; the wind moves places by so many metres at most, and leaves besides by such a part of
-    /// their length.
-    pub(crate) fn add(
+    /// Adds the chunks of a tree that stands like this, seen by these eyes; the wind moves leaves by such a part of their length more than what bears them.
+    pub(crate) fn add<'a>(
         &mut self,
-        chunk: &CrownChunk,
-        world_from_tree: Affine3A,
+        slot: usize,
+        standing: Standing,
         views: &Views,
-        [sway, flutter]: [f32; 2],
+        chunks: impl Iterator<Item = (&'a CrownChunk, f32)>,
     ) {
-        let mut standing = Standing::new(world_from_tree, Vec4::ZERO, false, NEAR);
-        standing.sway = sway + flutter * chunk.size * standing.scale;
-        let last = self.items.last().map(|item| item.data);
-        let first_group = last.map_or(0, |data| data.first_group + data.groups);
+        self.standings[slot].write(0, &[StandingData::from(&standing)]);
+        for (chunk, flutter) in chunks {
+            let sway = standing.sway + flutter * chunk.size * standing.scale;
+            self.add_chunk(chunk, Standing { sway, ..standing }, views);
+        }
+    }
+
+    fn add_chunk(&mut self, chunk: &CrownChunk, standing: Standing, views: &Views) {
         let all = 0..chunk.kinds_count();
         let largest = standing.pixels(chunk.sphere, chunk.size, views) * SLACK;
         let finest = kind_of(&chunk.table, largest);
@@ -217,15 +219,11 @@ impl Crowns {
             all,
             has_ends: chunk.table.iter().any(|kind| kind.ends != NONE),
             data: ItemData {
-                rows: rows(&standing.world_from_model),
-                cut: standing.cut,
-                scale: standing.scale,
-                near: standing.near,
-                flags: 0,
                 clusters: chunk.count,
-                first_group,
+                first_group: self.groups(),
                 groups: chunk.count.div_ceil(GROUP),
-                draw: u32::try_from(self.items.len() * KINDS).unwrap_or(u32::MAX),
+                models: 1,
+                draw: number(self.items.len() * KINDS),
                 sway: standing.sway,
                 ..ItemData::default()
             },
@@ -238,7 +236,7 @@ impl Crowns {
         eyes: &[Buffer; SLOTS],
         state: &Buffer,
     ) -> Result<Option<OldCrowns>, RenderError> {
-        let items = u32::try_from(self.items.len()).unwrap_or(u32::MAX);
+        let items = number(self.items.len());
         if self.groups() <= self.room.groups && items <= self.room.items {
             return Ok(None);
         }
@@ -250,6 +248,7 @@ impl Crowns {
             layout: &self.layout,
             eyes,
             sun: &self.sun,
+            standings: &self.standings,
             state,
             list: &self.list,
         };
@@ -265,8 +264,7 @@ impl Crowns {
     }
 
     fn groups(&self) -> u32 {
-        let last = self.items.last().map(|item| item.data);
-        last.map_or(0, |data| data.first_group + data.groups)
+        self.items.last().map_or(0, |item| item.data.end())
     }
 
     /// Says where the sun is.
@@ -290,7 +288,7 @@ impl Crowns {
         let [_, count, place, write] = &self.kernels;
         self.each(commands, slot, whom, count);
         let all = ItemData {
-            groups: self.groups() * u32::try_from(KINDS).unwrap_or(0),
+            groups: self.groups() * number(KINDS),
             ..ItemData::default()
         };
         self.bind(commands, slot, whom, place);
@@ -332,7 +330,7 @@ impl Crowns {
     }
 
     fn run(&self, commands: vk::CommandBuffer, data: &ItemData, groups: u32) {
-        super::run(&self.gpu, commands, &self.layout, data, groups);
+        super::run(&self.gpu, commands, &self.layout, data, [groups, 1]);
     }
 
     /// Copies the draws to where the processor sees them when the frame is done.
@@ -388,6 +386,7 @@ struct Shared<'a> {
     layout: &'a Layout,
     eyes: &'a [Buffer; SLOTS],
     sun: &'a [Buffer; SLOTS],
+    standings: &'a [Buffer; SLOTS],
     state: &'a Buffer,
     list: &'a Buffer,
 }
@@ -411,19 +410,25 @@ impl Room {
             count,
             &[
                 (vk::DescriptorType::UNIFORM_BUFFER, count),
-                (vk::DescriptorType::STORAGE_BUFFER, 5 * count),
+                (vk::DescriptorType::STORAGE_BUFFER, 6 * count),
             ],
         )?;
         let first = shared.layout.sets.first().copied().unwrap_or_default();
-        let set = |views: &Buffer| {
+        let set = |slot: usize, views: &Buffer| {
             let set = pool.set(first)?;
             write_uniform(gpu, set, views);
-            let storage = [shared.state, &marks, &sums, shared.list, &draws];
+            let standing = &shared.standings[slot];
+            let storage = [shared.state, &marks, &sums, shared.list, standing, &draws];
             write_set(gpu, set, 1, &storage);
             Ok::<_, RenderError>(set)
         };
-        let both =
-            |slot: usize| Ok::<_, RenderError>([set(&shared.eyes[slot])?, set(&shared.sun[slot])?]);
+        let both = |slot: usize| {
+            let both = [
+                set(slot, &shared.eyes[slot])?,
+                set(slot, &shared.sun[slot])?,
+            ];
+            Ok::<_, RenderError>(both)
+        };
         Ok(Self {
             groups,
             items,
