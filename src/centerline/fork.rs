@@ -8,10 +8,10 @@
 use glam::{DMat3, DVec3};
 
 use super::line::Sample;
-use super::skin::{Ball, WallPoint};
+use super::skin::Ball;
 use super::solids::Solids;
 use super::spline::{Knot, Smooth, smooth};
-use super::tube::Tube;
+use super::tube::{Tube, Wall};
 
 /// A line between two forks or from a fork to an end.
 #[derive(Clone, Debug)]
@@ -322,8 +322,8 @@ impl Network {
         self.towards_forks(leave_solids);
         self.keep_own();
         // Tubes are followed as far as there is wall.
-        let mut scratch = Vec::new();
-        self.towards_forks(|samples, ball| follow(solids, samples, ball, &mut scratch));
+        let mut wall = Wall::default();
+        self.towards_forks(|samples, ball| follow(solids, samples, ball, &mut wall));
         self.end(solids);
         for _ in 0..ROUNDS {
             self.settle();
@@ -468,7 +468,7 @@ fn leave_solids(samples: &mut Vec<Sample>, fork: Ball) {
 }
 
 /// Follows the tube at the end of a line, which is within a ball.
-fn follow(solids: &Solids<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &mut Vec<WallPoint>) {
+fn follow(solids: &Solids<'_>, samples: &mut Vec<Sample>, end: Ball, wall: &mut Wall) {
     let Some(first) = samples
         .iter()
         .rposition(|sample| sample.tube.is_some() && sample.spread.is_finite())
@@ -501,7 +501,7 @@ fn follow(solids: &Solids<'_>, samples: &mut Vec<Sample>, end: Ball, scratch: &m
         if (guess.point - end.centre).dot(guess.tangent) > 0.25 * end.radius {
             break;
         }
-        let Some(next) = super::tube::follow(solids.skin(part), &guess, scratch) else {
+        let Some(next) = super::tube::follow(solids.skin(part), &guess, wall) else {
             break;
         };
         if (next.radius / radius - 1.0).abs() > WIDER {

@@ -6,9 +6,9 @@
 use glam::DVec3;
 
 use super::ball;
-use super::skin::{Ball, WallPoint};
+use super::skin::Ball;
 use super::solids::Solids;
-use super::tube::{Tube, fit, fit_again};
+use super::tube::{Tube, Wall, fit, fit_again};
 
 /// A point of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,13 +59,13 @@ const MOST: usize = 1 << 12;
 /// The line of a way of balls.
 pub(super) fn centred(solids: &Solids<'_>, balls: &[Ball]) -> Vec<Sample> {
     let mut way = without_outliers(balls);
-    let mut scratch = Vec::new();
+    let mut wall = Wall::default();
     let mut line = Vec::new();
     let most = (PER_BALL * way.len()).clamp(FEW, MOST);
     for (spacing, again) in [(SPACING[0], false), (SPACING[1], true)] {
         line = spread(&way, spacing, most)
             .into_iter()
-            .map(|place| sample(solids, place, again, &mut scratch))
+            .map(|place| sample(solids, place, again, &mut wall))
             .collect();
         without_returns(&mut line);
         way = line
@@ -172,7 +172,7 @@ fn sample(
     solids: &Solids<'_>,
     (place, tangent): (Ball, DVec3),
     again: bool,
-    scratch: &mut Vec<WallPoint>,
+    wall: &mut Wall,
 ) -> Sample {
     let Ball {
         centre: point,
@@ -182,8 +182,8 @@ fn sample(
     let skin = solids.skin(part);
     let guess = Tube::guess(point, tangent, DVec3::ZERO, radius);
     let (tube, look) = match again {
-        false => (fit(skin, &guess, scratch), ball::FIRST),
-        true => (fit_again(skin, &guess, scratch), ball::AGAIN),
+        false => (fit(skin, &guess, wall), ball::FIRST),
+        true => (fit_again(skin, &guess, wall), ball::AGAIN),
     };
     if let Some(tube) = tube
         && tube.is_whole()

@@ -62,12 +62,9 @@ pub(super) fn refined(skin: &Skin<'_>, mut radii: Vec<f32>) -> Option<Mesh> {
         if middles.is_empty() || coarse.len() + fine.len() + 2 * middles.len() > most {
             break;
         }
-        coarse = coarse
-            .iter()
-            .flat_map(|face| cut(*face, &middles))
-            .collect();
         // What is fine is cut only where its neighbours are, and stays fine.
-        fine = fine.iter().flat_map(|face| cut(*face, &middles)).collect();
+        coarse = all_cut(&coarse, &middles, positions.len());
+        fine = all_cut(&fine, &middles, positions.len());
     }
     coarse.extend(fine);
     Some(Mesh {
@@ -92,17 +89,37 @@ fn is_long(positions: &[Vec3], radii: &[f32], edge: [u32; 2], radii_long: f32) -
     positions[one].distance(positions[other]) > radii_long * radius
 }
 
+/// Triangles cut at the middles of their edges that have one; there are so many vertices.
+fn all_cut(faces: &[[u32; 3]], middles: &HashMap<[u32; 2], u32>, vertices: usize) -> Vec<[u32; 3]> {
+    // Most triangles have none: what no edge with a middle ends at is not looked up.
+    let mut ends = vec![false; vertices];
+    for vertex in middles.keys().flatten() {
+        ends[*vertex as usize] = true;
+    }
+    let mut all = Vec::with_capacity(faces.len() + 3 * middles.len());
+    for face in faces {
+        if face.iter().filter(|one| ends[**one as usize]).count() < 2 {
+            all.push(*face);
+        } else {
+            cut(*face, middles, &mut all);
+        }
+    }
+    all
+}
+
 /// A triangle cut at the middles of its edges that have one.
-fn cut([a, b, c]: [u32; 3], middles: &HashMap<[u32; 2], u32>) -> Vec<[u32; 3]> {
+fn cut([a, b, c]: [u32; 3], middles: &HashMap<[u32; 2], u32>, into: &mut Vec<[u32; 3]>) {
     let middle = |one, other| middles.get(&edge(one, other)).copied();
     match [middle(a, b), middle(b, c), middle(c, a)] {
-        [None, None, None] => vec![[a, b, c]],
-        [Some(p), None, None] => vec![[a, p, c], [p, b, c]],
-        [None, Some(q), None] => vec![[b, q, a], [q, c, a]],
-        [None, None, Some(r)] => vec![[c, r, b], [r, a, b]],
-        [Some(p), Some(q), None] => vec![[p, b, q], [a, p, q], [a, q, c]],
-        [None, Some(q), Some(r)] => vec![[q, c, r], [b, q, r], [b, r, a]],
-        [Some(p), None, Some(r)] => vec![[r, a, p], [c, r, p], [c, p, b]],
-        [Some(p), Some(q), Some(r)] => vec![[a, p, r], [p, b, q], [r, q, c], [p, q, r]],
+        [None, None, None] => into.push([a, b, c]),
+        [Some(p), None, None] => into.extend([[a, p, c], [p, b, c]]),
+        [None, Some(q), None] => into.extend([[b, q, a], [q, c, a]]),
+        [None, None, Some(r)] => into.extend([[c, r, b], [r, a, b]]),
+        [Some(p), Some(q), None] => into.extend([[p, b, q], [a, p, q], [a, q, c]]),
+        [None, Some(q), Some(r)] => into.extend([[q, c, r], [b, q, r], [b, r, a]]),
+        [Some(p), None, Some(r)] => into.extend([[r, a, p], [c, r, p], [c, p, b]]),
+        [Some(p), Some(q), Some(r)] => {
+            into.extend([[a, p, r], [p, b, q], [r, q, c], [p, q, r]]);
+        }
     }
 }

@@ -10,8 +10,12 @@
 //! In forks half of the wall is missing, and what is left fits many tubes. There the next tube is [followed](follow): it is expected to go
 //! on as the last one, and the wall that is left says how it differs.
 
+mod wall;
+
 use glam::DVec3;
 
+pub(super) use self::wall::Wall;
+use self::wall::{Counted, Look, SECTORS};
 use super::skin::{Skin, WallPoint};
 use crate::tree::solve::solve;
 
@@ -81,11 +85,6 @@ const DENSE: f64 = 18.0;
 const MIDDLES: f64 = 0.5;
 /// Points that are enough.
 const ENOUGH: usize = 256;
-/// Classes in which deviations are counted for their median.
-const CLASSES: usize = 128;
-/// Sectors in which wall is looked for, of 15 degrees each; tangents of 15 and 30 degrees.
-const SECTORS: usize = 24;
-const TANGENTS: [f64; 2] = [0.267_949_192_431_122_7, 0.577_350_269_189_625_8];
 
 impl Tube {
     /// A guess of one.
@@ -110,21 +109,17 @@ impl Tube {
 }
 
 /// Fits a tube about a guess. None where there is no such tube.
-pub(super) fn fit(skin: &Skin<'_>, guess: &Tube, scratch: &mut Vec<WallPoint>) -> Option<Tube> {
-    fit_long(skin, guess, &ROUNDS, scratch)
+pub(super) fn fit(skin: &Skin<'_>, guess: &Tube, wall: &mut Wall) -> Option<Tube> {
+    fit_long(skin, guess, &ROUNDS, wall)
 }
 
 /// The same about a guess that was such a fit, and in a shorter window, too.
-pub(super) fn fit_again(
-    skin: &Skin<'_>,
-    guess: &Tube,
-    scratch: &mut Vec<WallPoint>,
-) -> Option<Tube> {
-    let long = fit_long(skin, guess, &AGAIN, scratch)?;
+pub(super) fn fit_again(skin: &Skin<'_>, guess: &Tube, wall: &mut Wall) -> Option<Tube> {
+    let long = fit_long(skin, guess, &AGAIN, wall)?;
     if !long.is_whole() {
         return Some(long);
     }
-    let short = fit_in(skin, &long, SHORT, &AGAIN, scratch);
+    let short = fit_in(skin, &long, SHORT, &AGAIN, wall);
     let is_better = |short: &Tube| {
         short.is_whole()
             && short.along > SPREAD * SHORT
@@ -134,17 +129,12 @@ pub(super) fn fit_again(
 }
 
 /// A fit in a window that is long enough.
-fn fit_long(
-    skin: &Skin<'_>,
-    guess: &Tube,
-    rounds: &[f64],
-    scratch: &mut Vec<WallPoint>,
-) -> Option<Tube> {
+fn fit_long(skin: &Skin<'_>, guess: &Tube, rounds: &[f64], wall: &mut Wall) -> Option<Tube> {
     let mut window = WINDOW;
-    let mut tube = fit_in(skin, guess, window, rounds, scratch)?;
+    let mut tube = fit_in(skin, guess, window, rounds, wall)?;
     while tube.along < SPREAD * window && window < WINDOW_MOST {
         window *= 2.0;
-        tube = fit_in(skin, guess, window, rounds, scratch)?;
+        tube = fit_in(skin, guess, window, rounds, wall)?;
     }
     Some(tube)
 }
@@ -154,14 +144,14 @@ fn fit_in(
     guess: &Tube,
     window: f64,
     rounds: &[f64],
-    scratch: &mut Vec<WallPoint>,
+    wall: &mut Wall,
 ) -> Option<Tube> {
-    let round = Round::new(skin, guess, [window; 2], scratch);
+    let round = Round::new(skin, guess, [window; 2], wall);
     let mut tube = *guess;
     let mut median = f64::INFINITY;
     for most in rounds {
         let tolerance = (MEDIANS * median).clamp(round.least.min(*most), *most);
-        median = round.improve(&mut tube, tolerance, scratch, None)?;
+        median = round.improve(&mut tube, tolerance, wall, None)?;
         let is_near = tube.point.distance(guess.point) < 1.2 * guess.radius;
         if !(is_near && tube.radius > 0.3 * guess.radius && tube.radius < 2.5 * guess.radius) {
             return None;
@@ -171,7 +161,7 @@ fn fit_in(
     for _ in 0..ROUNDS_OF_RADIUS {
         let tolerance = (MEDIANS_OF_RADIUS * median).clamp(round.least, 0.08);
         let last = narrow.radius;
-        median = round.improve(&mut narrow, tolerance, scratch, None)?;
+        median = round.improve(&mut narrow, tolerance, wall, None)?;
         if (narrow.radius - last).abs() < SETTLED * last {
             break;
         }
@@ -181,17 +171,13 @@ fn fit_in(
 }
 
 /// A tube where one is expected, whose tangent leads on, by what of its wall is left.
-pub(super) fn follow(
-    skin: &Skin<'_>,
-    expected: &Tube,
-    scratch: &mut Vec<WallPoint>,
-) -> Option<Tube> {
-    let round = Round::new(skin, expected, [WINDOW, AHEAD], scratch);
+pub(super) fn follow(skin: &Skin<'_>, expected: &Tube, wall: &mut Wall) -> Option<Tube> {
+    let round = Round::new(skin, expected, [WINDOW, AHEAD], wall);
     let mut tube = *expected;
     let mut median = f64::INFINITY;
     for most in FOLLOWED {
         let tolerance = (MEDIANS * median).clamp(round.least.min(most), most);
-        median = round.improve(&mut tube, tolerance, scratch, Some(expected))?;
+        median = round.improve(&mut tube, tolerance, wall, Some(expected))?;
     }
     (tube.fits > FITS_LEAST).then_some(tube)
 }
@@ -207,12 +193,7 @@ struct Round {
 }
 
 impl Round {
-    fn new(
-        skin: &Skin<'_>,
-        guess: &Tube,
-        [behind, ahead]: [f64; 2],
-        scratch: &mut Vec<WallPoint>,
-    ) -> Self {
+    fn new(skin: &Skin<'_>, guess: &Tube, [behind, ahead]: [f64; 2], wall: &mut Wall) -> Self {
         let unit = guess.radius;
         let most = 1.6_f64.hypot(behind) * unit;
         let is_in_window = |point: &WallPoint| {
@@ -220,28 +201,28 @@ impl Round {
             straight > -behind - AROUND && straight < ahead + AROUND
         };
         // Where vertices were few a step before, they are most likely here.
-        let few = scratch.iter().any(|point| point.is_middle);
+        let points = &mut wall.points;
+        let few = points.iter().any(|point| point.is_middle);
         for middles in [Some(MIDDLES).filter(|_| few), Some(MIDDLES)] {
-            skin.points_within(guess.point, most, middles, scratch);
-            scratch.retain(is_in_window);
-            let vertices = scratch.iter().filter(|point| !point.is_middle).count();
+            skin.points_within(guess.point, most, middles, points);
+            points.retain(is_in_window);
+            let vertices = points.iter().filter(|point| !point.is_middle).count();
             if vertices as f64 >= DENSE * (behind + ahead) {
-                scratch.retain(|point| !point.is_middle);
+                points.retain(|point| !point.is_middle);
                 break;
             }
             if middles.is_some() {
                 break;
             }
         }
-        thin(scratch);
+        thin(points);
+        let has_middles = points.iter().any(|point| point.is_middle);
+        wall.line_up();
         Self {
             window: [-behind * unit, ahead * unit],
             unit,
             // Vertices and middles lie on two tubes, and both are to count.
-            least: match scratch.iter().any(|point| point.is_middle) {
-                true => LEAST_OF_MIDDLES,
-                false => LEAST,
-            },
+            least: if has_middles { LEAST_OF_MIDDLES } else { LEAST },
         }
     }
 
@@ -250,61 +231,33 @@ impl Round {
         &self,
         tube: &mut Tube,
         tolerance: f64,
-        points: &[WallPoint],
+        wall: &mut Wall,
         expected: Option<&Tube>,
     ) -> Option<f64> {
         let unit = self.unit;
         let tangent = tube.tangent;
         let across = tangent.any_orthonormal_vector();
         let other = tangent.cross(across);
-        let mut matrix = [[0.0; 8]; 8];
-        let mut right = [0.0; 8];
-        let (mut area, mut fitting, mut squares, mut count) = (0.0, 0.0, 0.0, 0);
-        let mut sectors = [0.0; SECTORS];
-        let mut offs = Classes([0.0; CLASSES]);
-        for point in points {
-            let from = point.position - tube.point;
-            let straight = from.dot(tangent);
-            // To the nearest point of the bent axis: exact enough after one step.
-            let along = straight / (1.0 - tube.bend.dot(from)).max(0.3);
-            let radial = from - along * tangent - along * along / 2.0 * tube.bend;
-            let distance = radial.length();
-            let is_wall = straight >= self.window[0]
-                && straight <= self.window[1]
-                && distance > 0.3 * tube.radius
-                && distance < 1.7 * tube.radius
-                && radial.dot(point.normal) > 0.4 * distance;
-            if !is_wall {
-                continue;
-            }
-            area += point.area;
-            let off = (distance - tube.radius - tube.taper * along) / unit;
-            let weight = 1.0 - (off / tolerance).powi(2);
-            if weight <= 0.0 {
-                continue;
-            }
-            offs.add(off.abs() / tolerance, point.area);
-            fitting += point.area * weight.sqrt();
-            let weight = point.area * weight * weight;
-            let (x, y) = (radial.dot(across) / distance, radial.dot(other) / distance);
-            let z = along / unit;
-            let half = z * z / 2.0;
-            let row = [x, y, x * z, y * z, x * half, y * half, 1.0, z];
-            for i in 0..8 {
-                for j in 0..=i {
-                    matrix[i][j] += weight * row[i] * row[j];
-                }
-                right[i] += weight * row[i] * off;
-            }
-            squares += weight * off * off;
-            sectors[sector(x, y)] += weight;
-            count += 1;
-        }
-        let total: f64 = sectors.iter().sum();
+        let Counted {
+            points,
+            area,
+            fitting,
+            median,
+            sectors,
+        } = wall.weigh(&Look {
+            tube,
+            axes: [across, other],
+            window: self.window,
+            unit,
+            tolerance,
+        });
+        let moments = wall.moments();
+        let (mut matrix, mut right) = moments.equations();
+        let [total, first, second] = moments.along();
         let with_wall = sectors
             .iter()
             .filter(|sector| **sector * SECTORS as f64 > 0.1 * total);
-        if count < FEWEST || expected.is_some() && with_wall.count() < SECTORS_FEWEST {
+        if points < FEWEST || expected.is_some() && with_wall.count() < SECTORS_FEWEST {
             return None;
         }
         let changed = expected.map(|expected| {
@@ -342,12 +295,12 @@ impl Round {
         tube.bend -= tube.bend.dot(tube.tangent) * tube.tangent;
         tube.radius += radius * unit;
         tube.taper += taper;
-        tube.deviation = (squares / total).sqrt();
+        tube.deviation = (moments.squares / total).sqrt();
         tube.fits = fitting / area;
-        let [first, second] = [matrix[7][6], matrix[7][7]].map(|moment| moment / total);
+        let (first, second) = (first / total, second / total);
         tube.along = (second - first * first).max(0.0).sqrt();
         tube.gap = gap(&sectors, 0.1 * total);
-        Some(tolerance * offs.median())
+        Some(median)
     }
 }
 
@@ -356,51 +309,6 @@ fn thin(points: &mut Vec<WallPoint>) {
     let keep = u32::try_from(points.len() / ENOUGH).unwrap_or(u32::MAX);
     if keep > 1 {
         points.retain(|point| (point.number.wrapping_mul(0x9E37_79B9) >> 8).is_multiple_of(keep));
-    }
-}
-
-/// Weights of values between 0 and 1, counted in classes.
-struct Classes([f64; CLASSES]);
-
-impl Classes {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number of classes"
-    )]
-    fn add(&mut self, value: f64, weight: f64) {
-        self.0[((value * CLASSES as f64) as usize).min(CLASSES - 1)] += weight;
-    }
-
-    /// The median, as if values were spread evenly within their class.
-    fn median(&self) -> f64 {
-        let half = self.0.iter().sum::<f64>() / 2.0;
-        let mut sum = 0.0;
-        for (class, weight) in self.0.iter().enumerate() {
-            if *weight > 0.0 && sum + weight >= half {
-                return (class as f64 + (half - sum) / weight) / CLASSES as f64;
-            }
-            sum += weight;
-        }
-        f64::INFINITY
-    }
-}
-
-/// The sector that a direction is in. (By its angle, the arcus tangent took a twentieth of all the time.)
-fn sector(x: f64, y: f64) -> usize {
-    let (long, short) = (x.abs().max(y.abs()), x.abs().min(y.abs()));
-    let from_axis = TANGENTS.iter().filter(|tangent| short > **tangent * long);
-    let from_axis = from_axis.count();
-    let from_x = if y.abs() > x.abs() {
-        5 - from_axis
-    } else {
-        from_axis
-    };
-    match (x < 0.0, y < 0.0) {
-        (false, false) => from_x,
-        (true, false) => 11 - from_x,
-        (true, true) => 12 + from_x,
-        (false, true) => 23 - from_x,
     }
 }
 
