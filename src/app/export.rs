@@ -97,6 +97,25 @@ pub fn drawing_with(
     stand(&Stand::of(&name, tree, organs, params), path)
 }
 
+/// Whether a file can be made of all that is to stand in it, asked before anything is written.
+///
+/// # Errors
+/// [`ExportError`].
+pub fn check(stand: &Stand<'_>, path: &Path) -> Result<(), ExportError> {
+    match Format::of(path)? {
+        Format::Glb => export::Glb::check(stand)?,
+        Format::Usd => export::Usd::check(stand)?,
+        Format::Ply => export::Ply::check(stand)?,
+        Format::Obj => export::Obj::check(stand)?,
+        Format::Swc => {
+            if let Some(one) = stand.trees.first() {
+                export::Swc::new(one.tree)?;
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Writes all that is to stand in one file, whole or not at all. SWC holds the first tree alone.
 ///
 /// # Errors

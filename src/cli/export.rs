@@ -20,7 +20,7 @@ use crate::tree::foliage::Season;
 use crate::tree::vary::Spread;
 use crate::world::scene::weather::Light;
 use extras::{ExtraArgs, Growth};
-use files::{All, File, Format, Told, files};
+use files::{All, File, Format, Told, counted, files};
 use source::{Source, source, spread};
 
 mod coarse;
@@ -176,7 +176,7 @@ struct Done {
 
 /// The individuals and the files of each, if all may be asked for and written.
 fn planned(args: &Args, source: &Source, spread: Spread) -> Result<(Vec<Shoot>, Vec<Vec<File>>)> {
-    let first = args.seed.unwrap_or_else(|| source.seed());
+    let first = args.seed.unwrap_or_else(|| source.seed(args));
     let Some(last) = first.checked_add(u64::from(args.count) - 1) else {
         bail!(
             "seeds end at {}: take a smaller --seed or --count",
@@ -221,7 +221,7 @@ fn planned(args: &Args, source: &Source, spread: Spread) -> Result<(Vec<Shoot>, 
     not_over_each_other(Some(&args.file), all().map(PathBuf::as_path), None)?;
     if !args.dry_run {
         ensure!(
-            !args.out.is_file(),
+            args.out.is_dir() || !args.out.exists(),
             "{} is a file: name a folder with --out",
             args.out.display()
         );
@@ -295,17 +295,16 @@ fn finish(args: &Args, done: Done, seconds: f64) -> Result<()> {
     } else {
         "written"
     };
-    let several = if told.len() == 1 { "file" } else { "files" };
+    let files = counted(told.len() as u64, "file");
+    let triangles = counted(triangles, "triangle");
     let sheet = args.sheet.as_ref().map_or_else(String::new, |path| {
         let shown = match args.extra.growth {
-            Some(Growth::Sequence) => "steps",
-            _ => "individuals",
+            Some(Growth::Sequence) => "step",
+            _ => "individual",
         };
-        format!(" and a picture of {drawn} {shown}, {},", path.display())
+        let shown = counted(drawn as u64, shown);
+        format!(" and a picture of {shown}, {},", path.display())
     });
-    tell!(
-        "{} {several} of {triangles} triangles{sheet} {what} in {seconds:.1} s",
-        told.len()
-    );
+    tell!("{files} of {triangles}{sheet} {what} in {seconds:.1} s");
     Ok(())
 }

@@ -40,6 +40,7 @@ mod workshop;
 use std::io::{BufWriter, ErrorKind, IsTerminal as _, StdoutLock, Write as _};
 use std::process::ExitCode;
 
+use anyhow::{Result, ensure};
 use clap::{Parser, Subcommand};
 
 use crate::app::sentence;
@@ -112,7 +113,32 @@ pub fn run() -> ExitCode {
     ramus_xr::openxr::quiet_loader();
     log_to_standard_error();
     let cli = Cli::parse();
-    let result = match cli.command {
+    let result = check_threads().and_then(|()| started(cli));
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // A closed pipe on standard error leaves nobody to tell.
+            let _ = writeln!(std::io::stderr(), "ramus: {}", sentence(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Threads that may be asked for: each takes time and memory to begin, and hundreds of thousands take all of it.
+const THREADS_MOST: usize = 1024;
+
+fn check_threads() -> Result<()> {
+    let asked = std::env::var("RAYON_NUM_THREADS").unwrap_or_default();
+    let asked: usize = asked.parse().unwrap_or(0);
+    ensure!(
+        asked <= THREADS_MOST,
+        "RAYON_NUM_THREADS asks for {asked} threads: set it to {THREADS_MOST} at most, or leave it unset for as many as there are cores"
+    );
+    Ok(())
+}
+
+fn started(cli: Cli) -> Result<()> {
+    match cli.command {
         None => workshop::run(&cli.workshop),
         Some(Command::Record(args)) => workshop::record(args),
         Some(Command::Replay(args)) => replay::run(&args),
@@ -127,14 +153,6 @@ pub fn run() -> ExitCode {
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Study(args)) => study::run(&args),
         Some(Command::Doctor) => doctor::run(),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            // A closed pipe on standard error leaves nobody to tell.
-            let _ = writeln!(std::io::stderr(), "ramus: {}", sentence(&error));
-            ExitCode::FAILURE
-        }
     }
 }
 
@@ -145,7 +163,7 @@ pub fn run() -> ExitCode {
 fn print_result(
     what: &str,
     write: impl FnOnce(&mut BufWriter<StdoutLock<'_>>) -> std::io::Result<()>,
-) -> anyhow::Result<()> {
+) -> Result<()> {
     let mut out = BufWriter::new(std::io::stdout().lock());
     match write(&mut out).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

@@ -54,9 +54,11 @@ impl Detail {
         self.within + (radius + self.within / 4.0) * (1.0 - half_corner.cos())
     }
 
-    /// The finest detail whose drawing has no more triangles than a budget, with that drawing; none where not even the coarsest has.
-    #[must_use]
-    pub fn of_budget(drawing: &Drawing, triangles: u64) -> Option<(Self, Drawing)> {
+    /// The finest detail whose drawing has no more triangles than a budget, with that drawing.
+    ///
+    /// # Errors
+    /// How many the coarsest has, where not even that is within the budget.
+    pub fn of_budget(drawing: &Drawing, triangles: u64) -> Result<(Self, Drawing), u64> {
         let size = size(&drawing.tree);
         let fits = |detail: &Self| {
             let coarse = coarser(drawing, detail.within);
@@ -64,12 +66,13 @@ impl Detail {
         };
         for sides in [8, 6, 5] {
             if let Some(fine) = fits(&Self { within: 0.0, sides }) {
-                return Some(fine);
+                return Ok(fine);
             }
         }
         let mut best = None;
         // Of the tree's size, as powers of two.
-        let (mut fine, mut coarse) = (-20.0_f32, 8.0_f32);
+        const COARSEST: f32 = 8.0;
+        let (mut fine, mut coarse) = (-20.0_f32, COARSEST);
         for _ in 0..18 {
             let middle = f32::midpoint(fine, coarse);
             let within = size * middle.exp2();
@@ -78,7 +81,7 @@ impl Detail {
                 None => fine = middle,
             }
         }
-        best
+        best.ok_or_else(|| triangles_of(&coarser(drawing, size * COARSEST.exp2()), 3))
     }
 }
 

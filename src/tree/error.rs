@@ -101,15 +101,15 @@ pub enum TreeError {
     ManyRoots(usize),
     /// The file would be larger than its format (or memory) allows.
     #[error(
-        "{segments} segments with {sides} sides may make a {format} file of more than 4 GiB: take fewer steps, or write the skeleton as SWC"
+        "a {format} file of this may take up to {:.1} GB, and is written up to {:.1} GB: take fewer steps or trees, or a coarser level of detail",
+        gigabytes(*.bytes),
+        gigabytes(super::export::MOST_BYTES)
     )]
     TooLarge {
         /// Format's name.
         format: &'static str,
-        /// Number of segments.
-        segments: usize,
-        /// Corners of each ring.
-        sides: u32,
+        /// What it may take at most.
+        bytes: u64,
     },
     /// The machine did not give the memory.
     #[error(
@@ -141,4 +141,9 @@ pub enum TreeError {
         /// The file that was to be written.
         path: PathBuf,
     },
+}
+
+#[allow(clippy::cast_precision_loss, reason = "one digit is told")]
+fn gigabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1e9
 }

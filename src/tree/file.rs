@@ -2,7 +2,8 @@
 //!
 //! The bytes go to a new file in the same folder, are forced to the disk, and take the target's name in one step; then the
 //! folder's entry is forced too. Whatever fails on the way, and wherever the power goes, the path holds
-//! either the old file or the new one, and no litter stays behind.
+//! either the old file or the new one. Where the system has files without a name (Linux, on most disks) the new one has none until it is whole, so that
+//! no litter stays behind even where the program is ended from outside; elsewhere it has a name of its own for so long.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -52,8 +53,8 @@ pub fn check_place(path: &Path) -> Result<(), TreeError> {
     })
 }
 
-/// The file that a path leads to, and a new one beside it that may take its place.
-fn prepare(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
+/// The file that a path leads to, and that which is there.
+fn target(path: &Path) -> io::Result<(PathBuf, Option<fs::Metadata>)> {
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let old = match fs::metadata(&path) {
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
@@ -66,6 +67,18 @@ fn prepare(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
         // Replacing a device or a pipe by a file would break the system, not write to it.
         return Err(io::Error::other("a device or pipe has this name"));
     }
+    if old.as_ref().is_some_and(|old| old.permissions().readonly()) {
+        return Err(io::Error::new(
+            ErrorKind::PermissionDenied,
+            "the file is write-protected",
+        ));
+    }
+    Ok((path, old))
+}
+
+/// The file that a path leads to, and a new one beside it that may take its place.
+fn prepare(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
+    let (path, old) = target(path)?;
     let folder = folder_of(&path);
     let mut builder = tempfile::Builder::new();
     builder.prefix(".ramus-").suffix(".tmp");
@@ -74,31 +87,93 @@ fn prepare(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
     #[cfg(unix)]
     builder.permissions(ordinary);
     let file = builder.tempfile_in(&folder)?;
-    if let Some(old) = old.map(|old| old.permissions()) {
-        if old.readonly() {
-            return Err(io::Error::new(
-                ErrorKind::PermissionDenied,
-                "the file is write-protected",
-            ));
-        }
-        file.as_file().set_permissions(old)?;
+    if let Some(old) = old {
+        file.as_file().set_permissions(old.permissions())?;
     }
     Ok((path, file))
 }
 
 fn try_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let (path, mut file) = prepare(path)?;
-    let mut out = BufWriter::with_capacity(BUFFER, file.as_file_mut());
-    write(&mut out)?;
-    out.flush()?;
-    drop(out);
-    file.as_file().sync_all()?;
-    file.persist(&path).map_err(|failed| failed.error)?;
+    let (real, old) = target(path)?;
+    let path = if let Some(mut file) = unnamed::file_in(&folder_of(&real)) {
+        if let Some(old) = old {
+            file.set_permissions(old.permissions())?;
+        }
+        write_all(&mut file, write)?;
+        unnamed::name(&file, &real)?;
+        real
+    } else {
+        let (path, mut file) = prepare(path)?;
+        write_all(file.as_file_mut(), write)?;
+        file.persist(&path).map_err(|failed| failed.error)?;
+        path
+    };
     // The name itself is safe once the folder is; where a folder cannot be forced (Windows), the system does it in its time.
     if let Ok(folder) = File::open(folder_of(&path)) {
         let _ = folder.sync_all();
     }
     Ok(())
+}
+
+fn write_all(
+    file: &mut File,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(BUFFER, &mut *file);
+    write(&mut out)?;
+    out.flush()?;
+    drop(out);
+    file.sync_all()
+}
+
+/// Files that have no name until they are whole (open(2), O_TMPFILE).
+#[cfg(target_os = "linux")]
+mod unnamed {
+    use std::fs::File;
+    use std::io;
+    use std::os::fd::AsRawFd;
+    use std::path::Path;
+
+    use rustix::fs::{AtFlags, CWD, Mode, OFlags, linkat, open};
+
+    /// A new one in a folder; none where the disk has no such, or something is in the way that is told elsewhere.
+    pub(super) fn file_in(folder: &Path) -> Option<File> {
+        let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
+        // Less what the umask takes away.
+        let file = open(folder, flags, Mode::from_raw_mode(0o666)).ok()?;
+        // Names are given through this.
+        Path::new("/proc/self/fd").is_dir().then(|| file.into())
+    }
+
+    /// Gives it its name, in place of what has it. A name that is taken cannot be given: for a moment it has another one.
+    pub(super) fn name(file: &File, path: &Path) -> io::Result<()> {
+        let from = format!("/proc/self/fd/{}", file.as_raw_fd());
+        let link = |to: &Path| linkat(CWD, from.as_str(), CWD, to, AtFlags::SYMLINK_FOLLOW);
+        match link(path) {
+            Err(error) if error == rustix::io::Errno::EXIST => {}
+            done => return done.map_err(io::Error::from),
+        }
+        let beside = tempfile::Builder::new()
+            .prefix(".ramus-")
+            .suffix(".tmp")
+            .make_in(super::folder_of(path), |to| Ok(link(to)?))?;
+        beside.persist(path).map_err(|failed| failed.error)
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+mod unnamed {
+    use std::fs::File;
+    use std::io;
+    use std::path::Path;
+
+    pub(super) fn file_in(_: &Path) -> Option<File> {
+        None
+    }
+
+    pub(super) fn name(_: &File, _: &Path) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
 }
 
 /// The folder that holds a path.
@@ -153,6 +228,35 @@ mod tests {
             assert_eq!(fs::read(&path).unwrap(), bytes);
         }
         assert_eq!(names_in(folder.path()), ["ärger tree.ramus"], "no litter");
+    }
+
+    /// So nothing is left where the program is ended in the middle.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_has_no_name_until_it_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        if unnamed::file_in(folder.path()).is_none() {
+            println!("skipped: this disk has no files without a name (O_TMPFILE)");
+            return;
+        }
+        let path = folder.path().join("tree.glb");
+        for (number, before) in [vec![], vec!["tree.glb".to_owned()]].iter().enumerate() {
+            let bytes = [u8::try_from(number).unwrap(); 1_000_000];
+            write_atomically_with(&path, |out| {
+                out.write_all(&bytes)?;
+                assert_eq!(names_in(folder.path()), *before);
+                Ok(())
+            })
+            .unwrap();
+            assert_eq!(fs::read(&path).unwrap(), bytes);
+        }
+        let failed = write_atomically_with(&path, |out| {
+            out.write_all(b"half of it")?;
+            Err(ErrorKind::Interrupted.into())
+        });
+        assert!(failed.is_err());
+        assert_eq!(fs::read(&path).unwrap(), [1; 1_000_000]);
+        assert_eq!(names_in(folder.path()), ["tree.glb"]);
     }
 
     #[cfg(unix)]

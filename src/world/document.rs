@@ -381,6 +381,9 @@ pub enum EditError {
         grove::FARTHEST
     )]
     PlantPlace,
+    /// A planted tree's turn is none.
+    #[error("a planted tree is turned by {0} degrees: give 0 to 360")]
+    PlantTurn(f64),
     /// A planted tree that no grove has.
     #[error(
         "a planted tree must be one of {} individuals of a kind that is there, {} to {} times as large as it grew",

@@ -79,8 +79,11 @@ impl Plant {
     /// Where a number is not finite or out of bounds.
     fn validate(&self, kinds: usize) -> Result<(), EditError> {
         let near = self.at.is_finite() && self.at.abs().max_element() <= FARTHEST;
-        if !near || !(0.0..=360.0).contains(&self.yaw_deg) {
+        if !near {
             return Err(EditError::PlantPlace);
+        }
+        if !(0.0..=360.0).contains(&self.yaw_deg) {
+            return Err(EditError::PlantTurn(self.yaw_deg));
         }
         let [least, most] = SIZES;
         let known = self.kind.is_none_or(|kind| usize::from(kind) < kinds);

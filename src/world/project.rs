@@ -278,6 +278,8 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Document, ProjectError> {
     if bytes.len() > MAX_BYTES {
         return Err(ProjectError::TooLarge(bytes.len()));
     }
+    // Some editors put a mark of the encoding before the text.
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     let head: Head = match serde_json::from_slice(bytes) {
         Ok(head) => head,
         // A file that is cut off still begins like a project.

@@ -300,7 +300,7 @@ fn what_cannot_be_exported_is_said_in_a_sentence() {
             PathBuf::from(HONDA),
             &out,
             ["--format=glb", "--triangles=3"],
-            "so few triangles",
+            "it has 12 triangles at least, and 3 were asked for",
         ),
         (
             PathBuf::from(HONDA),
@@ -428,4 +428,68 @@ fn individuals_of_a_species_are_those_of_its_seeds() {
     assert_eq!(three.len(), 3);
     assert!(three[0] != three[1] && three[1] != three[2]);
     assert_eq!(swc(&["--seed", "5"], "one"), [three[1].clone()]);
+}
+
+#[test]
+fn a_sketch_alone_is_told_with_its_own_seed_which_grows_it_again() {
+    let folder = folder();
+    let oak = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/species/oak.ramus");
+    let of = |options: &[&str]| {
+        let options: Vec<&str> = ["--format", "glb", "--dry-run"]
+            .iter()
+            .chain(options)
+            .copied()
+            .collect();
+        let told = told(&mut export(Path::new(oak), folder.path(), &options));
+        (count(&told[0], "seed"), count(&told[0], "triangles"))
+    };
+    let (seed, triangles) = of(&[]);
+    assert!(seed != 0);
+    assert_eq!(of(&["--seed", &seed.to_string()]), (seed, triangles));
+    assert!(of(&["--seed", "0"]).1 != triangles);
+}
+
+#[test]
+fn files_that_would_be_too_large_are_refused_before_anything_is_written() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    for dry in [true, false] {
+        let mut options = vec![
+            "--steps", "18", "--count", "2", "--grove", "--format", "usda",
+        ];
+        options.extend(dry.then_some("--dry-run"));
+        let output = export(Path::new(HONDA), &out, &options).output().unwrap();
+        refused(
+            &output,
+            &[
+                "a USD file of this may take up to 4.6 GB",
+                "written up to 4.3 GB",
+                "a coarser level of detail",
+            ],
+        );
+    }
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 0);
+}
+
+#[test]
+fn a_mark_of_the_encoding_is_no_damage_and_the_fewest_triangles_are_told() {
+    let folder = folder();
+    let fern = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/species/fern.ramus");
+    let marked = folder.path().join("fern.ramus");
+    let project = fs::read_to_string(fern).unwrap();
+    fs::write(&marked, format!("\u{feff}{project}")).unwrap();
+    let out = folder.path().join("out");
+    let of = |triangles: &str| {
+        let options = ["--format", "glb", "--dry-run", "--triangles", triangles];
+        export(&marked, &out, &options).output().unwrap()
+    };
+    let few = of("2");
+    refused(
+        &few,
+        &["triangles at least, and 2 were asked for: give --triangles"],
+    );
+    let said = text(&few.stderr);
+    let least = said.split("it has ").nth(1).unwrap();
+    let least = least.split(' ').next().unwrap();
+    assert!(of(least).status.success(), "{least}");
 }

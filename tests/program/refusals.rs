@@ -355,3 +355,22 @@ fn options_of_the_workshop_do_not_mix_with_other_commands() {
         assert!(said.contains("cannot be used with"), "{args:?}: {said}");
     }
 }
+
+#[test]
+fn more_threads_than_machines_have_are_refused() {
+    let with = |threads: &str| {
+        let mut command = ramus();
+        command.arg("derive").arg(HONDA).args(["--steps", "4"]);
+        command.env("RAYON_NUM_THREADS", threads);
+        command
+    };
+    let output = with("99999999").output().unwrap();
+    refused(
+        &output,
+        &["RAYON_NUM_THREADS asks for 99999999 threads: set it to 1024 at most"],
+    );
+    // What is no number counts for nothing, as ever.
+    for threads in ["3", "0", "", "many"] {
+        succeed(&mut with(threads));
+    }
+}

@@ -22,9 +22,9 @@ pub(super) fn coarse(args: &Args, drawing: &Arc<Drawing>, level: Option<u32>) ->
     let name = args.file.display();
     let (detail, coarse) = match args.triangles {
         Some(budget) => {
-            let (detail, coarse) = Detail::of_budget(drawing, budget).ok_or_else(|| {
+            let (detail, coarse) = Detail::of_budget(drawing, budget).map_err(|least| {
                 anyhow!(
-                    "{name}: no tree has so few triangles as {budget}: give a larger --triangles"
+                    "{name}: it has {least} triangles at least, and {budget} were asked for: give --triangles {least} or more"
                 )
             })?;
             (detail, Arc::new(coarse))

@@ -133,8 +133,8 @@ pub(super) fn surface(format: Format, coarse: &Coarse, extras: &Extras) -> u64 {
             (32 + wind + morphs) * vertices + 12 * triangles + 32 * instances
         }
         Format::Ply => 35 * vertices + 13 * triangles,
-        Format::Usda => 88 * vertices + 27 * triangles + 95 * instances,
-        Format::Obj => 75 * vertices + 45 * triangles,
+        Format::Usda => 97 * vertices + 30 * triangles + 105 * instances,
+        Format::Obj => 86 * vertices + 51 * triangles,
         Format::Swc | Format::Lsys => 0,
     }
 }

@@ -89,12 +89,13 @@ pub(super) struct All<'a> {
 pub(super) fn line(told: &Told) -> String {
     let mut line = format!("{}: ", told.file.display());
     if let Some(trees) = told.trees {
-        line += &format!("{trees} trees, ");
+        line += &format!("{}, ", counted(trees.into(), "tree"));
     }
-    line += &format!("{} segments", told.segments);
+    line += &counted(told.segments as u64, "segment");
     if let (Some(triangles), Some(bound)) = (told.triangles, told.bound) {
         line += &format!(
-            ", {triangles} triangles, off by {:.2} mm at most",
+            ", {}, off by {:.2} mm at most",
+            counted(triangles, "triangle"),
             1e3 * bound
         );
     }
@@ -152,4 +153,10 @@ pub(super) fn files(args: &Args, seed: u64, step: Option<u32>, last: Option<u32>
         }
     }
     files
+}
+
+/// So many of them, in words.
+pub(super) fn counted(number: u64, what: &str) -> String {
+    let several = if number == 1 { "" } else { "s" };
+    format!("{number} {what}{several}")
 }

@@ -38,6 +38,22 @@ pub(super) fn write(plan: &Plan<'_>, files: &[File]) -> Result<Done> {
             .map(|drawing| coarse(args, drawing, file.level))
             .collect::<Result<_>>()?;
         let mut told = told(plan, file, &trees);
+        let name = file.path.file_stem().unwrap_or_default().to_string_lossy();
+        let stand = Stand {
+            name: name.into_owned(),
+            is_grove: true,
+            extras: args.extra.extras(),
+            trees: (1..)
+                .zip(trees.iter().zip(&places))
+                .map(|(number, (one, at))| Individual {
+                    places: vec![Place::at(format!("tree-{number}"), *at)],
+                    tree: &one.drawing.tree,
+                    organs: &one.drawing.organs,
+                    params: ExportParams { sides: one.sides },
+                })
+                .collect(),
+        };
+        export::check(&stand, &file.path)?;
         if !args.json {
             let line = line(&told);
             done.printed = done
@@ -45,21 +61,6 @@ pub(super) fn write(plan: &Plan<'_>, files: &[File]) -> Result<Done> {
                 .and(print_result("the list", |out| writeln!(out, "{line}")));
         }
         if !args.dry_run {
-            let name = file.path.file_stem().unwrap_or_default().to_string_lossy();
-            let stand = Stand {
-                name: name.into_owned(),
-                is_grove: true,
-                extras: args.extra.extras(),
-                trees: (1..)
-                    .zip(trees.iter().zip(&places))
-                    .map(|(number, (one, at))| Individual {
-                        places: vec![Place::at(format!("tree-{number}"), *at)],
-                        tree: &one.drawing.tree,
-                        organs: &one.drawing.organs,
-                        params: ExportParams { sides: one.sides },
-                    })
-                    .collect(),
-            };
             Progress::during("writing", || export::stand(&stand, &file.path))?;
             told.bytes = size_of_file(&file.path);
         }

@@ -118,6 +118,18 @@ struct Ready {
     grammar: Option<String>,
 }
 
+impl Ready {
+    /// With what is to stand in its file.
+    fn with_stand<T>(&self, args: &Args, then: impl FnOnce(&Stand<'_>) -> T) -> T {
+        let Drawing { tree, organs } = &*self.drawing;
+        let name = self.told.file.file_stem().unwrap_or_default();
+        let params = ExportParams { sides: self.sides };
+        let mut stand = Stand::of(&name.to_string_lossy(), tree, organs, &params);
+        stand.extras = args.extra.extras();
+        then(&stand)
+    }
+}
+
 /// All files of an individual.
 fn ready(
     plan: &Plan<'_>,
@@ -163,7 +175,11 @@ fn ready(
                 levels.push((file.level, coarse(args, drawing, file.level)?));
             }
             let known = levels.iter().find(|(level, _)| *level == file.level);
-            ready.extend(known.map(|(_, coarse)| of(coarse)));
+            let made = known.map(|(_, coarse)| of(coarse));
+            if let Some(one) = &made {
+                one.with_stand(args, |stand| export::check(stand, &file.path))?;
+            }
+            ready.extend(made);
             continue;
         }
         if file.format == Format::Swc {
@@ -200,27 +216,17 @@ fn ready(
 
 /// Writes a file, if anything is to be written.
 fn written(args: &Args, file: Ready) -> Result<Told> {
-    let Ready {
-        mut told,
-        format,
-        sides,
-        drawing,
-        grammar,
-    } = file;
-    let Drawing { tree, organs } = &*drawing;
     if args.dry_run {
-        return Ok(told);
+        return Ok(file.told);
     }
-    match (format, grammar) {
-        (Format::Lsys, Some(text)) => write_atomically(&told.file, text.as_bytes())?,
-        _ => {
-            let name = told.file.file_stem().unwrap_or_default().to_string_lossy();
-            let mut stand = Stand::of(&name, tree, organs, &ExportParams { sides });
-            stand.extras = args.extra.extras();
-            export::stand(&stand, &told.file)?;
-        }
+    let path = &file.told.file;
+    match (file.format, &file.grammar) {
+        (Format::Lsys, Some(text)) => write_atomically(path, text.as_bytes())?,
+        _ => file.with_stand(args, |stand| export::stand(stand, path))?,
     }
-    told.bytes = size_of_file(&told.file);
+    let bytes = size_of_file(path);
+    let mut told = file.told;
+    told.bytes = bytes;
     Ok(told)
 }
 

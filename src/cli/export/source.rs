@@ -78,11 +78,12 @@ impl Source {
         stated.ok_or_else(|| anyhow!("{name} states no number of steps: give --steps"))
     }
 
-    /// The seed of its first individual, where none is asked for.
-    pub(super) fn seed(&self) -> u64 {
+    /// The seed of its first individual, where none is asked for: a sketch alone is its own, several are those from 0 on.
+    pub(super) fn seed(&self, args: &Args) -> u64 {
         match self {
             Self::Grammar(grammar, _) => grammar.seed(),
-            Self::Sketch(..) => 0,
+            Self::Sketch(document) if args.count == 1 => document.sketch.habit.seed.into(),
+            Self::Sketch(_) => 0,
         }
     }
 }

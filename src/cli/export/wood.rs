@@ -77,6 +77,13 @@ pub(super) fn write(plan: &Plan<'_>, document: &Document, files: &[File]) -> Res
             .map(|drawing| coarse(args, drawing, file.level))
             .collect::<Result<_>>()?;
         let mut told = told(plan, file, &trees, &places);
+        let name = file.path.file_stem().unwrap_or_default().to_string_lossy();
+        let all = trees.iter().zip(&places).map(|(one, places)| {
+            let drawing = &one.drawing;
+            (&drawing.tree, &drawing.organs, one.sides, places.as_slice())
+        });
+        let stand = wood::stand(&name, all, args.extra.extras());
+        export::check(&stand, &file.path)?;
         if !args.json {
             let line = line(&told);
             done.printed = done
@@ -84,12 +91,6 @@ pub(super) fn write(plan: &Plan<'_>, document: &Document, files: &[File]) -> Res
                 .and(print_result("the list", |out| writeln!(out, "{line}")));
         }
         if !args.dry_run {
-            let name = file.path.file_stem().unwrap_or_default().to_string_lossy();
-            let all = trees.iter().zip(&places).map(|(one, places)| {
-                let drawing = &one.drawing;
-                (&drawing.tree, &drawing.organs, one.sides, places.as_slice())
-            });
-            let stand = wood::stand(&name, all, args.extra.extras());
             Progress::during("writing", || export::stand(&stand, &file.path))?;
             told.bytes = size_of_file(&file.path);
         }

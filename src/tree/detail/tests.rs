@@ -248,7 +248,10 @@ fn odd_trees_and_odd_bounds_are_taken() {
         1,
         "something stays of every tree"
     );
-    assert_eq!(Detail::of_budget(&tree, 3), None);
+    let fewest = Detail::of_budget(&tree, 3).unwrap_err();
+    assert!(fewest > 3);
+    assert!(Detail::of_budget(&tree, fewest).is_ok());
+    assert_eq!(Detail::of_budget(&tree, fewest - 1), Err(fewest));
 }
 
 proptest! {
@@ -269,7 +272,7 @@ proptest! {
     #[test]
     fn budgets_are_held(steps in prop::collection::vec(any_step(4), 1..60), triangles in 200_u64..2000) {
         let fine = grown(&steps);
-        if let Some((detail, coarse)) = Detail::of_budget(&fine, triangles) {
+        if let Ok((detail, coarse)) = Detail::of_budget(&fine, triangles) {
             let count = mesh(&records(&coarse), 1.0, detail.sides).indices.len() / 3;
             prop_assert!(count as u64 <= triangles);
             prop_assert_eq!(count as u64, triangles_of(&coarse, detail.sides));

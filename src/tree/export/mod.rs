@@ -94,10 +94,6 @@ impl<'a> Stand<'a> {
         }
     }
 
-    fn sides(&self) -> u32 {
-        self.trees.first().map_or(0, |one| one.params.sides)
-    }
-
     fn segments(&self) -> usize {
         let of = |one: &Individual<'_>| one.tree.segment_count() * one.places.len();
         self.trees.iter().map(of).sum()
@@ -121,7 +117,7 @@ impl Default for ExportParams {
 }
 
 /// Largest file that an exporter makes: lengths inside a GLB are u32.
-const MOST_BYTES: u64 = u32::MAX as u64;
+pub(super) const MOST_BYTES: u64 = u32::MAX as u64;
 
 /// Segments whose surface is in memory at a time.
 const PART: usize = 4096;

@@ -7,13 +7,17 @@
 
 use std::io::{self, Write};
 
-use super::surface::{Costs, Group, Matter, Standing, everywhere, standing};
+use super::surface::{Costs, Group, Matter, Standing, everywhere, fits, standing};
 use super::{ExportParams, Place, Stand, TREE};
 use crate::tree::organs::{Numbers, Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
 
 /// What the text of one vertex with its share of the faces takes at most, roughly.
-const VERTEX_BYTES: u64 = 65 + 40 + 30 + 2 * 60;
+const COSTS: Costs = Costs {
+    vertex: 65 + 40 + 30 + 2 * 60,
+    instance: 0,
+    once: false,
+};
 
 /// The tree as an OBJ file, in metres, Y up.
 ///
@@ -47,21 +51,21 @@ impl<'a> Obj<'a> {
         Self::of(&Stand::of(TREE, tree, organs, params))
     }
 
+    /// Whether there is room in such a file for all that stands in it, before any surface is made.
+    ///
+    /// # Errors
+    /// [`TreeError::TooLarge`].
+    pub fn check(stand: &Stand<'_>) -> Result<(), TreeError> {
+        fits(stand, "OBJ", COSTS)
+    }
+
     /// The same of all that stands in a file, each tree an object.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn of(stand: &Stand<'a>) -> Result<Self, TreeError> {
         Ok(Self {
-            trees: standing(
-                stand,
-                "OBJ",
-                Costs {
-                    vertex: VERTEX_BYTES,
-                    instance: 0,
-                    once: false,
-                },
-            )?,
+            trees: standing(stand, "OBJ", COSTS)?,
             segments: stand.segments(),
         })
     }

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 
 use bytemuck::{Pod, Zeroable, cast_slice};
 
-use super::surface::{Costs, Standing, everywhere, standing};
+use super::surface::{Costs, Standing, everywhere, fits, standing};
 use super::{ExportParams, Stand, TREE};
 use crate::tree::organs::{Colour, Numbers, Organs, bark_colour, srgb};
 use crate::tree::{Tree, TreeError};
@@ -39,6 +39,13 @@ pub struct Ply<'a> {
     trees: Vec<Standing<'a>>,
 }
 
+/// About two triangles to each vertex.
+const COSTS: Costs = Costs {
+    vertex: (size_of::<Vertex>() + 2 * size_of::<Face>()) as u64,
+    instance: 0,
+    once: false,
+};
+
 impl<'a> Ply<'a> {
     /// Checks a tree and what it carries.
     ///
@@ -52,23 +59,21 @@ impl<'a> Ply<'a> {
         Self::of(&Stand::of(TREE, tree, organs, params))
     }
 
+    /// Whether there is room in such a file for all that stands in it, before any surface is made.
+    ///
+    /// # Errors
+    /// [`TreeError::TooLarge`].
+    pub fn check(stand: &Stand<'_>) -> Result<(), TreeError> {
+        fits(stand, "PLY", COSTS)
+    }
+
     /// The same of all that stands in a file, as one mesh.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn of(stand: &Stand<'a>) -> Result<Self, TreeError> {
-        // About two triangles to each vertex.
-        let bytes = (size_of::<Vertex>() + 2 * size_of::<Face>()) as u64;
         Ok(Self {
-            trees: standing(
-                stand,
-                "PLY",
-                Costs {
-                    vertex: bytes,
-                    instance: 0,
-                    once: false,
-                },
-            )?,
+            trees: standing(stand, "PLY", COSTS)?,
         })
     }
 

@@ -93,8 +93,6 @@ fn part_of(mesh: &OrganMesh) -> Part<'_> {
 /// What the surfaces of one file may still take.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget {
-    /// Of the file.
-    bytes: u64,
     /// Vertices of tubes that may be kept in memory.
     kept: u64,
 }
@@ -132,6 +130,65 @@ pub(super) struct Costs {
     pub(super) once: bool,
 }
 
+/// Bytes that all trees of a file take at most.
+pub(super) fn most_bytes(stand: &Stand<'_>, costs: Costs) -> u64 {
+    let instances = stand.extras.instances && costs.instance > 0;
+    let of = |one: &Individual<'_>| {
+        let organist = Organist::new(one.organs);
+        let apart = if instances {
+            one.organs.placed.len()
+        } else {
+            0
+        };
+        let loose = 0..one.organs.len() - apart;
+        let carried: u64 = loose.map(|index| organist.size(index).0 as u64).sum();
+        let vertices = tube_vertices(one).saturating_add(carried);
+        let instances = costs.instance.saturating_mul(apart as u64);
+        let bytes = vertices
+            .saturating_mul(costs.vertex)
+            .saturating_add(instances);
+        let times = if costs.once { 1 } else { one.places.len() };
+        bytes.saturating_mul(times as u64)
+    };
+    stand.trees.iter().map(of).fold(0, u64::saturating_add)
+}
+
+/// Vertices that a tree's tubes may have.
+fn tube_vertices(one: &Individual<'_>) -> u64 {
+    let nodes = refined_len(one.tree, one.organs);
+    let segments = nodes.saturating_sub(one.tree.root_count() as u64);
+    segments.saturating_mul(vertices_per_segment(one.params.sides))
+}
+
+/// Refuses a tree that breaks an invariant or has nothing to draw, and tubes of too few or too many sides.
+fn check(one: &Individual<'_>, format: &'static str) -> Result<(), TreeError> {
+    one.tree.validate()?;
+    one.organs.validate(one.tree)?;
+    let sides = one.params.sides;
+    if !SIDES.contains(&sides) {
+        let [value, least, most] = [sides, *SIDES.start(), *SIDES.end()].map(f64::from);
+        return Err(TreeError::Parameter {
+            name: "the number of sides",
+            value,
+            least,
+            most,
+        });
+    }
+    if one.tree.segment_count() == 0 && one.organs.is_bare() {
+        return Err(TreeError::Empty(format));
+    }
+    Ok(())
+}
+
+/// Refuses what no file can be made of, and what may become too large a one.
+pub(super) fn fits(stand: &Stand<'_>, format: &'static str, costs: Costs) -> Result<(), TreeError> {
+    stand.trees.iter().try_for_each(|one| check(one, format))?;
+    match most_bytes(stand, costs) {
+        bytes if bytes > MOST_BYTES => Err(TreeError::TooLarge { format, bytes }),
+        _ => Ok(()),
+    }
+}
+
 /// The surfaces of all trees of a file, or why they cannot be written.
 pub(super) fn standing<'a>(
     stand: &Stand<'a>,
@@ -140,12 +197,10 @@ pub(super) fn standing<'a>(
 ) -> Result<Vec<Standing<'a>>, TreeError> {
     let mut extras = stand.extras;
     extras.instances &= costs.instance > 0;
-    let mut budget = Budget {
-        bytes: MOST_BYTES,
-        kept: KEPT,
-    };
+    fits(stand, format, costs)?;
+    let mut budget = Budget { kept: KEPT };
     let made = stand.trees.iter().map(|one| {
-        let mut surface = Surface::new(one, extras, format, costs, &mut budget)?;
+        let mut surface = Surface::new(one, extras)?;
         surface.measure(&mut budget)?;
         let standing = Standing {
             places: one.places.clone(),
@@ -196,62 +251,21 @@ pub(super) struct Surface<'a> {
 
 impl<'a> Surface<'a> {
     /// The surface of a whole drawing, not measured yet.
-    fn new(
-        one: &Individual<'a>,
-        extras: Extras,
-        format: &'static str,
-        costs: Costs,
-        budget: &mut Budget,
-    ) -> Result<Self, TreeError> {
+    fn new(one: &Individual<'a>, extras: Extras) -> Result<Self, TreeError> {
         let Individual {
             tree,
             organs,
             params,
             ..
         } = *one;
-        tree.validate()?;
-        organs.validate(tree)?;
         let ExportParams { sides } = params;
-        if !SIDES.contains(&sides) {
-            let [value, least, most] = [sides, *SIDES.start(), *SIDES.end()].map(f64::from);
-            return Err(TreeError::Parameter {
-                name: "the number of sides",
-                value,
-                least,
-                most,
-            });
-        }
         let segments = tree.segment_count();
-        if segments == 0 && organs.is_bare() {
-            return Err(TreeError::Empty(format));
-        }
         let nodes = refined_len(tree, organs);
-        let tube_vertices =
-            (nodes - tree.root_count() as u64).saturating_mul(vertices_per_segment(sides));
-        let organist = Organist::new(organs);
         let apart = match extras.instances {
             true => organs.placed.len(),
             false => 0,
         };
         let loose = organs.len() - apart;
-        let carried: u64 = (0..loose).map(|index| organist.size(index).0 as u64).sum();
-        let most = tube_vertices.saturating_add(carried);
-        let instances = costs.instance.saturating_mul(apart as u64);
-        let bytes = most.saturating_mul(costs.vertex).saturating_add(instances);
-        let times = if costs.once {
-            1
-        } else {
-            one.places.len() as u64
-        };
-        let bytes = bytes.saturating_mul(times);
-        let Some(left) = budget.bytes.checked_sub(bytes) else {
-            return Err(TreeError::TooLarge {
-                format,
-                segments,
-                sides,
-            });
-        };
-        budget.bytes = left;
         // Asked for once before it is needed in several pieces: those end the program where they are not given.
         let bytes = usize::try_from(nodes)
             .unwrap_or(usize::MAX)
@@ -283,7 +297,7 @@ impl<'a> Surface<'a> {
             sides,
             organs,
             looks,
-            tube_vertices,
+            tube_vertices: tube_vertices(one),
             kept: Vec::new(),
             groups: Vec::new(),
         })

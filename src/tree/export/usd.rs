@@ -10,7 +10,7 @@ use std::io::{self, Write};
 
 use super::instances::Run;
 use super::names::{identifier, identifiers, name, unlike_identifier};
-use super::surface::{Costs, Group, Matter, Standing, Surface, everywhere, standing};
+use super::surface::{Costs, Group, Matter, Standing, Surface, everywhere, fits, standing};
 use super::{ExportParams, Place, Stand, TREE};
 use crate::tree::bark::Bark;
 use crate::tree::organs::{Numbers, Organs, bark_colour};
@@ -62,6 +62,14 @@ impl<'a> Usd<'a> {
         params: &ExportParams,
     ) -> Result<Self, TreeError> {
         Self::of(&Stand::of(TREE, tree, organs, params))
+    }
+
+    /// Whether there is room in such a file for all that stands in it, before any surface is made.
+    ///
+    /// # Errors
+    /// [`TreeError::TooLarge`].
+    pub fn check(stand: &Stand<'_>) -> Result<(), TreeError> {
+        fits(stand, "USD", COSTS)
     }
 
     /// The same of all that stands in a file.

@@ -14,7 +14,7 @@ use std::io::{self, Write};
 
 use bytemuck::{Pod, cast_slice};
 
-use super::surface::{Costs, Matter, Standing, Surface, standing};
+use super::surface::{Costs, Matter, Standing, Surface, fits, most_bytes, standing};
 use super::{ExportParams, Stand, TREE, unfold, wind};
 use crate::tree::organs::{Colour, Numbers, Organs};
 use crate::tree::{Tree, TreeError};
@@ -104,7 +104,25 @@ pub struct Glb<'a> {
     bytes: u64,
 }
 
+fn costs(stand: &Stand<'_>) -> Costs {
+    let extras = &stand.extras;
+    let wind = if extras.wind { WIND_BYTES } else { 0 };
+    Costs {
+        vertex: VERTEX_BYTES + wind + MORPH_BYTES * u64::from(extras.morphs),
+        instance: Place::BYTES,
+        once: true,
+    }
+}
+
 impl<'a> Glb<'a> {
+    /// Whether there is room in such a file for all that stands in it, before any surface is made.
+    ///
+    /// # Errors
+    /// [`TreeError::TooLarge`].
+    pub fn check(stand: &Stand<'_>) -> Result<(), TreeError> {
+        fits(stand, "GLB", costs(stand))
+    }
+
     /// Checks a tree and what it carries, and lays its file out.
     ///
     /// # Errors
@@ -122,19 +140,11 @@ impl<'a> Glb<'a> {
     /// # Errors
     /// As [`Self::new`].
     pub fn of(stand: &Stand<'a>) -> Result<Self, TreeError> {
-        let extras = &stand.extras;
-        let wind = if extras.wind { WIND_BYTES } else { 0 };
-        let costs = Costs {
-            vertex: VERTEX_BYTES + wind + MORPH_BYTES * u64::from(extras.morphs),
-            instance: Place::BYTES,
-            once: true,
-        };
-        let trees = standing(stand, "GLB", costs)?;
+        let trees = standing(stand, "GLB", costs(stand))?;
         let document = Document::of(stand, &trees)?;
         let (head, pieces) = document.head().ok_or(TreeError::TooLarge {
             format: "GLB",
-            segments: stand.segments(),
-            sides: stand.sides(),
+            bytes: most_bytes(stand, costs(stand)),
         })?;
         // The header tells the length.
         let length = head.get(8..).and_then(<[u8]>::first_chunk);
