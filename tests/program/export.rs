@@ -453,20 +453,24 @@ fn a_sketch_alone_is_told_with_its_own_seed_which_grows_it_again() {
 fn files_that_would_be_too_large_are_refused_before_anything_is_written() {
     let folder = folder();
     let out = folder.path().join("out");
-    for dry in [true, false] {
-        let mut options = vec![
-            "--steps", "18", "--count", "2", "--grove", "--format", "usda",
-        ];
-        options.extend(dry.then_some("--dry-run"));
-        let output = export(Path::new(HONDA), &out, &options).output().unwrap();
-        refused(
-            &output,
-            &[
-                "a USD file of this may take up to 4.6 GB",
-                "written up to 4.3 GB",
-                "a coarser level of detail",
-            ],
-        );
+    let ternary = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/grammars/ternary.lsys");
+    let oak = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/species/oak.ramus");
+    for (file, options) in [
+        (ternary, &["--steps", "12"][..]),
+        (oak, &["--count", "25", "--grove"]),
+    ] {
+        for dry in [&["--dry-run"][..], &[]] {
+            let mut command = export(Path::new(file), &out, &["--format", "usda"]);
+            let output = command.args(options).args(dry).output().unwrap();
+            refused(
+                &output,
+                &[
+                    "a USD file of this may take up to ",
+                    "written up to 4.3 GB",
+                    "a coarser level of detail",
+                ],
+            );
+        }
     }
     assert_eq!(fs::read_dir(&out).unwrap().count(), 0);
 }
