@@ -43,21 +43,18 @@ fn model_vertex(
     @builtin(instance_index) first: u32,
     @builtin(view_index) view: u32,
 ) -> Corner {
-    let entry = list[index / 3u];
-    let triangle = triangle_of(entry);
-    let standing = standings[first + model_of(entry)];
-    let corner = index % 3u;
-    let number = triangles[triangle * 3u + corner];
-    let vertex = vertices[number];
+    let at = listed(index, first);
+    let standing = standings[at.standing];
+    let vertex = vertices[at.number];
     let v = frame.views[view];
     var out: Corner;
     out.world = placed(standing, vertex.place);
     out.position = v.clip_from_world * vec4f(out.world, 1.0);
     out.normal = turned(standing, unfolded(vertex.normal));
-    out.near = vec3f(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
-    out.color = color_of(triangle);
+    out.near = vec3f(f32(at.corner == 0u), f32(at.corner == 1u), f32(at.corner == 2u));
+    out.color = color_of(at.triangle);
     out.eye = v.eye.xyz;
-    out.tint = tint_of(number);
+    out.tint = tint_of(at.number);
     return out;
 }
 
@@ -67,10 +64,8 @@ fn model_shadow_vertex(
     @builtin(vertex_index) index: u32,
     @builtin(instance_index) first: u32,
 ) -> @builtin(position) vec4f {
-    let entry = list[index / 3u];
-    let number = triangles[triangle_of(entry) * 3u + index % 3u];
-    let standing = standings[first + model_of(entry)];
-    return frame.wood_from_world * vec4f(placed(standing, vertices[number].place), 1.0);
+    let at = listed(index, first);
+    return frame.wood_from_world * vec4f(placed(standings[at.standing], vertices[at.number].place), 1.0);
 }
 
 // A surface's colour, seen from this side.

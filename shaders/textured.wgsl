@@ -57,11 +57,9 @@ fn textured_vertex(
     @builtin(instance_index) first: u32,
     @builtin(view_index) view: u32,
 ) -> Painted {
-    let entry = list[index / 3u];
-    let triangle = triangle_of(entry);
-    let standing = standings[first + model_of(entry)];
-    let corner = index % 3u;
-    let number = triangles[triangle * 3u + corner];
+    let at = listed(index, first);
+    let number = at.number;
+    let standing = standings[at.standing];
     let vertex = vertices[number];
     let v = frame.views[view];
     let color = vertex_word(number, 2u);
@@ -69,8 +67,8 @@ fn textured_vertex(
     out.world = placed(standing, vertex.place);
     out.position = v.clip_from_world * vec4f(out.world, 1.0);
     out.normal = turned(standing, unfolded(vertex.normal));
-    out.near = vec3f(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
-    out.material = colours[colours[0] + triangle];
+    out.near = vec3f(f32(at.corner == 0u), f32(at.corner == 1u), f32(at.corner == 2u));
+    out.material = colours[colours[0] + at.triangle];
     out.eye = v.eye.xyz;
     out.color = vec4f(linear_from_srgb(color), f32(color >> 24u) / 255.0);
     out.at = vec2f(bitcast<f32>(vertex_word(number, 0u)), bitcast<f32>(vertex_word(number, 1u)));

@@ -48,6 +48,24 @@ var<immediate> model: Model;
 // Where the models stand; a draw's instance is the first of its own.
 @group(2) @binding(1) var<storage, read> standings: array<Standing>;
 
+// A draw's vertex: a corner of a triangle that the list has.
+struct Listed {
+    triangle: u32,
+    // Which of the triangle's corners.
+    corner: u32,
+    // The vertex there.
+    number: u32,
+    // Where its model stands.
+    standing: u32,
+}
+
+fn listed(index: u32, first: u32) -> Listed {
+    let entry = list[index / 3u];
+    let triangle = triangle_of(entry);
+    let corner = index % 3u;
+    return Listed(triangle, corner, triangles[triangle * 3u + corner], first + model_of(entry));
+}
+
 fn linear_from_srgb(packed: u32) -> vec3f {
     let c = unpack4x8unorm(packed).rgb;
     return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
