@@ -90,13 +90,6 @@ fn part_of(mesh: &OrganMesh) -> Part<'_> {
     }
 }
 
-/// What the surfaces of one file may still take.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Budget {
-    /// Vertices of tubes that may be kept in memory.
-    kept: u64,
-}
-
 /// A tree's surface, and where in a file it stands.
 #[derive(Debug)]
 pub(super) struct Standing<'a> {
@@ -198,10 +191,10 @@ pub(super) fn standing<'a>(
     let mut extras = stand.extras;
     extras.instances &= costs.instance > 0;
     fits(stand, format, costs)?;
-    let mut budget = Budget { kept: KEPT };
+    let mut room = KEPT;
     let made = stand.trees.iter().map(|one| {
         let mut surface = Surface::new(one, extras)?;
-        surface.measure(&mut budget)?;
+        surface.measure(&mut room)?;
         let standing = Standing {
             places: one.places.clone(),
             surface,
@@ -303,11 +296,11 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// Finds what there is of each group, and keeps what tubes are made for that where there is room.
-    fn measure(&mut self, budget: &mut Budget) -> Result<(), TreeError> {
+    /// Finds what there is of each group, and keeps what tubes are made for that where there is room for so many vertices.
+    fn measure(&mut self, room: &mut u64) -> Result<(), TreeError> {
         let matters = self.matters();
-        if let Some(left) = budget.kept.checked_sub(self.tube_vertices) {
-            budget.kept = left;
+        if let Some(left) = room.checked_sub(self.tube_vertices) {
+            *room = left;
             let mut kept = Vec::new();
             for matter in &matters {
                 // Nothing is written, so nothing can fail.
