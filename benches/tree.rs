@@ -121,7 +121,7 @@ fn tree_benches(criterion: &mut Criterion) {
         group.bench_function("dress", |b| {
             b.iter(|| {
                 let mut organs = Organs::default();
-                dress.put_on(&tree, &mut organs, 1);
+                dress.put_on(&tree, &mut organs, 1, None);
                 organs.placed.len()
             });
         });

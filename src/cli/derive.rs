@@ -449,13 +449,13 @@ fn write_files(
     let factor = match args.widths {
         Widths::Auto => grammar.finish(&mut drawing),
         Widths::Metres => {
-            grammar.dress_up(&mut drawing);
+            grammar.dress_up(&drawing.tree, &mut drawing.organs);
             None
         }
         Widths::DaVinci => {
             budget.check("the radii", &drawing, RADII_BYTES, 0)?;
             radii::da_vinci(&mut drawing.tree, radius_params, u32::MAX);
-            grammar.dress_up(&mut drawing);
+            grammar.dress_up(&drawing.tree, &mut drawing.organs);
             None
         }
     };

@@ -22,7 +22,7 @@ use super::rests::Rests;
 use super::shape::{Shape, Wrap};
 use super::string::ModuleString;
 use super::unwritten::Unwritten;
-use crate::tree::Drawing;
+use crate::tree::{Drawing, Organs, Tree};
 use crate::tree::foliage::{Dress, Season};
 use crate::tree::organs::Palette;
 use crate::tree::radii::{self, FitParams};
@@ -49,6 +49,8 @@ pub struct Grammar {
     pub(crate) seed: u64,
     pub(crate) angle: Option<f64>,
     pub(crate) tropism: Option<DVec3>,
+    /// Metres below which no segment goes down.
+    pub(crate) ground: Option<f64>,
     /// How modules grow between two steps.
     pub(crate) curves: Curves,
     pub(crate) shapes: Vec<Shape>,
@@ -622,14 +624,15 @@ impl Grammar {
             Widths::Metres => None,
             Widths::Auto => radii::fit(&mut drawing.tree, &FitParams::default()),
         };
-        self.dress_up(drawing);
+        self.dress_up(&drawing.tree, &mut drawing.organs);
         factor
     }
 
     /// Adds bark and leaves to what the turtle drew, whose radii are as they are to be drawn.
-    pub fn dress_up(&self, drawing: &mut Drawing) {
-        self.dress
-            .put_on(&drawing.tree, &mut drawing.organs, self.seed);
+    pub fn dress_up(&self, tree: &Tree, organs: &mut Organs) {
+        #[expect(clippy::cast_possible_truncation, reason = "metres of a stage")]
+        let ground = self.ground.map(|ground| ground as f32);
+        self.dress.put_on(tree, organs, self.seed, ground);
     }
 
     /// The same grammar with another seed: another individual of the same kind.

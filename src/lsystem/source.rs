@@ -13,7 +13,7 @@ use super::error::{GrammarError, GrammarErrors, nearest};
 pub(crate) const MAX_SOURCE_BYTES: usize = 256 << 20;
 
 /// The words that begin a statement.
-pub(crate) const KEYWORDS: [&str; 25] = [
+pub(crate) const KEYWORDS: [&str; 26] = [
     "angle",
     "axiom",
     "bark",
@@ -24,6 +24,7 @@ pub(crate) const KEYWORDS: [&str; 25] = [
     "context",
     "decompose",
     "dialect",
+    "ground",
     "growth",
     "ignore",
     "include",

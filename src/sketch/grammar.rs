@@ -70,6 +70,7 @@ impl Sketch {
             && pairs().all(|(own, theirs)| Arc::ptr_eq(own, theirs) || says(own) == says(theirs))
             && self.own_rules == other.own_rules
             && (Arc::ptr_eq(&self.habit, &other.habit) || self.habit == other.habit)
+            && (!self.habit.has_tropism() || self.is_above_ground() == other.is_above_ground())
             && (self.habit.starve == 0.0 || leafage(self.usual()) == leafage(other.usual()))
             && (self.habit.crowd == 0.0 || self.usual() == other.usual())
     }
@@ -177,6 +178,11 @@ impl Sketch {
             (count + 1.0, sum + length)
         });
         if count > 0.0 { sum / count } else { 0.0 }
+    }
+
+    /// Whether nothing is drawn below where the trunk begins.
+    fn is_above_ground(&self) -> bool {
+        self.nodes().all(|(_, place)| place.y >= 0.0)
     }
 
     /// A letter's formal parameters: the segment, the depth of its nesting where that is limited, its
@@ -293,7 +299,7 @@ impl Sketch {
         );
         let _ = writeln!(text, "const divergence = {}", self.divergence_deg);
         self.habit
-            .push_laws(text, self.usual(), !self.own_rules_state_a_seed());
+            .push_laws(text, self.usual(), !self.own_rules_state_a_seed(), self.is_above_ground());
         if self.habit.is_lawless() && self.habit.seed != 0 && self.own_rules_may_draw() {
             let _ = writeln!(text, "seed {}", self.habit.seed);
         }

@@ -203,7 +203,7 @@ impl Grower {
         };
         let mut organs = Organs::default();
         // Of the grammar, which a person may have written further lines of.
-        grammar.dress().put_on(&tree, &mut organs, grammar.seed());
+        grammar.dress_up(&tree, &mut organs);
         Ok(Grown {
             tree,
             organs,

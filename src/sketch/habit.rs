@@ -7,6 +7,7 @@
 //! | wander: shoots are not straight | each new segment keeps two angles, drawn once, and is interpreted as turns before it |
 //! | spread: branches do not all leave alike | random parts of a branch's roll and pitch |
 //! | light and gravity: shoots turn up, branches hang | `T` towards `tropism 0 1 0`, gravity counted once for each order |
+//! | ground: boughs that hang come to lie on it, where nothing was drawn below it | `ground 0` |
 //! | apical dominance: branches lag behind the trunk, or it behind them | a branch's (or the trunk's) growth has the weight 1 − dominance, its rest the other |
 //! | shrinking: twigs have shorter segments than boughs | `@l(1 - shrink)` where a branch starts |
 //! | starving: ends in the dark die | a query `?S` at each end is told the light there; below `starve` the end goes |
@@ -260,8 +261,9 @@ impl Habit {
         self.bearings().map(|_| ())
     }
 
-    /// The statements before the axiom. `usual` is the length of a usual segment at full size, metres; `seeded`: the seed is among them.
-    pub(super) fn push_laws(&self, text: &mut String, usual: f64, seeded: bool) {
+    /// The statements before the axiom. `usual` is the length of a usual segment at full size, metres; `seeded`: the seed is among them;
+    /// `above`: nothing is drawn below the ground.
+    pub(super) fn push_laws(&self, text: &mut String, usual: f64, seeded: bool, above: bool) {
         if self.is_lawless() {
             return;
         }
@@ -284,6 +286,9 @@ impl Habit {
         }
         if self.has_tropism() {
             text.push_str("tropism 0 1 0\n");
+            if above {
+                text.push_str("ground 0\n");
+            }
         }
         if self.starve > 0.0 {
             let _ = writeln!(text, "const leafage = {:.4}", leafage(usual));

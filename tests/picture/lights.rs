@@ -26,7 +26,7 @@ pub(crate) fn leafy() -> PlacedTree {
         bears: bears.to_vec(),
         ..Dress::default()
     };
-    dress.put_on(&tree, &mut organs, 7);
+    dress.put_on(&tree, &mut organs, 7, None);
     PlacedTree {
         organs: Arc::new(organs),
         revision: 2,

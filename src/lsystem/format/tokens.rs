@@ -47,6 +47,7 @@ pub(super) fn tokens<'a>(
         "ignore" | "consider" => reader.modules(Gaps::All, true)?,
         "const" => reader.constants()?,
         "steps" | "seed" | "angle" => reader.expression(true, true)?,
+        "ground" => reader.signed(true)?,
         "tropism" => {
             for _ in 0..3 {
                 reader.signed(true)?;

@@ -198,6 +198,10 @@ impl Parser {
                 self.tropism = Some(DVec3::from(axis));
                 Ok(())
             }
+            "ground" => {
+                self.ground = Some(expression::signed(cursor)?);
+                Ok(())
+            }
             "shape" => {
                 cursor.skip_blank();
                 let at = cursor.pos();

@@ -195,6 +195,23 @@ impl Stance {
         }
     }
 
+    /// Where a segment of this length ends above a ground, for which the heading is lifted as far as it must be: a way down takes half of what is
+    /// left of it, so that a bough that sinks comes to lie on the ground, and what begins below it goes no further down.
+    pub(super) fn ahead_above(&mut self, length: f64, ground: f64) -> DVec3 {
+        let end = self.ahead(length);
+        let height = self.position.y;
+        let lowest = height.min(f64::midpoint(height, ground));
+        if end.y >= lowest || !end.is_finite() {
+            return end;
+        }
+        let heading = self.heading();
+        let aside = DVec3::new(heading.x, 0.0, heading.z).normalize_or(self.frame * DVec3::Z);
+        let up = (lowest - height) / length;
+        let lifted = aside * (1.0 - up * up).max(0.0).sqrt() + DVec3::Y * up;
+        self.set_frame(DQuat::from_rotation_arc(heading, lifted) * self.frame);
+        self.ahead(length)
+    }
+
     /// Turns by a rotation in the turtle's own axes.
     #[inline(always)]
     pub(super) fn turn(&mut self, by: DQuat) {

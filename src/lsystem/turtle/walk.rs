@@ -212,7 +212,10 @@ impl<'a, C: Canvas> Turtle<'a, C> {
                     let length = first.unwrap_or(self.params.length * self.pen.length_scale);
                     self.pen.shape = NO_SHAPE;
                     self.pen.stand(stance);
-                    stance.position = stance.ahead(length);
+                    stance.position = match self.grammar.ground {
+                        None => stance.ahead(length),
+                        Some(ground) => stance.ahead_above(length, ground),
+                    };
                     self.draw(by, stance.position, None)?;
                     if let Some(vector) = self.bends() {
                         stance.bend(vector, self.pen.tropism);
@@ -395,7 +398,8 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         let length = length.unwrap_or(self.params.length * self.pen.length_scale);
         self.pen.shape = NO_SHAPE;
         if self.outlines.is_empty() {
-            self.draw(by, self.pen.stance().ahead(length), None)?;
+            let end = self.end(length);
+            self.draw(by, end, None)?;
         } else {
             self.pen.jump(self.pen.stance().ahead(length));
             if is_vertex {
@@ -419,6 +423,15 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         if let Some(vector) = self.bends() {
             let tropism = self.pen.tropism;
             self.pen.change(|stance| stance.bend(vector, tropism));
+        }
+    }
+
+    /// Where a segment of this length ends.
+    #[inline]
+    fn end(&mut self, length: f64) -> DVec3 {
+        match self.grammar.ground {
+            None => self.pen.stance().ahead(length),
+            Some(ground) => self.pen.change(|stance| stance.ahead_above(length, ground)),
         }
     }
 
@@ -492,7 +505,8 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         let length = segment.length * longer;
         if self.outlines.is_empty() {
             let radius = segment.radius.map(|radius| radius * thicker.abs());
-            self.draw(by, self.pen.stance().ahead(length), radius)?;
+            let end = self.end(length);
+            self.draw(by, end, radius)?;
         } else {
             self.pen.jump(self.pen.stance().ahead(length));
             self.vertex()?;

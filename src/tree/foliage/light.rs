@@ -10,6 +10,9 @@ use glam::{UVec3, Vec3};
 /// Cells along the longest side.
 const CELLS: f32 = 40.0;
 
+/// The depth by which leaves of one cell shade each other at most. However many there are, those on top are lit: a cell is told as one, and so all of it.
+const OWN_SHADE: f32 = 1.5;
+
 /// Directions: steps to a neighbour's column for each layer up.
 const DIRECTIONS: [[isize; 2]; 9] = [
     [0, 0],
@@ -153,7 +156,7 @@ impl Light {
                     }
                     for &x in &wanted {
                         // Half of a cell's own leaves lie over its middle.
-                        let through = from[x] + 0.5 * way * own[x];
+                        let through = from[x] + way * (0.5 * own[x]).min(OWN_SHADE);
                         let arrives = if through > 0.0 { (-through).exp() } else { 1.0 };
                         light[x] += arrives / way;
                     }

@@ -255,6 +255,31 @@ impl fmt::Display for Bearing {
     }
 }
 
+/// What a tree should bear in this season, and does not: its [`fmt::Display`] says so in a sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bare {
+    /// As [`Bearing::name`].
+    pub name: String,
+    /// [`Bearing::light`], less of which arrives wherever one would stand; none where no twig bears any.
+    pub light: Option<f32>,
+}
+
+impl fmt::Display for Bare {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = &self.name;
+        match self.light {
+            Some(light) => write!(
+                f,
+                "`bears {name}`: none stands, as all would stand in the dark, with less than {light} of the sky's light; give fewer or smaller ones, or a lower `light`"
+            ),
+            None => write!(
+                f,
+                "`bears {name}`: no twig bears any; see what `twig`, `order`, `young` and `every` ask for"
+            ),
+        }
+    }
+}
+
 /// What a tree wears.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dress {
@@ -269,8 +294,8 @@ pub struct Dress {
 }
 
 impl Dress {
-    /// Adds to a tree's organs what it wears; radii must be as they are drawn. `seed` chooses sizes and turns.
-    pub fn put_on(&self, tree: &Tree, organs: &mut Organs, seed: u64) {
+    /// Adds to a tree's organs what it wears; radii must be as they are drawn. `seed` chooses sizes and turns; leaves do not hang below the height `ground`.
+    pub fn put_on(&self, tree: &Tree, organs: &mut Organs, seed: u64, ground: Option<f32>) {
         organs.bark = self.bark;
         organs.flare = self.flare;
         let newest = tree.birth.iter().copied().max().unwrap_or(0);
@@ -317,6 +342,7 @@ impl Dress {
                 #[allow(clippy::cast_possible_truncation, reason = "a factor")]
                 larger: share.sqrt().recip() as f32,
                 seed: seed ^ (u64::from(number) << 40),
+                ground,
                 surface,
                 index,
                 colours,
@@ -326,7 +352,14 @@ impl Dress {
                 .par_chunks(4096)
                 .map(|sites| places.of(sites))
                 .collect();
-            organs.placed.reserve(placed.iter().map(Vec::len).sum());
+            let stands = placed.iter().map(Vec::len).sum();
+            if stands == 0 {
+                organs.bare.push(Bare {
+                    name: bearing.name.clone(),
+                    light: (!sites.is_empty()).then_some(bearing.light),
+                });
+            }
+            organs.placed.reserve(stands);
             organs.placed.extend(placed.into_iter().flatten());
         }
     }
@@ -490,6 +523,8 @@ struct Places<'a> {
     /// How much larger these are.
     larger: f32,
     seed: u64,
+    /// Metres below which none hangs.
+    ground: Option<f32>,
     surface: u16,
     /// Of the material and the first colour.
     index: u16,
@@ -600,14 +635,19 @@ impl Places<'_> {
             (leaning * (1.0 - 0.6 * droop) + Vec3::NEG_Y * (1.2 * droop)).try_normalize()?;
         // The upper side to the sky, where the leaf is not upright itself; there outwards from the axis.
         let wanted = Vec3::Y + outward * 0.35 + Vec3::new(draw() - 0.5, 0.0, draw() - 0.5) * 0.7;
-        let up = wanted.reject_from_normalized(ahead).try_normalize();
-        let up = up.unwrap_or_else(|| ahead.any_orthonormal_vector());
         let vary = self.bearing.vary * (2.0 * draw() - 1.0);
         let scale = self.bearing.size * (1.0 + vary) * self.larger;
         let radius = match terminal {
             true => 0.0,
             false => self.skin(node, (1.0 - way) * length),
         };
+        let position = at + outward * radius;
+        let ahead = match self.ground {
+            None => ahead,
+            Some(ground) => lifted(ahead, (ground - position.y) / scale),
+        };
+        let up = wanted.reject_from_normalized(ahead).try_normalize();
+        let up = up.unwrap_or_else(|| ahead.any_orthonormal_vector());
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -620,7 +660,7 @@ impl Places<'_> {
                 colour: self.index + colour.min(self.colours.saturating_sub(1)),
                 material: self.index,
             },
-            position: at + outward * radius,
+            position,
             orientation: Quat::from_mat3(&Mat3::from_cols(ahead.cross(up), ahead, up)),
             scale,
             birth: tree.birth[node],
@@ -628,6 +668,16 @@ impl Places<'_> {
             light,
         })
     }
+}
+
+/// A direction that goes down by no more than it may, or not at all from below.
+fn lifted(ahead: Vec3, least: f32) -> Vec3 {
+    let least = least.min(0.0);
+    if ahead.y >= least {
+        return ahead;
+    }
+    let aside = Vec3::new(ahead.x, 0.0, ahead.z).normalize_or(Vec3::X);
+    aside * (1.0 - least * least).max(0.0).sqrt() + Vec3::Y * least
 }
 
 #[cfg(test)]

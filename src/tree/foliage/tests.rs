@@ -39,7 +39,7 @@ fn worn(bearing: Bearing, season: Season, seed: u64) -> Organs {
         ..Dress::default()
     };
     let tree = fork();
-    dress.put_on(&tree, &mut organs, seed);
+    dress.put_on(&tree, &mut organs, seed, None);
     organs.validate(&tree).unwrap();
     organs
 }
@@ -162,7 +162,7 @@ fn leaves_beyond_the_bound_are_fewer_and_larger() {
         bears: vec![oak],
         ..Dress::default()
     }
-    .put_on(&tree, &mut organs, 0);
+    .put_on(&tree, &mut organs, 0, None);
     let most = usize::try_from(MOST_LEAVES).unwrap();
     assert!(
         (most / 100 * 99..most / 100 * 101).contains(&organs.placed.len()),
@@ -235,7 +235,7 @@ fn old_twigs_keep_their_leaves() {
             bears: vec![oak()],
             ..Dress::default()
         }
-        .put_on(tree, &mut organs, 5);
+        .put_on(tree, &mut organs, 5, None);
         let of_old = organs.placed.iter().filter(|leaf| leaf.birth < 9);
         of_old
             .map(|leaf| {
@@ -272,7 +272,7 @@ fn hostile_trees_are_no_panic() {
         bears: vec![dense],
         ..Dress::default()
     }
-    .put_on(&tree, &mut organs, 0);
+    .put_on(&tree, &mut organs, 0, None);
     assert!(organs.placed.len() as u64 <= MOST_LEAVES + 10);
 
     for place in [Vec3::ZERO, Vec3::splat(f32::MAX), Vec3::Y * 1e-30] {
@@ -283,7 +283,7 @@ fn hostile_trees_are_no_panic() {
             bears: vec![oak()],
             ..Dress::default()
         }
-        .put_on(&tree, &mut organs, 0);
+        .put_on(&tree, &mut organs, 0, None);
         assert!(organs.placed.iter().all(|leaf| leaf.scale.is_finite()));
     }
 }
@@ -304,7 +304,7 @@ fn spines_stand_on_the_dome() {
             bears: vec![spines.clone()],
             ..Dress::default()
         };
-        dress.put_on(&tree, &mut organs, 1);
+        dress.put_on(&tree, &mut organs, 1, None);
         let on_twig = organs.placed.iter().filter(|one| one.node == 2);
         let near = on_twig.filter(|one| one.position.x > 1.81);
         near.map(|one| {

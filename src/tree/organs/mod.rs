@@ -10,6 +10,7 @@
 
 use glam::{Quat, Vec3};
 
+use super::foliage::Bare;
 use super::bark::Bark;
 use super::{NO_PARENT, Tree};
 
@@ -115,6 +116,8 @@ pub struct Organs {
     pub spheres: Vec<Sphere>,
     /// Surfaces where they stand.
     pub placed: Vec<Placed>,
+    /// Kinds of which none stands anywhere though the tree bears them.
+    pub bare: Vec<Bare>,
     /// Segments of generalized cylinders, in order of node.
     pub smooth: Vec<Smooth>,
 }
