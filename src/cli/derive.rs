@@ -11,7 +11,9 @@ use clap::{ArgGroup, Args as ClapArgs, ValueEnum};
 use super::explain;
 use super::inputs::grammar_text;
 use super::moment::{Moment, step_at, time};
-use super::outputs::{check_places, light, not_over_each_other, picture_file, tree_file};
+use super::outputs::{
+    check_places, light, not_over_each_other, picture_file, tell_bare, tree_file,
+};
 use super::print_result;
 use super::progress::{Progress, start_watch};
 use super::unwritten::{self, Wanted};
@@ -459,6 +461,7 @@ fn write_files(
             None
         }
     };
+    tell_bare(&drawing.organs);
     for path in &args.export {
         if !is_skeleton(path) {
             budget.check(&path.display().to_string(), &drawing, tubes::NODE_BYTES, 0)?;

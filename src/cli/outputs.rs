@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Result, anyhow, ensure};
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
@@ -13,6 +14,7 @@ use crate::app::export;
 use crate::app::film::Film;
 use crate::app::workshop::Workshop;
 use crate::mesh::write::WriteFormat;
+use crate::tree::Organs;
 use crate::tree::file::check_place;
 use crate::world::scene::weather::Light;
 
@@ -42,6 +44,19 @@ pub(super) fn light() -> impl TypedValueParser<Value = Light> {
         let mut all = Light::ALL.into_iter();
         all.find(|light| light.name() == name).unwrap_or_default()
     })
+}
+
+/// Says what a tree should bear and does not, each once for all trees.
+pub(super) fn tell_bare(organs: &Organs) {
+    static SAID: Mutex<Vec<String>> = Mutex::new(Vec::new());
+    for bare in &organs.bare {
+        let sentence = bare.to_string();
+        let mut said = SAID.lock().unwrap_or_else(PoisonError::into_inner);
+        if !said.contains(&sentence) {
+            whisper!("{sentence}");
+            said.push(sentence);
+        }
+    }
 }
 
 /// Refuses results that would be written over what they are made from, or over each other, however their paths are

@@ -22,10 +22,10 @@ use super::rests::Rests;
 use super::shape::{Shape, Wrap};
 use super::string::ModuleString;
 use super::unwritten::Unwritten;
-use crate::tree::{Drawing, Organs, Tree};
 use crate::tree::foliage::{Dress, Season};
 use crate::tree::organs::Palette;
 use crate::tree::radii::{self, FitParams};
+use crate::tree::{Drawing, Organs, Tree};
 
 /// A grammar that has been read and checked.
 #[derive(Clone, Debug, PartialEq)]

@@ -298,8 +298,12 @@ impl Sketch {
             self.scale
         );
         let _ = writeln!(text, "const divergence = {}", self.divergence_deg);
-        self.habit
-            .push_laws(text, self.usual(), !self.own_rules_state_a_seed(), self.is_above_ground());
+        self.habit.push_laws(
+            text,
+            self.usual(),
+            !self.own_rules_state_a_seed(),
+            self.is_above_ground(),
+        );
         if self.habit.is_lawless() && self.habit.seed != 0 && self.own_rules_may_draw() {
             let _ = writeln!(text, "seed {}", self.habit.seed);
         }

@@ -71,12 +71,7 @@ pub struct Grown {
 /// # Errors
 /// Where the step is too far, the tree would be too large, or `cancel` was set meanwhile.
 pub fn grow(sketch: &Sketch, step: u32, cancel: &AtomicBool) -> Result<Grown, SketchError> {
-    // Nobody comes back for the strings on the way.
-    let mut once = Grower {
-        kept_bytes: 0,
-        ..Grower::default()
-    };
-    once.grow(sketch, step, cancel)
+    Grower::once(GROW).grow(sketch, step, cancel)
 }
 
 /// Grows sketches one after the other, with strings kept: for a workshop where each one differs
@@ -109,13 +104,20 @@ impl Last {
         })
     }
 
-    /// Brings it up to a sketch. Where only nodes moved, the grammar is neither written nor read anew: its shapes are changed.
+    /// Brings it up to a sketch. Where only nodes moved, or it is another individual, the grammar is neither written nor read anew: its shapes or its seed
+    /// are changed.
     fn follow(&mut self, sketch: &Sketch) -> Result<&mut History, SketchError> {
         if self.sketch.has_rules_of(sketch) {
             let changed = self.dictionary.follow(sketch).into_iter();
             let shapes = changed.filter_map(|place| self.dictionary.get(place));
             self.history
                 .reshape(shapes.map(|(letter, shape)| (letter.to_string(), shape)));
+        } else if self.sketch.with_seed(sketch.habit.seed) == *sketch {
+            if !sketch.own_rules_state_a_seed() {
+                let grammar = self.history.grammar().clone();
+                self.history
+                    .edit(grammar.with_seed(sketch.habit.seed.into()));
+            }
         } else {
             self.history.edit(parsed(sketch)?);
             self.dictionary.follow(sketch);
@@ -146,6 +148,29 @@ impl Grower {
             last: None,
             predictor: Predictor::default(),
         }
+    }
+
+    /// A grower to whose strings nobody comes back.
+    fn once(params: GrowParams) -> Self {
+        Self {
+            kept_bytes: 0,
+            ..Self::new(params)
+        }
+    }
+
+    /// A grower for one individual of a sketch after the other, each by a clone of it: the grammar is read once for all. No text of strings is made.
+    ///
+    /// # Errors
+    /// What is wrong with the sketch's rules.
+    pub fn of_individuals(sketch: &Sketch) -> Result<Self, SketchError> {
+        let params = GrowParams {
+            string_bytes: 0,
+            ..GROW
+        };
+        Ok(Self {
+            last: Some(Last::new(sketch, 0)?),
+            ..Self::once(params)
+        })
     }
 
     /// Grows a sketch to a step.

@@ -17,6 +17,7 @@ use super::{
 };
 use crate::{
     sketch::Sketch,
+    tree::foliage::Bare,
     world::{
         DrawSettings, World,
         board::Buttons,
@@ -237,6 +238,7 @@ impl<'a> View<'a> {
             finding: self.world.finding().map(|finding| finding.percent),
             looking: self.world.looking(),
             step: self.document.step,
+            bare: self.world.bare().to_vec(),
             moment: (self.moment * PARTS).round(),
             seen: Seen {
                 playing: self.playing,
@@ -265,6 +267,8 @@ struct Key {
     finding: Option<u32>,
     looking: Looking,
     step: u32,
+    /// What the tree should bear and does not.
+    bare: Vec<Bare>,
     moment: f64,
     seen: Seen,
 }
@@ -289,6 +293,7 @@ impl Key {
             && (self.linked, self.read, self.looking) == (other.linked, other.read, other.looking)
             && (self.reading, self.finding) == (other.reading, other.finding)
             && (self.step, self.moment) == (other.step, other.moment)
+            && self.bare == other.bare
             && self.seen == other.seen
     }
 }

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::sketch::habit::{Habit, LAWS, MOST_BEARS};
 use crate::tree::bark::Bark;
-use crate::tree::foliage::{Bearing, Season, USUAL_FLARE, kinds};
+use crate::tree::foliage::{Bare, Bearing, Season, USUAL_FLARE, kinds};
 use crate::world::document::Edit;
 use crate::world::species::SPECIES;
 
@@ -85,6 +85,7 @@ impl SpeciesTab {
         ui.separator();
         let mut page = Page {
             habit: Habit::clone(&view.document.sketch.habit),
+            bare: view.world.bare(),
             words,
             wishes,
         };
@@ -146,6 +147,8 @@ fn load(ui: &Ui, name: &str, png: &[u8]) -> Option<TextureHandle> {
 /// The tab below the pictures: each control changes a copy of the habit and wishes for it.
 struct Page<'a> {
     habit: Habit,
+    /// What the tree that is shown does not bear.
+    bare: &'a [Bare],
     words: &'static Words,
     wishes: &'a mut Vec<Wish>,
 }
@@ -262,6 +265,13 @@ impl Page<'_> {
                 self.set(true);
             }
         });
+        if let Some(bare) = self.bare.iter().find(|bare| bare.name == bearing.name) {
+            let why = match bare.light {
+                Some(_) => self.words.bare_dark,
+                None => self.words.bare_twigs,
+            };
+            ui.label(why);
+        }
         let numbers = [
             ("size", 0.005, 1.0, true),
             ("every", 0.005, 2.0, true),

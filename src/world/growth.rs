@@ -11,7 +11,7 @@ use glam::Affine3A;
 
 use crate::{
     sketch::{Grown, MAX_SEGMENTS, Sketch},
-    tree::{Organs, Tree},
+    tree::{Organs, Tree, foliage::Bare},
 };
 
 use super::{
@@ -119,6 +119,11 @@ impl Growth {
         #[expect(clippy::cast_possible_truncation, reason = "0 to 1")]
         let part = (moment - (f64::from(shown.step) - 1.0)).clamp(0.0, 1.0) as f32;
         part
+    }
+
+    /// What the tree should bear and does not.
+    pub(super) fn bare(&self) -> &[Bare] {
+        self.shown.as_ref().map_or(&[], |shown| &shown.organs.bare)
     }
 
     /// Whether the document's tree has not been wished for yet.

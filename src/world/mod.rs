@@ -12,6 +12,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3};
 
 use crate::sketch::{Grown, Sketch};
+use crate::tree::foliage::Bare;
 
 pub mod abstracting;
 mod at_hand;
@@ -488,6 +489,12 @@ impl World {
             }
         }
         self.compose();
+    }
+
+    /// What the tree that is shown should bear and does not.
+    #[must_use]
+    pub fn bare(&self) -> &[Bare] {
+        self.growth.bare()
     }
 
     /// Whether the picture moves by itself now: a step is growing or shrinking, or the tree plays.

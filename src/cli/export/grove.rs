@@ -80,7 +80,7 @@ fn all_grown(plan: &Plan<'_>) -> Result<Vec<Arc<Drawing>>> {
     for shoots in plan.shoots.chunks(rayon::current_num_threads()) {
         let made: Vec<Arc<Drawing>> = shoots
             .par_iter()
-            .map(|shoot| Ok(grown(plan, *shoot)?.0))
+            .map(|shoot| grown(plan, *shoot))
             .collect::<Result<_>>()?;
         bytes += made.iter().map(|one| bytes_of(one)).sum::<u64>();
         ensure!(

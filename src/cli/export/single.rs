@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::coarse::{Coarse, coarse};
 use super::estimate::{Holds, estimated, pictures};
 use super::files::{File, Format, Told, line};
-use super::source::grown;
+use super::source::{grammar_of, grown};
 use super::{Args, Done, Plan, Shoot};
 use crate::app::export;
 use crate::cli::print_result;
@@ -58,27 +58,24 @@ pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
         let (shoots, files);
         (shoots, rest.0) = rest.0.split_at(some.min(rest.0.len()));
         (files, rest.1) = rest.1.split_at(some.min(rest.1.len()));
-        let made: Vec<(Arc<Drawing>, String)> = shoots
+        let made: Vec<Arc<Drawing>> = shoots
             .par_iter()
             .map(|shoot| grown(plan, *shoot))
             .collect::<Result<_>>()?;
-        let are_small = made.iter().all(|(one, _)| is_small(one));
+        let are_small = made.iter().all(|one| is_small(one));
         some = if are_small { A_FEW * threads } else { threads };
         // Bark is painted by all threads, so it must not be painted first where one of them may come upon another tree that waits for it.
         for format in &args.format {
-            for (drawing, _) in &made {
+            for drawing in &made {
                 pictures(*format, drawing, &args.extra.extras());
             }
         }
         let ready: Vec<Vec<Ready>> = made
             .par_iter()
             .zip(shoots.par_iter().zip(files))
-            .map(|((drawing, grammar), (shoot, files))| {
-                ready(plan, *shoot, files, drawing, grammar)
-            })
+            .map(|(drawing, (shoot, files))| ready(plan, *shoot, files, drawing))
             .collect::<Result<_>>()?;
-        let drawings = made.into_iter().map(|(drawing, _)| drawing);
-        let drawings = drawings.filter(|one| !one.is_empty());
+        let drawings = made.into_iter().filter(|one| !one.is_empty());
         let drawings: Vec<Arc<Drawing>> = drawings.collect();
         done.drawn += drawings.len();
         if args.sheet.is_some() && !args.dry_run {
@@ -112,7 +109,6 @@ pub(super) fn write(plan: &Plan<'_>, files: &[Vec<File>]) -> Result<Done> {
 /// A file whose contents are made and which is not written yet.
 struct Ready {
     told: Told,
-    format: Format,
     sides: u32,
     drawing: Arc<Drawing>,
     grammar: Option<String>,
@@ -136,7 +132,6 @@ fn ready(
     shoot: Shoot,
     files: &[File],
     drawing: &Arc<Drawing>,
-    grammar: &str,
 ) -> Result<Vec<Ready>> {
     let args = plan.args;
     if drawing.is_empty() {
@@ -165,7 +160,6 @@ fn ready(
                 holds: Holds::of(file.format, &coarse.drawing, &extras),
                 bytes: Some(estimated(file.format, coarse, &extras)),
             },
-            format: file.format,
             sides: coarse.sides,
             drawing: Arc::clone(&coarse.drawing),
             grammar: None,
@@ -187,6 +181,7 @@ fn ready(
             Swc::new(&drawing.tree)
                 .with_context(|| format!("cannot write {}", file.path.display()))?;
         }
+        let grammar = (file.format == Format::Lsys).then(|| grammar_of(plan, shoot));
         let segments = drawing.tree.segment_count();
         let lines = 55 * segments as u64;
         ready.push(Ready {
@@ -200,15 +195,11 @@ fn ready(
                 triangles: None,
                 bound: None,
                 holds: Holds::default(),
-                bytes: Some(match file.format {
-                    Format::Lsys => grammar.len() as u64,
-                    _ => lines,
-                }),
+                bytes: Some(grammar.as_ref().map_or(lines, |text| text.len() as u64)),
             },
-            format: file.format,
             sides: 3,
             drawing: Arc::clone(drawing),
-            grammar: Some(grammar.to_owned()),
+            grammar,
         });
     }
     Ok(ready)
@@ -220,9 +211,9 @@ fn written(args: &Args, file: Ready) -> Result<Told> {
         return Ok(file.told);
     }
     let path = &file.told.file;
-    match (file.format, &file.grammar) {
-        (Format::Lsys, Some(text)) => write_atomically(path, text.as_bytes())?,
-        _ => file.with_stand(args, |stand| export::stand(stand, path))?,
+    match &file.grammar {
+        Some(text) => write_atomically(path, text.as_bytes())?,
+        None => file.with_stand(args, |stand| export::stand(stand, path))?,
     }
     let bytes = size_of_file(path);
     let mut told = file.told;

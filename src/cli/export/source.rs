@@ -6,11 +6,12 @@ use std::sync::{Arc, Once};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 
 use super::super::inputs::grammar_text;
+use super::super::outputs::tell_bare;
 use super::{Args, Plan, Shoot};
 use crate::app::store::read_project;
 use crate::app::trees;
 use crate::lsystem::Grammar;
-use crate::sketch::{self, Grown};
+use crate::sketch::{self, Grower, Grown};
 use crate::tree::Drawing;
 use crate::tree::vary::{Spread, varied};
 use crate::world::document::Document;
@@ -18,7 +19,7 @@ use crate::world::document::Document;
 /// What is grown.
 pub(super) enum Source {
     Grammar(Box<Grammar>, String),
-    Sketch(Box<Document>),
+    Sketch(Box<Document>, Box<Grower>),
 }
 
 /// Reads the file.
@@ -47,14 +48,24 @@ pub(super) fn source(args: &Args) -> Result<Source> {
         step > 0,
         "{name} was left at step 0, where no tree has grown yet: give --steps, or grow it in the workshop first"
     );
-    Ok(Source::Sketch(Box::new(Document { step, ..document })))
+    let sketch = args.season.map_or_else(
+        || sketch::Sketch::clone(&document.sketch),
+        |season| document.sketch.in_season(season),
+    );
+    let grower = Grower::of_individuals(&sketch).with_context(|| format!("cannot grow {name}"))?;
+    let document = Document {
+        sketch: Arc::new(sketch),
+        step,
+        ..document
+    };
+    Ok(Source::Sketch(Box::new(document), Box::new(grower)))
 }
 
 /// How far individuals differ besides what a grammar draws.
 pub(super) fn spread(args: &Args, source: &Source) -> Spread {
     let own = match source {
         // Where its laws draw by the seed, they make the individuals.
-        Source::Sketch(document)
+        Source::Sketch(document, _)
             if !document.sketch.habit.has_chance() && (args.count > 1 || args.seed.is_some()) =>
         {
             Spread::USUAL
@@ -72,7 +83,7 @@ impl Source {
     pub(super) fn steps(&self, args: &Args) -> Result<u32> {
         let stated = match self {
             Self::Grammar(grammar, _) => args.steps.or(grammar.steps()),
-            Self::Sketch(document) => Some(document.step),
+            Self::Sketch(document, _) => Some(document.step),
         };
         let name = args.file.display();
         stated.ok_or_else(|| anyhow!("{name} states no number of steps: give --steps"))
@@ -82,42 +93,31 @@ impl Source {
     pub(super) fn seed(&self, args: &Args) -> u64 {
         match self {
             Self::Grammar(grammar, _) => grammar.seed(),
-            Self::Sketch(document) if args.count == 1 => document.sketch.habit.seed.into(),
-            Self::Sketch(_) => 0,
+            Self::Sketch(document, _) if args.count == 1 => document.sketch.habit.seed.into(),
+            Self::Sketch(..) => 0,
         }
     }
 }
 
-/// The individual of a seed, and the grammar that grows it again.
-pub(super) fn grown(
-    plan: &Plan<'_>,
-    Shoot { seed, step }: Shoot,
-) -> Result<(Arc<Drawing>, String)> {
+/// The individual of a seed.
+pub(super) fn grown(plan: &Plan<'_>, shoot: Shoot) -> Result<Arc<Drawing>> {
     let Plan {
         args,
         source,
         spread,
         shoots,
     } = *plan;
+    let Shoot { seed, step } = shoot;
     let name = args.file.display().to_string();
-    let asked = step.or(args.steps);
-    let (drawing, grammar) = match source {
-        Source::Grammar(grammar, text) => {
-            let mut text = text.clone();
-            if seed != grammar.seed() {
-                text = stating(&text, "seed", seed);
-            }
-            if let Some(steps) = asked.filter(|steps| grammar.steps() != Some(*steps)) {
-                text = stating(&text, "steps", u64::from(steps));
-            }
+    let drawing = match source {
+        Source::Grammar(grammar, _) => {
             let mut grammar = (**grammar).clone().with_seed(seed);
             if let Some(season) = args.season {
-                text = stating(&text, "season", season.name());
                 grammar = grammar.with_season(season);
             }
             // Steps of a sequence grow beside each other, as individuals do.
             let beside = rayon::current_num_threads().min(shoots.len());
-            let (drawing, factor) = trees::grown(&grammar, asked, &name, beside)?;
+            let (drawing, factor) = trees::grown(&grammar, step.or(args.steps), &name, beside)?;
             if let Some(factor) = factor {
                 // Once, not for each individual.
                 static SAID: Once = Once::new();
@@ -127,36 +127,68 @@ pub(super) fn grown(
                     );
                 });
             }
-            (drawing, text)
+            drawing
         }
-        Source::Sketch(document) => {
-            let (sketch, step) = (&document.sketch, &step.unwrap_or(document.step));
-            let one_of_many = args.count > 1 || args.seed.is_some();
-            let individual = if one_of_many && sketch.habit.has_chance() {
-                sketch.with_seed(folded(seed))
-            } else {
-                sketch::Sketch::clone(sketch)
-            };
-            let sketch = &match args.season {
-                Some(season) => individual.in_season(season),
-                None => individual,
-            };
-            let grown = sketch::grow(sketch, *step, &AtomicBool::new(false))
+        Source::Sketch(document, grower) => {
+            let Grown { tree, organs, .. } = Grower::clone(grower)
+                .grow(
+                    &individual(args, document, seed),
+                    step.unwrap_or(document.step),
+                    &AtomicBool::new(false),
+                )
                 .with_context(|| format!("cannot grow {name}"))?;
-            // Step 1 shows the axiom.
-            let steps = u64::from(step.saturating_sub(1));
-            let text = stating(&sketch.grammar_text(), "steps", steps);
-            let Grown { tree, organs, .. } = grown;
-            (Drawing { tree, organs }, text)
+            Drawing { tree, organs }
         }
     };
+    // What is bare at an early step of a sequence is no more so at the last.
+    if step.is_none_or(|step| shoots.iter().all(|other| other.step <= Some(step))) {
+        tell_bare(&drawing.organs);
+    }
     let drawing = Arc::new(varied(&drawing, seed, spread));
     // A sequence may begin before there is anything.
     ensure!(
         !drawing.is_empty() || step.is_some(),
         "{name} draws nothing after its steps, so there is no file to write"
     );
-    Ok((drawing, grammar))
+    Ok(drawing)
+}
+
+/// A sketch alone is its own individual.
+fn individual(args: &Args, document: &Document, seed: u64) -> sketch::Sketch {
+    let sketch = &document.sketch;
+    let one_of_many = args.count > 1 || args.seed.is_some();
+    if one_of_many && sketch.habit.has_chance() {
+        sketch.with_seed(folded(seed))
+    } else {
+        sketch::Sketch::clone(sketch)
+    }
+}
+
+/// The grammar that grows the individual of a seed again.
+pub(super) fn grammar_of(plan: &Plan<'_>, Shoot { seed, step }: Shoot) -> String {
+    let Plan { args, source, .. } = *plan;
+    match source {
+        Source::Grammar(grammar, text) => {
+            let mut text = text.clone();
+            if seed != grammar.seed() {
+                text = stating(&text, "seed", seed);
+            }
+            let asked = step.or(args.steps);
+            if let Some(steps) = asked.filter(|steps| grammar.steps() != Some(*steps)) {
+                text = stating(&text, "steps", u64::from(steps));
+            }
+            match args.season {
+                Some(season) => stating(&text, "season", season.name()),
+                None => text,
+            }
+        }
+        Source::Sketch(document, _) => {
+            // Step 1 shows the axiom.
+            let steps = u64::from(step.unwrap_or(document.step).saturating_sub(1));
+            let text = individual(args, document, seed).grammar_text();
+            stating(&text, "steps", steps)
+        }
+    }
 }
 
 /// A seed of a sketch's laws: seeds one after the other stay different.

@@ -14,6 +14,7 @@ use super::source::Source;
 use super::{Args, Done, Plan};
 use crate::app::export;
 use crate::app::wood::{self, Standing};
+use crate::cli::outputs::tell_bare;
 use crate::cli::print_result;
 use crate::cli::progress::Progress;
 use crate::tree::bark::Bark;
@@ -28,7 +29,7 @@ pub(super) fn of<'a>(args: &Args, source: &'a Source) -> Option<&'a Document> {
 
 fn planted(source: &Source) -> Option<&Document> {
     match source {
-        Source::Sketch(document) if !document.grove.is_empty() => Some(&**document),
+        Source::Sketch(document, _) if !document.grove.is_empty() => Some(&**document),
         _ => None,
     }
 }
@@ -63,7 +64,10 @@ pub(super) fn write(plan: &Plan<'_>, document: &Document, files: &[File]) -> Res
     let grown = Progress::during("growing", || wood::grown(document, args.season))?;
     let (drawings, places): (Vec<_>, Vec<_>) = grown
         .into_iter()
-        .map(|Standing { drawing, places }| (Arc::new(drawing), places))
+        .map(|Standing { drawing, places }| {
+            tell_bare(&drawing.organs);
+            (Arc::new(drawing), places)
+        })
         .unzip();
     let mut done = Done {
         told: Vec::new(),

@@ -10,8 +10,8 @@
 
 use glam::{Quat, Vec3};
 
-use super::foliage::Bare;
 use super::bark::Bark;
+use super::foliage::Bare;
 use super::{NO_PARENT, Tree};
 
 mod collar;

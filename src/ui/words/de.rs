@@ -266,6 +266,8 @@ pub(super) const WORDS: Words = Words {
     another: "Ein anderes",
     bark: "Rinde",
     bears: "Er trägt",
+    bare_dark: "keine: alle stünden im Dunkeln",
+    bare_twigs: "keine: kein Zweig trägt sie",
     maple: "Ahorn",
     oak: "Eiche",
     birch: "Birke",

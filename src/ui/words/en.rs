@@ -266,6 +266,8 @@ pub(super) const WORDS: Words = Words {
     another: "Another",
     bark: "Bark",
     bears: "It bears",
+    bare_dark: "none: all would stand in the dark",
+    bare_twigs: "none: no twig bears any",
     maple: "Maple",
     oak: "Oak",
     birch: "Birch",

@@ -116,7 +116,7 @@ words! {
     distance, along, angle, thickness, curvature, radius, measured, no_measures, places, opposite_side, by_rays, no_way, no_numbers,
     cut, cut_none, cut_in_hand, cut_stays, lamp,
     mend, mend_weld, mend_debris, mend_largest, mend_orient, mend_close, mend_close_smooth, mend_smooth, mend_decimate, mend_remesh, unmend,
-    tab_species, begin_with, own_species, individual, another, bark, bears, maple, oak, birch, spruce, willow, apple, fern, cactus, spring, summer, autumn, winter, law_wander, law_spread, law_light, law_gravity, law_dominance, law_shrink, law_starve, law_length, law_reach, law_peak, law_crowd,
+    tab_species, begin_with, own_species, individual, another, bark, bears, bare_dark, bare_twigs, maple, oak, birch, spruce, willow, apple, fern, cactus, spring, summer, autumn, winter, law_wander, law_spread, law_light, law_gravity, law_dominance, law_shrink, law_starve, law_length, law_reach, law_peak, law_crowd,
     leaf_size, leaf_every, leaf_droop, leaf_young,
     more_individuals, plant_them, all_alike, grow_first, no_pictures, planter, plant_how, plant_spacing, plant_vary, planted, uproot_all, really_uproot,
     tab_models, models_here, no_models_here, look_again, linked, model_is_not_there, take_away, triangles, vertices, unit, stands_on, shown_at, bar_is, one_to_one, reset_view, textured, shaded, matte, x_ray, no_faces, edges, box_and_size, colour_by, nothing, parts, problems, no_problems,
