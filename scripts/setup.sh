@@ -63,7 +63,7 @@ debian_family() {
         wanted+=(xvfb xdotool libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0)
         has node || wanted+=(nodejs)
         has npm || wanted+=(npm)
-        # Snakemake, which the workflow's test puts into the target folder.
+        # Snakemake and trimesh, which tests put into the target folder.
         python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || wanted+=(python3-venv)
     fi
     local package

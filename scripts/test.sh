@@ -8,7 +8,7 @@ set -euo pipefail
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$repository"
 target=${CARGO_TARGET_DIR:-$repository/target}
-stages=(scripts fmt clippy fuzz docs validator driver monado build-tests doctests tests run workflow)
+stages=(scripts fmt clippy fuzz docs validator trimesh driver monado build-tests doctests tests run workflow)
 
 if [ "${1:-}" = --list ]; then
     echo "${stages[*]}"
@@ -85,6 +85,32 @@ stage_monado() {
     fi
 }
 
+# A Python from 3.11 on, under the target folder, with what a list of PyPI's requires; made anew when the list is another. Its log is the folder's name with .log.
+python_with() { # LIST FOLDER
+    ! cmp -s "$1" "$2/requirements.txt" || return 0
+    local python
+    for python in python3 python3.14 python3.13 python3.12 python3.11; do
+        if "$python" -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+            "$python" -m venv --clear "$2" &&
+                "$2/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$1" &&
+                cp "$1" "$2/requirements.txt"
+            return
+        fi
+    done >"$2.log" 2>&1
+    echo "there is no Python from 3.11 on with venv: scripts/setup.sh test installs it on Debian and Ubuntu" >>"$2.log"
+    return 1
+}
+
+# PyPI's trimesh, which reads exported files.
+stage_trimesh() {
+    local folder=$target/trimesh
+    if ! python_with tests/python/requirements.txt "$folder"; then
+        tail -n 3 "$folder.log"
+        echo "trimesh cannot be had ($folder.log says why); away from CI the test that reads files with it is skipped"
+        [ "${CI:-}" != true ]
+    fi
+}
+
 stage_build-tests() { cargo nextest run --workspace --no-run --cargo-quiet; }
 
 stage_doctests() { cargo test --workspace --doc --quiet; }
@@ -92,6 +118,7 @@ stage_doctests() { cargo test --workspace --doc --quiet; }
 stage_tests() {
     local log=$target/nextest.log failed=''
     [ ! -r "$target/mesa22/lvp_icd.json" ] || export RAMUS_BROKEN_DRIVER=$target/mesa22/lvp_icd.json
+    ! cmp -s tests/python/requirements.txt "$target/trimesh/requirements.txt" || export RAMUS_TRIMESH=$target/trimesh/bin/python
     cargo nextest run --workspace --cargo-quiet --no-fail-fast --color never 2>&1 | tee "$log" || failed=yes
     summary=$(grep -E '^ *Summary \[' "$log" | tail -n 1)
     [ -z "$failed" ]
@@ -115,28 +142,12 @@ stage_run() {
     done
 }
 
-# A Python with Snakemake in it, from 3.11 on, under the target folder; made anew when another version is wanted.
-snakemake_python() { # FOLDER
-    local wanted=workflows/requirements.txt python
-    ! cmp -s "$wanted" "$1/requirements.txt" || return 0
-    for python in python3 python3.14 python3.13 python3.12 python3.11; do
-        if "$python" -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
-            "$python" -m venv --clear "$1" &&
-                "$1/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$wanted" &&
-                cp "$wanted" "$1/requirements.txt"
-            return
-        fi
-    done
-    echo "there is no Python from 3.11 on with venv: scripts/setup.sh test installs it on Debian and Ubuntu"
-    return 1
-}
-
 # The Snakemake workflow, on two cores here, makes what `ramus cohort` makes, byte for byte.
 stage_workflow() {
     local folder=$target/snakemake
-    if ! snakemake_python "$folder" >"$target/snakemake.log" 2>&1; then
-        tail -n 3 "$target/snakemake.log"
-        echo "workflow: Snakemake cannot be had ($target/snakemake.log says why); away from CI the workflow's test is skipped"
+    if ! python_with workflows/requirements.txt "$folder"; then
+        tail -n 3 "$folder.log"
+        echo "workflow: Snakemake cannot be had ($folder.log says why); away from CI the workflow's test is skipped"
         [ "${CI:-}" != true ]
         return
     fi

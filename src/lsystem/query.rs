@@ -290,7 +290,7 @@ mod tests {
     use super::*;
 
     /// Ends that starve and are crowded, on bent segments.
-    const PLANT: &str = "seed 3\ncontext literal\ntropism 0 1 0\naxiom T(0.1) A(0, 0) B ?S(1, 0.2) ?C(0.3, 0.3)\n\
+    const PLANT: &str = "seed 3\ncontext literal\ntropism 0 1 0\nground 0.5\naxiom T(0.1) A(0, 0) B ?S(1, 0.2) ?C(0.3, 0.3)\n\
         A(x, p) > B ?S(l, a) ?C(c, r) : c < r && x > 9 -> A(x, p)\n\
         A(x, p) > B : x < 14 -> A(x, p) A(x+1, normal(0, 9))\n\
         A(x, p) > A(y, q) : x % 2 == 1 -> A(x, p) [ /(137*x + normal(0, 5)) &(60) A(x+2, 0) B ?S(1, 0.2) ?C(0.3, 0.3) ]\n\

@@ -309,3 +309,65 @@ proptest! {
         prop_assert!(fewer.segment_count() <= tree.segment_count());
     }
 }
+
+/// Branches that hang come to lie on the ground, unless a person drew something below it.
+#[test]
+fn hanging_branches_know_the_ground() {
+    let hangs = Habit {
+        gravity: 0.6,
+        wander_deg: 4.0,
+        ..Habit::default()
+    };
+    let never = AtomicBool::new(false);
+    let lowest = |grown: &Grown| grown.tree.bounds().unwrap().0.y;
+    let sketch = sketch(Some(2)).with_habit(hangs).unwrap();
+    assert!(sketch.grammar_text().contains("\nground 0\n"));
+    let lying = grow(&sketch, 20, &never).unwrap();
+    assert!(lowest(&lying) >= 0.0, "{}", lowest(&lying));
+    // A root that is drawn, and is moved above the ground again: each as if it had been drawn so.
+    let mut grower = crate::sketch::Grower::default();
+    assert_eq!(grower.grow(&sketch, 20, &never).unwrap(), lying);
+    let end = NodeRef::new(Letter::TRUNK, 3);
+    let down = sketch.move_node(end, Vec3::new(0.3, -0.1, 0.0)).unwrap();
+    assert!(!down.grammar_text().contains("ground"));
+    let free = grower.grow(&down, 20, &never).unwrap();
+    assert_eq!(free, grow(&down, 20, &never).unwrap());
+    assert!(lowest(&free) < -0.5, "{}", lowest(&free));
+    let again = down.move_node(end, Vec3::Y * 0.6).unwrap();
+    let kept = grower.grow(&again, 20, &never).unwrap();
+    assert_eq!(kept, grow(&again, 20, &never).unwrap());
+    assert!(lowest(&kept) >= 0.0, "{}", lowest(&kept));
+}
+
+/// Individuals by one grower are those that grow each for itself, but for the text of their strings.
+#[test]
+fn individuals_need_the_grammar_once() {
+    let never = AtomicBool::new(false);
+    let laws = Habit {
+        wander_deg: 6.0,
+        dominance: 0.2,
+        bears: vec!["oak".to_owned()],
+        ..Habit::default()
+    };
+    let drawn = sketch(Some(2)).with_habit(laws).unwrap();
+    let own = |line: &str| drawn.with_rule("", Some(line)).unwrap();
+    let leaves_alone = sketch(None)
+        .with_habit(Habit {
+            bears: vec!["oak".to_owned()],
+            ..Habit::default()
+        })
+        .unwrap();
+    for sketch in [&drawn, &own("seed 7"), &own("bears fruit"), &leaves_alone] {
+        let grower = crate::sketch::Grower::of_individuals(sketch).unwrap();
+        for seed in [0, 1, 9, u32::MAX] {
+            let one = sketch.with_seed(seed);
+            let mut own = grower.clone();
+            for step in [12, 9] {
+                let kept = own.grow(&one, step, &never).unwrap();
+                let anew = grow(&one, step, &never).unwrap();
+                assert_eq!((kept.tree, kept.organs), (anew.tree, anew.organs), "{seed}");
+                assert_eq!(kept.string, "…");
+            }
+        }
+    }
+}

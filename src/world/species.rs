@@ -73,8 +73,16 @@ mod tests {
             let grown = sketch::grow(&document.sketch, document.step, &never).unwrap();
             grown.tree.validate().unwrap();
             grown.organs.validate(&grown.tree).unwrap();
-            let (low, high) = grown.tree.bounds().unwrap();
-            assert!(low.y > -0.2, "{name} grows {} m into the ground", -low.y);
+            let (_, high) = grown.tree.bounds().unwrap();
+            for seed in 0..8 {
+                let one = sketch::grow(&document.sketch.with_seed(seed), document.step, &never);
+                let low = one.unwrap().tree.bounds().unwrap().0;
+                assert!(
+                    low.y > -1e-5,
+                    "{name} {seed} grows into the ground: {}",
+                    low.y
+                );
+            }
             assert!((0.3..16.0).contains(&high.y), "{name} is {} m high", high.y);
             assert!(
                 (30..30_000).contains(&grown.tree.len()),

@@ -351,6 +351,14 @@ fn every_fault_is_told_as_a_person_wants_it() {
             &["2:13: found the end of the line; expected a number"][..],
         ),
         (
+            "axiom A\nground\n",
+            &["2:7: found the end of the line; expected a number"][..],
+        ),
+        (
+            "axiom A\nground 1e999\n",
+            &["2:8: this number is larger than a number can be (1.8e308)"][..],
+        ),
+        (
             "axiom A\ntropism down\n",
             &["2:9: found `down`; expected a number"][..],
         ),

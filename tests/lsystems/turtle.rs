@@ -214,6 +214,58 @@ fn tropism() {
     );
 }
 
+/// A segment that would go below the ground is turned up; each takes half of what is left of the way down at most.
+#[test]
+fn ground() {
+    let tree = tree_of("ground 0\naxiom F(1) +(180) F(0.8) F(0.8) F(0.8)\n");
+    let heights: Vec<f32> = tree.position.iter().map(|place| place.y).collect();
+    assert_eq!(heights, [0.0, 1.0, 0.5, 0.25, 0.125]);
+    let lengths = (1..4).map(|at| tree.position[at].distance(tree.position[at + 1]));
+    assert!(
+        lengths
+            .into_iter()
+            .all(|length| (length - 0.8).abs() < 1e-6)
+    );
+    // What begins below it goes level at most, up as it is told, and outlines are left alone.
+    let below =
+        tree_of("ground 3\naxiom +(120) F(1) -(120) F(1) { +(180) F(1) +(90) F(1) } +(180) F(1)\n");
+    assert!(
+        near(below.position[1], Vec3::NEG_X),
+        "{}",
+        below.position[1]
+    );
+    assert!(below.position[2].y > 0.4 && below.position.iter().all(|place| place.y >= 0.0));
+    let shape = tree_of("ground -0.5\nshape A = [(0 -1 0) (1 -1 0)]\naxiom A\n");
+    let lowest = shape
+        .position
+        .iter()
+        .fold(0.0_f32, |low, place| low.min(place.y));
+    assert!((lowest + 0.375).abs() < 1e-6, "{lowest}");
+}
+
+/// A large plant that sinks is drawn beside itself as in one go, and lies on its ground.
+#[test]
+fn sinking_plants_are_drawn_in_parts_as_in_one_go() {
+    let grammar = parse(
+        "ground 0.1\ntropism 0 -1 0\nangle 31\naxiom T(0.2) F(1) A\nA -> F(0.3) [ +A ] [ /(100) -A ] &(20) F(0.4)\n",
+    );
+    let string = derive(&grammar, 13);
+    let never = AtomicBool::new(false);
+    let params = TurtleParams::default();
+    let read = draw_on(&grammar, &string, &params, &never, |params| {
+        TreeCanvas::new(&grammar, params)
+    });
+    let tree = draw(&grammar, &string);
+    assert!(tree.len() > 16_000, "{} nodes", tree.len());
+    assert_eq!(tree, read.unwrap().finish());
+    let lowest = tree
+        .position
+        .iter()
+        .skip(1)
+        .fold(f32::MAX, |low, place| low.min(place.y));
+    assert!((0.1..0.2).contains(&lowest), "{lowest}");
+}
+
 /// In the start frame a shape's coordinates are the stage's; at the wrap the heading is carried over or restarts.
 #[test]
 fn shapes() {

@@ -8,11 +8,16 @@ use ramus::app::picture::Picture;
 use ramus::app::portrait;
 use ramus::app::store::Store;
 use ramus::app::workshop::{Workshop, WorkshopParams};
+use ramus::sketch::habit::Habit;
 use ramus::tree::bark::Bark;
 use ramus::tree::foliage::Season;
 use ramus::ui::Recent;
+use ramus::world::World;
+use ramus::world::document::Edit;
+use ramus::world::history::History;
 use ramus::world::panels::PanelId;
 use ramus::world::scene::{PlacedTree, Scene};
+use ramus::world::species::SPECIES;
 
 use glam::{Vec2, Vec3};
 
@@ -219,6 +224,32 @@ fn lines_end_and_ends_keep_away_by_sliders() {
             visitor.frame();
         }
         assert_eq!(*visitor.document(), drawn, "{label}: undone");
+    }
+}
+
+/// What no twig bears, and what would stand in the dark, is said below its name, and only there.
+#[test]
+fn what_a_tree_does_not_bear_is_said_below_its_name() {
+    let mut history = History::default();
+    history.apply(SPECIES[0].edit()).unwrap();
+    let mut habit = Habit::clone(&history.committed().sketch.habit);
+    habit.bears = ["oak order 99", "birch size 100 every 0.01 light 1", "fruit"]
+        .map(str::to_owned)
+        .to_vec();
+    let to = Box::new(habit);
+    history.apply(Edit::SetHabit { to }).unwrap();
+    let mut visitor = Visitor::at(Workshop::unsaved(World::new(history)).unwrap());
+    press(&mut visitor, "Species");
+    let [twigs, dark] = [
+        "none: no twig bears any",
+        "none: all would stand in the dark",
+    ];
+    for (name, says) in [("oak", twigs), ("birch", dark)] {
+        visitor.scroll_to(RIGHT, PanelId::Bench, says);
+        let texts: Vec<&str> = visitor.workshop.texts(PanelId::Bench).collect();
+        let at = texts.iter().position(|text| *text == says).unwrap();
+        assert_eq!(texts[at - 2], name, "{texts:?}");
+        assert_eq!(texts.iter().filter(|text| **text == says).count(), 1);
     }
 }
 

@@ -10,6 +10,7 @@ use super::*;
 mod extras;
 mod home;
 mod planted;
+mod trimesh;
 mod whole;
 
 const LILY: &str = concat!(

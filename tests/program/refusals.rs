@@ -374,3 +374,29 @@ fn more_threads_than_machines_have_are_refused() {
         succeed(&mut with(threads));
     }
 }
+
+/// What a tree should bear and does not is said once, whatever is made of it.
+#[test]
+fn a_tree_that_stays_bare_says_so() {
+    let folder = folder();
+    let path = folder.path().join("bare.lsys");
+    let grammar = "bears oak order 9\nbears fruit twig 1\nsteps 3\naxiom A\nA -> F(0.4) [ +(35) A ] [ -(40) A ]\n";
+    fs::write(&path, grammar).unwrap();
+    let sentence =
+        "`bears oak`: no twig bears any; see what `twig`, `order`, `young` and `every` ask for\n";
+    let [file, out] = ["bare.glb", "out"].map(|name| folder.path().join(name));
+    for command in [
+        ramus().arg("derive").arg(&path).arg("--export").arg(&file),
+        ramus()
+            .arg("export")
+            .arg(&path)
+            .args(["--format", "glb,ply", "--count", "3", "--out"])
+            .arg(&out),
+    ] {
+        let output = command.output().unwrap();
+        let said = text(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.matches(sentence).count(), 1, "{said}");
+        assert!(!said.contains("bears fruit"), "{said}");
+    }
+}

@@ -32,8 +32,8 @@ fn statements() {
         ),
         ("axiom *\nignore +-F\n", "axiom *\nignore + - F\n"),
         (
-            "tropism 0 - 1   +2\norder   first\nwrap restart\n",
-            "tropism 0 -1 +2\norder first\nwrap restart\n",
+            "ground   - 0.5\ntropism 0 - 1   +2\norder   first\nwrap restart\n",
+            "ground -0.5\ntropism 0 -1 +2\norder first\nwrap restart\n",
         ),
         (
             "module Leaf( size,age ) ,Bud\naxiom Leaf(1,2)Bud A\n",

@@ -322,7 +322,61 @@ fn normal(q: DQuat) -> DQuat {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    proptest! {
+        /// A segment is as long above a ground as without one, turns no further than it must, and goes down by half of what is left at most.
+        #[test]
+        fn segments_come_to_lie_on_the_ground(
+            turn in prop::array::uniform3(-7.0_f64..7.0),
+            height in -2.0_f64..2.0,
+            ground in -1.0_f64..1.0,
+            length in -3.0_f64..3.0,
+        ) {
+            let [x, y, z] = turn;
+            let mut stance = Pen::new(1.0).stance();
+            stance.turn(DQuat::from_euler(glam::EulerRot::YXZ, y, x, z));
+            stance.position.y = height;
+            let free = stance.ahead(length);
+            let (before, from) = (stance, stance.position);
+            let end = stance.ahead_above(length, ground);
+            let lowest = height.min(f64::midpoint(height, ground));
+            prop_assert!(end.y >= lowest - 1e-9, "{} below {lowest}", end.y);
+            prop_assert!((end.distance(from) - length.abs()).abs() < 1e-9);
+            prop_assert!((stance.frame.length() - 1.0).abs() < 1e-9);
+            if free.y >= lowest {
+                prop_assert_eq!((end, stance.frame), (free, before.frame));
+            } else {
+                prop_assert!((end.y - lowest).abs() < 1e-9);
+                // In the upright plane of the way that it would have gone.
+                let [to, was] = [end, free].map(|at| at - from);
+                prop_assert!(to.cross(was).y.abs() < 1e-9 && to.dot(DVec3::new(was.x, 0.0, was.z)) >= -1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn straight_down_is_lifted_and_what_is_no_number_is_left() {
+        let mut stance = Pen::new(1.0).stance();
+        stance.turn(DQuat::from_rotation_x(std::f64::consts::PI));
+        let end = stance.ahead_above(2.0, 0.0);
+        assert!(
+            end.y.abs() < 1e-12 && (end.length() - 2.0).abs() < 1e-12,
+            "{end}"
+        );
+        for (length, ground) in [
+            (f64::INFINITY, 0.0),
+            (1.0, f64::NAN),
+            (f64::NAN, 0.0),
+            (1e308, 1e308),
+        ] {
+            let mut stance = Pen::new(1.0).stance();
+            let _ = stance.ahead_above(length, ground);
+            assert!(stance.frame.is_finite(), "{length} {ground}");
+        }
+    }
 
     #[test]
     fn small_angles_are_turned_by_as_by_large_ones() {

@@ -251,7 +251,7 @@ mod tests {
         #[test]
         fn as_each_ray_says(
             [x, y, z] in prop::array::uniform3(1_u32..6),
-            depths in prop::collection::vec(prop_oneof![Just(0.0_f32), 0.0_f32..2.0], 125),
+            depths in prop::collection::vec(prop_oneof![Just(0.0_f32), 0.0_f32..2.0, 2.0_f32..1e6], 125),
         ) {
             let size = UVec3::new(x, y, z);
             let count = (x * y * z) as usize;
@@ -265,11 +265,12 @@ mod tests {
             for at in 0..count {
                 let [across, deep] = [size.x as usize, size.z as usize];
                 let place = [at % across, at / across / deep, at / across % deep].map(|at| at as i32);
+                let own = (0.5 * depth(place)).min(OWN_SHADE);
                 let (mut sum, mut weights) = (0.0, 0.0);
                 for [dx, dz] in DIRECTIONS.map(|way| way.map(|step| step as i32)) {
                     let way = ((1 + dx * dx + dz * dz) as f32).sqrt();
                     let up = |step: i32| depth([place[0] + step * dx, place[1] + step, place[2] + step * dz]);
-                    let through: f32 = 0.5 * up(0) + (1..size.y as i32).map(up).sum::<f32>();
+                    let through: f32 = own + (1..size.y as i32).map(up).sum::<f32>();
                     sum += (-way * through).exp() / way;
                     weights += 1.0 / way;
                 }
@@ -306,10 +307,21 @@ mod tests {
                 .at(Vec3::new(0.45, 0.0, 0.45))
         };
         assert!((of(0.0) - 1.0).abs() < 1e-6);
-        assert!(of(0.001) > of(0.01) && of(0.01) > of(0.1));
+        assert!(of(0.001) > of(0.003) && of(0.003) > of(0.01));
         assert_eq!(Light::among(&[]), None);
         let one = Light::among(&[(Vec3::ONE, 1.0)]).unwrap();
         assert!((0.0..1.0).contains(&one.at(Vec3::ONE)));
+    }
+
+    #[test]
+    fn what_is_on_top_is_lit_however_much_there_is() {
+        for area in [0.01, 1.0, 1e4] {
+            let leaves: Vec<_> = (0..20).map(|y| (Vec3::Y * y as f32, area)).collect();
+            let light = Light::on_each(&leaves);
+            assert!(light[19] > 0.1, "{area}: {light:?}");
+            let darker = light.iter().zip(&light[1..]).all(|(low, high)| low <= high);
+            assert!(darker, "{area}: {light:?}");
+        }
     }
 
     #[test]

@@ -288,6 +288,104 @@ fn hostile_trees_are_no_panic() {
     }
 }
 
+/// A trunk of four metres with so many twigs of a metre about its top.
+fn besom(twigs: u8) -> Tree {
+    let mut tree = fork();
+    for twig in 0..twigs {
+        let turn = GOLDEN * f32::from(twig);
+        tree.push(Node {
+            parent: 1,
+            position: Vec3::new(turn.cos(), 4.2 + 0.01 * f32::from(twig), turn.sin()),
+            radius: 0.01,
+            letter: 0,
+            order: 1,
+            birth: 4,
+        });
+    }
+    tree
+}
+
+fn on_besom(change: impl Fn(&mut Bearing), season: Season) -> Organs {
+    let mut oak = Bearing::of(kind("oak").unwrap());
+    oak.set("twig", 0.05);
+    change(&mut oak);
+    let mut organs = Organs::default();
+    let dress = Dress {
+        season,
+        bears: vec![oak],
+        ..Dress::default()
+    };
+    dress.put_on(&besom(100), &mut organs, 4, None);
+    assert!(organs.placed.is_empty() || organs.bare.is_empty());
+    organs
+}
+
+/// However many a twig bears: some of those on top stand.
+#[test]
+fn far_too_many_leave_no_tree_bare() {
+    for (every, size) in [(1e-4, 0.1), (0.03, 30.0), (1e-4, 100.0)] {
+        let change = |oak: &mut Bearing| {
+            oak.set("every", every);
+            oak.set("size", size);
+        };
+        let organs = on_besom(change, Season::Summer);
+        let stand = organs.placed.len();
+        assert!(stand > 100, "every {every} size {size}: {stand}");
+    }
+}
+
+#[test]
+fn what_is_borne_nowhere_is_told() {
+    let told = |change: &dyn Fn(&mut Bearing), season| -> Vec<String> {
+        let bare = on_besom(change, season).bare;
+        bare.iter().map(ToString::to_string).collect()
+    };
+    assert_eq!(told(&|_| (), Season::Summer), [""; 0]);
+    assert_eq!(told(&|_| (), Season::Winter), [""; 0], "it is the season");
+    assert_eq!(
+        told(&|oak| oak.set("order", 9.0), Season::Summer),
+        ["`bears oak`: no twig bears any; see what `twig`, `order`, `young` and `every` ask for"]
+    );
+    let dark = |oak: &mut Bearing| {
+        oak.set("every", 1e-4);
+        oak.set("light", 1.0);
+    };
+    assert_eq!(
+        told(&dark, Season::Summer),
+        [
+            "`bears oak`: none stands, as all would stand in the dark, with less than 1 of the sky's light; give fewer or smaller ones, or a lower `light`"
+        ]
+    );
+}
+
+/// Leaves do not hang into the ground, and above it they are as without one.
+#[test]
+fn leaves_know_the_ground() {
+    let mut hanging = oak();
+    hanging.set("droop", 1.0);
+    hanging.set("size", 1.0);
+    let of = |ground: Option<f32>| {
+        let mut organs = Organs::default();
+        let dress = Dress {
+            bears: vec![hanging.clone()],
+            ..Dress::default()
+        };
+        dress.put_on(&fork(), &mut organs, 2, ground);
+        organs.placed
+    };
+    let tip = |leaf: &Placed| (leaf.position + leaf.orientation * Vec3::Y * leaf.scale).y;
+    let free = of(None);
+    assert!(free.iter().any(|leaf| tip(leaf) < 3.2));
+    assert_eq!(of(Some(2.0)), free, "none comes near it");
+    let lying = of(Some(3.7));
+    assert_eq!(lying.len(), free.len());
+    assert!(lying.iter().all(|leaf| tip(leaf) > 3.7 - 1e-5));
+    // From below it they lie level.
+    for leaf in of(Some(4.5)) {
+        assert!(tip(&leaf) > leaf.position.y - 1e-5 && leaf.orientation.is_normalized());
+    }
+}
+
 /// Spines stand on the bark, on the dome of a cactus, too; other trees end in points, and so do cactuses without a flare.
 #[test]
 fn spines_stand_on_the_dome() {
