@@ -2,8 +2,8 @@
 //!
 //! Files count from the foot of the tree on the platform, so that it stands at zero, and what is planted around it as on the stage.
 
-use std::sync::atomic::AtomicBool;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use anyhow::{Result, anyhow, ensure};
 use glam::Vec3;
@@ -80,6 +80,27 @@ pub fn stand<'a>(
     }
 }
 
+/// What is planted as the tree on the platform, whatever kind that is.
+fn living(document: &Document) -> Kind {
+    Kind {
+        sketch: Arc::clone(&document.sketch),
+        step: document.step,
+    }
+}
+
+fn has_grown(kind: &Kind) -> bool {
+    kind.step > 0 && !kind.sketch.is_empty()
+}
+
+/// How many of the planted trees are at a step, or of a sketch, at which there is nothing of them.
+#[must_use]
+pub fn ungrown(document: &Document) -> usize {
+    let living = living(document);
+    let kinds = document.grove.plants.iter();
+    let kinds = kinds.filter_map(|plant| document.grove.kind_of(plant, &living));
+    kinds.filter(|kind| !has_grown(kind)).count()
+}
+
 fn wanted(document: &Document, season: Option<Season>) -> Vec<Wanted> {
     let in_season = |kind: &Kind| match season {
         None => kind.clone(),
@@ -88,12 +109,8 @@ fn wanted(document: &Document, season: Option<Season>) -> Vec<Wanted> {
             step: kind.step,
         },
     };
-    let living = Kind {
-        sketch: std::sync::Arc::clone(&document.sketch),
-        step: document.step,
-    };
+    let living = living(document);
     let mut all = Vec::new();
-    let has_grown = |kind: &Kind| kind.step > 0 && !kind.sketch.is_empty();
     if has_grown(&living) {
         all.push(Wanted {
             kind: in_season(&living),

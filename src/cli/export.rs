@@ -57,7 +57,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE", value_parser = picture_file())]
     sheet: Option<PathBuf>,
     /// Width and height of each individual in that picture, pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=2048))]
+    #[arg(long, value_name = "PIXELS", requires = "sheet", default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=2048))]
     size: u32,
     /// What lights that picture: each stands on the ground under its sky then, and not on paper
     #[arg(long, value_name = "LIGHT", requires = "sheet", value_parser = light())]
@@ -193,7 +193,15 @@ fn planned(args: &Args, source: &Source, spread: Spread) -> Result<(Vec<Shoot>, 
         all <= FILES_MOST,
         "{all} files are too many for one command: take a smaller --count, or fewer --growth-steps"
     );
+    check_detail(args)?;
     check_grove(args)?;
+    if args.count > 1 && source.has_one_individual(spread) {
+        whisper!(
+            "nothing in {} is left to chance, so its {} individuals are the same tree: give --angles and --lengths",
+            args.file.display(),
+            args.count
+        );
+    }
     wood::check(args, source)?;
     extras::check(args, spread)?;
     ensure!(
@@ -249,6 +257,16 @@ fn steps(args: &Args, source: &Source) -> Result<Vec<Option<u32>>> {
     Ok(steps.map(Some).collect())
 }
 
+/// Refuses a detail of which no file would have any.
+fn check_detail(args: &Args) -> Result<()> {
+    let asks = args.triangles.is_some() || args.lod != [0];
+    ensure!(
+        !asks || args.format.iter().any(|format| format.is_surface()),
+        "--lod and --triangles are about surfaces, and none is to be written: name glb, usda, ply or obj with --format, or leave them out"
+    );
+    Ok(())
+}
+
 /// Refuses what a grove cannot be.
 fn check_grove(args: &Args) -> Result<()> {
     if !args.grove {
@@ -283,6 +301,7 @@ fn finish(args: &Args, done: Done, seconds: f64) -> Result<()> {
         let all = All {
             format: "ramus-export/1",
             files: &told,
+            sheet: args.sheet.as_deref().filter(|_| !args.dry_run),
             triangles,
             seconds,
         };

@@ -480,8 +480,10 @@ impl RuleSet {
 
     /// Whether anything is left to chance: which production applies, or a parameter.
     pub(crate) fn draws(&self) -> bool {
-        let drawn =
-            |rule: &Rule| rule.weight.is_some() || rule.arguments.iter().any(Expression::draws);
+        let drawn = |rule: &Rule| {
+            let mut computed = rule.condition.iter().chain(&rule.arguments);
+            rule.weight.is_some() || computed.any(Expression::draws)
+        };
         self.rules.iter().any(drawn)
     }
 }
@@ -633,6 +635,13 @@ impl Grammar {
         #[expect(clippy::cast_possible_truncation, reason = "metres of a stage")]
         let ground = self.ground.map(|ground| ground as f32);
         self.dress.put_on(tree, organs, self.seed, ground);
+    }
+
+    /// Whether its seed matters: something is drawn, or leaves are borne, whose sizes are.
+    #[must_use]
+    pub fn has_chance(&self) -> bool {
+        let mut sets = [&self.decompose, &self.interpret].into_iter().flatten();
+        self.rules.draws() || sets.any(RuleSet::draws) || !self.dress.bears.is_empty()
     }
 
     /// The same grammar with another seed: another individual of the same kind.

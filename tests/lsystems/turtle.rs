@@ -227,8 +227,9 @@ fn ground() {
             .all(|length| (length - 0.8).abs() < 1e-6)
     );
     // What begins below it goes level at most, up as it is told, and outlines are left alone.
-    let below =
-        tree_of("ground 3\naxiom +(120) F(1) -(120) F(1) [ { +(180) F(1) +(90) F(1) } ] +(180) F(1)\n");
+    let below = tree_of(
+        "ground 3\naxiom +(120) F(1) -(120) F(1) [ { +(180) F(1) +(90) F(1) } ] +(180) F(1)\n",
+    );
     assert!(
         near(below.position[1], Vec3::NEG_X),
         "{}",

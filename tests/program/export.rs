@@ -323,6 +323,12 @@ fn what_cannot_be_exported_is_said_in_a_sentence() {
             ["--format=glb", "--count=4294967295"],
             "are too many",
         ),
+        (
+            PathBuf::from(HONDA),
+            &out,
+            ["--format=swc,lsys", "--triangles=5000"],
+            "--lod and --triangles are about surfaces, and none is to be written",
+        ),
     ] {
         let done = export(&file, out, &options).output().unwrap();
         let said = text(&done.stderr);
@@ -341,7 +347,12 @@ fn what_cannot_be_exported_is_said_in_a_sentence() {
     let done = export(Path::new(HONDA), &out, &last).output().unwrap();
     assert!(!done.status.success() && text(&done.stderr).contains("seeds end at"));
     // Wrong usage is told as such.
-    for options in [["--format", "stl"], ["--lod", "9"], ["--angles", "-3"]] {
+    for options in [
+        ["--format", "stl"],
+        ["--lod", "9"],
+        ["--angles", "-3"],
+        ["--format=glb", "--size=64"],
+    ] {
         let done = export(Path::new(HONDA), &out, &options).output().unwrap();
         assert_eq!(done.status.code(), Some(2), "{options:?}");
     }
@@ -351,6 +362,39 @@ fn what_cannot_be_exported_is_said_in_a_sentence() {
         .output()
         .unwrap();
     assert!(!done.status.success() && text(&done.stderr).contains("would be overwritten"));
+}
+
+/// Individuals of a grammar that draws nothing are told to be one and the same; those of others are not.
+#[test]
+fn individuals_that_are_the_same_are_told() {
+    let folder = folder();
+    let said = |text: &str, more: &[&str]| {
+        let path = folder.path().join("one.lsys");
+        fs::write(&path, text).unwrap();
+        let options = [&["--format=ply", "--count=2"], more].concat();
+        let done = export(&path, folder.path(), &options).output().unwrap();
+        assert!(done.status.success());
+        String::from_utf8(done.stderr).unwrap()
+    };
+    let alike =
+        "is left to chance, so its 2 individuals are the same tree: give --angles and --lengths";
+    assert!(said("steps 3\naxiom F\nF -> F[+F]F\n", &[]).contains(alike));
+    for (text, more) in [
+        ("steps 3\naxiom F\nF -> F[+F]F\n", &["--angles=5"][..]),
+        ("steps 3\naxiom F\nF -> F[+(normal(30, 5))F]F\n", &[]),
+        (
+            "steps 3\naxiom F\nF : weight 1 -> F[+F]F\nF : weight 1 -> F\n",
+            &[],
+        ),
+        (
+            "steps 3\naxiom F\ninterpret {\n  F -> +(uniform(0, 9))F(1)\n}\n",
+            &[],
+        ),
+        ("bears oak\nsteps 3\naxiom F\nF -> F[+F]F\n", &[]),
+    ] {
+        let told = said(text, more);
+        assert!(!told.contains("the same tree"), "{text}: {told}");
+    }
 }
 
 /// A species in a season: leaves, fruit and bark with names and pictures, other leaves in winter, and a grammar that grows the same tree.

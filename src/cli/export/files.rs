@@ -1,6 +1,6 @@
 //! The files that `ramus export` writes: what they are called, and what is told of them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use serde::Serialize;
@@ -81,6 +81,9 @@ pub(super) struct Told {
 pub(super) struct All<'a> {
     pub(super) format: &'static str,
     pub(super) files: &'a [Told],
+    /// The picture of all individuals.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) sheet: Option<&'a Path>,
     pub(super) triangles: u64,
     pub(super) seconds: f64,
 }

@@ -89,6 +89,15 @@ impl Source {
         stated.ok_or_else(|| anyhow!("{name} states no number of steps: give --steps"))
     }
 
+    /// Whether all seeds grow the same tree, leaves and all.
+    pub(super) fn has_one_individual(&self, spread: Spread) -> bool {
+        let draws = match self {
+            Self::Grammar(grammar, _) => grammar.has_chance(),
+            Self::Sketch(..) => true,
+        };
+        !draws && spread == Spread::NONE
+    }
+
     /// The seed of its first individual, where none is asked for: a sketch alone is its own, several are those from 0 on.
     pub(super) fn seed(&self, args: &Args) -> u64 {
         match self {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::coarse::{Coarse, coarse};
 use super::estimate::{Holds, pictures, surface};
-use super::files::{File, Format, Told, line};
+use super::files::{File, Format, Told, counted, line};
 use super::single::size_of_file;
 use super::source::Source;
 use super::{Args, Done, Plan};
@@ -34,7 +34,7 @@ fn planted(source: &Source) -> Option<&Document> {
     }
 }
 
-/// Refuses what planted trees cannot be; says when they are left out.
+/// Refuses what planted trees cannot be; says when they, or some of them, are left out.
 pub(super) fn check(args: &Args, source: &Source) -> Result<()> {
     let Some(document) = planted(source) else {
         return Ok(());
@@ -46,6 +46,14 @@ pub(super) fn check(args: &Args, source: &Source) -> Result<()> {
             args.file.display()
         );
         return Ok(());
+    }
+    match wood::ungrown(document) {
+        0 => {}
+        number => whisper!(
+            "of {}, {} left at step 0, where nothing has grown yet, can not be written",
+            args.file.display(),
+            counted(number as u64, "planted tree")
+        ),
     }
     ensure!(
         args.angles.is_none() && args.lengths.is_none(),

@@ -12,7 +12,6 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::super::choice::Worker;
-use super::super::code::Expression;
 use super::super::column::{Cell, for_width};
 use super::super::context::{Base, Modules};
 use super::super::derive::interpretation;
@@ -128,7 +127,7 @@ impl Trail {
 impl Known {
     /// Nothing but the start; none where modules cannot be read one by one.
     fn new(grammar: &Grammar, params: &TurtleParams) -> Option<Self> {
-        let is_alone = |rules: &RuleSet| !rules.has_context && !rules.rules.iter().any(draws);
+        let is_alone = |rules: &RuleSet| !rules.has_context && !rules.draws();
         let actions = actions(grammar, params);
         let is_outline = |action: &Action| {
             matches!(
@@ -289,12 +288,6 @@ impl Known {
         let given = parameters.iter().map(|value| value.to_bits());
         own.zip(given).fold(true, |all, (a, b)| all & (a == b))
     }
-}
-
-/// Whether anything about a production is left to chance.
-fn draws(rule: &Rule) -> bool {
-    let mut computed = rule.condition.iter().chain(&rule.arguments);
-    rule.weight.is_some() || computed.any(Expression::draws)
 }
 
 /// A module, where it does not matter when it was born.

@@ -148,6 +148,21 @@ fn what_is_left_out_or_cannot_be_is_said_in_a_sentence() {
         let told = String::from_utf8(done.stderr).unwrap();
         assert!(!done.status.success() && told.contains(sentence), "{told}");
     }
+    // What was left before anything grew is not forgotten without a word.
+    let mut document = project::from_bytes(&fs::read(&wood).unwrap()).unwrap();
+    let kinds = &mut std::sync::Arc::make_mut(&mut document.grove).kinds;
+    kinds[0].step = 0;
+    fs::write(&wood, project::to_bytes(&document)).unwrap();
+    let done = export(
+        &wood,
+        folder.path(),
+        &["--format=glb", "--grove", "--lod=4"],
+    )
+    .output()
+    .unwrap();
+    let told = String::from_utf8(done.stderr).unwrap();
+    let sentence = "left at step 0, where nothing has grown yet, can not be written";
+    assert!(done.status.success() && told.contains(sentence), "{told}");
     // A project without planted trees is told nothing.
     let fern = folder.path().join("fern.ramus");
     fs::write(&fern, project::to_bytes(&species("fern").document())).unwrap();
