@@ -265,7 +265,8 @@ impl Page<'_> {
                 self.set(true);
             }
         });
-        if let Some(bare) = self.bare.iter().find(|bare| bare.name == bearing.name) {
+        let line = bearing.to_string();
+        if let Some(bare) = self.bare.iter().find(|bare| bare.bearing == line) {
             let why = match bare.light {
                 Some(_) => self.words.bare_dark,
                 None => self.words.bare_twigs,

@@ -233,7 +233,7 @@ fn what_a_tree_does_not_bear_is_said_below_its_name() {
     let mut history = History::default();
     history.apply(SPECIES[0].edit()).unwrap();
     let mut habit = Habit::clone(&history.committed().sketch.habit);
-    habit.bears = ["oak order 99", "birch size 100 every 0.01 light 1", "fruit"]
+    habit.bears = ["oak order 99", "oak", "birch size 100 every 0.01 light 1", "fruit"]
         .map(str::to_owned)
         .to_vec();
     let to = Box::new(habit);

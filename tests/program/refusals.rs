@@ -382,8 +382,7 @@ fn a_tree_that_stays_bare_says_so() {
     let path = folder.path().join("bare.lsys");
     let grammar = "bears oak order 9\nbears fruit twig 1\nsteps 3\naxiom A\nA -> F(0.4) [ +(35) A ] [ -(40) A ]\n";
     fs::write(&path, grammar).unwrap();
-    let sentence =
-        "`bears oak`: no twig bears any; see what `twig`, `order`, `young` and `every` ask for\n";
+    let sentence = "`bears oak order 9`: no twig bears any; see what `twig`, `order`, `young` and `every` ask for\n";
     let [file, out] = ["bare.glb", "out"].map(|name| folder.path().join(name));
     for command in [
         ramus().arg("derive").arg(&path).arg("--export").arg(&file),

@@ -258,23 +258,23 @@ impl fmt::Display for Bearing {
 /// What a tree should bear in this season, and does not: its [`fmt::Display`] says so in a sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bare {
-    /// As [`Bearing::name`].
-    pub name: String,
+    /// As a grammar says it, without `bears`.
+    pub bearing: String,
     /// [`Bearing::light`], less of which arrives wherever one would stand; none where no twig bears any.
     pub light: Option<f32>,
 }
 
 impl fmt::Display for Bare {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = &self.name;
+        let bearing = &self.bearing;
         match self.light {
             Some(light) => write!(
                 f,
-                "`bears {name}`: none stands, as all would stand in the dark, with less than {light} of the sky's light; give fewer or smaller ones, or a lower `light`"
+                "`bears {bearing}`: none stands, as all would stand in the dark, with less than {light} of the sky's light; give fewer or smaller ones, or a lower `light`"
             ),
             None => write!(
                 f,
-                "`bears {name}`: no twig bears any; see what `twig`, `order`, `young` and `every` ask for"
+                "`bears {bearing}`: no twig bears any; see what `twig`, `order`, `young` and `every` ask for"
             ),
         }
     }
@@ -355,7 +355,7 @@ impl Dress {
             let stands = placed.iter().map(Vec::len).sum();
             if stands == 0 {
                 organs.bare.push(Bare {
-                    name: bearing.name.clone(),
+                    bearing: bearing.to_string(),
                     light: (!sites.is_empty()).then_some(bearing.light),
                 });
             }

@@ -344,7 +344,9 @@ fn what_is_borne_nowhere_is_told() {
     assert_eq!(told(&|_| (), Season::Winter), [""; 0], "it is the season");
     assert_eq!(
         told(&|oak| oak.set("order", 9.0), Season::Summer),
-        ["`bears oak`: no twig bears any; see what `twig`, `order`, `young` and `every` ask for"]
+        [
+            "`bears oak twig 0.05 order 9`: no twig bears any; see what `twig`, `order`, `young` and `every` ask for"
+        ]
     );
     let dark = |oak: &mut Bearing| {
         oak.set("every", 1e-4);
@@ -353,7 +355,7 @@ fn what_is_borne_nowhere_is_told() {
     assert_eq!(
         told(&dark, Season::Summer),
         [
-            "`bears oak`: none stands, as all would stand in the dark, with less than 1 of the sky's light; give fewer or smaller ones, or a lower `light`"
+            "`bears oak every 0.0001 twig 0.05 light 1`: none stands, as all would stand in the dark, with less than 1 of the sky's light; give fewer or smaller ones, or a lower `light`"
         ]
     );
 }
