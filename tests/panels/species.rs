@@ -233,9 +233,14 @@ fn what_a_tree_does_not_bear_is_said_below_its_name() {
     let mut history = History::default();
     history.apply(SPECIES[0].edit()).unwrap();
     let mut habit = Habit::clone(&history.committed().sketch.habit);
-    habit.bears = ["oak order 99", "oak", "birch size 100 every 0.01 light 1", "fruit"]
-        .map(str::to_owned)
-        .to_vec();
+    habit.bears = [
+        "oak order 99",
+        "oak",
+        "birch size 100 every 0.01 light 1",
+        "fruit",
+    ]
+    .map(str::to_owned)
+    .to_vec();
     let to = Box::new(habit);
     history.apply(Edit::SetHabit { to }).unwrap();
     let mut visitor = Visitor::at(Workshop::unsaved(World::new(history)).unwrap());

@@ -192,6 +192,8 @@ impl<'a, C: Canvas> Turtle<'a, C> {
         mut rest: &'p [f64],
     ) -> Result<&'p [f64], DeriveError> {
         let start = self.position;
+        // A ground may turn the stance, which would have to lie in memory for that.
+        let is_free = self.grammar.ground.is_none();
         let mut stance = self.pen.stance();
         for (at, (symbol, birth)) in (start..).zip(symbols.iter().zip(births)) {
             let mut parameters: &[f64] = &[];
@@ -206,16 +208,13 @@ impl<'a, C: Canvas> Turtle<'a, C> {
                     let degrees = first.or_else(|| self.pen.scaled_turn(turn.default_degrees));
                     stance.turn_about(turn.axis, turn.half(degrees));
                 }
-                Some(Action::Draw) if self.outlines.is_empty() => {
+                Some(Action::Draw) if is_free && self.outlines.is_empty() => {
                     self.position = at;
                     let by = self.drawn(*symbol, *birth);
                     let length = first.unwrap_or(self.params.length * self.pen.length_scale);
                     self.pen.shape = NO_SHAPE;
                     self.pen.stand(stance);
-                    stance.position = match self.grammar.ground {
-                        None => stance.ahead(length),
-                        Some(ground) => stance.ahead_above(length, ground),
-                    };
+                    stance.position = stance.ahead(length);
                     self.draw(by, stance.position, None)?;
                     if let Some(vector) = self.bends() {
                         stance.bend(vector, self.pen.tropism);
