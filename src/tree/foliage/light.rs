@@ -10,7 +10,8 @@ use glam::{UVec3, Vec3};
 /// Cells along the longest side.
 const CELLS: f32 = 40.0;
 
-/// The depth by which leaves of one cell shade each other at most. However many there are, those on top are lit: a cell is told as one, and so all of it.
+/// The depth by which leaves of one cell shade each other at most, at which an eighth of the light is left: however many there are, those on top are lit. A cell is told
+/// as one, and so all of it.
 const OWN_SHADE: f32 = 1.5;
 
 /// Directions: steps to a neighbour's column for each layer up.
